@@ -19,6 +19,8 @@ pub enum AlertKind {
     LedgerReplaced,
     /// The server of the ledger cannot be reached.
     LedgerUnreachable,
+    /// The ledger has lost changes of other nodes, which must be compared with it first.
+    RepairDue,
     /// Another daemon serves the ledger.
     LedgerTakenOver,
     /// A changed configuration was rejected.
@@ -88,6 +90,7 @@ impl AlertKind {
     pub(super) fn ledger_fault(self) -> Option<&'static str> {
         match self {
             Self::LedgerDamaged => Some("is damaged"),
+            Self::LedgerBehind => Some("has lost changes"),
             Self::LedgerReplaced => Some("was removed or replaced"),
             Self::LedgerTakenOver => Some("is served by another nestd in place of this one"),
             _ => None,
@@ -95,12 +98,13 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 33] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
         Self::LedgerReplaced,
         Self::LedgerUnreachable,
+        Self::RepairDue,
         Self::LedgerTakenOver,
         Self::ConfigurationWrong,
         Self::HotFolderAway,
@@ -143,6 +147,9 @@ impl AlertKind {
             }
             Self::LedgerUnreachable => {
                 "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
+            }
+            Self::RepairDue => {
+                "The ledger has lost the last changes of other nodes: nestd takes and publishes nothing until they are repaired"
             }
             Self::LedgerTakenOver => "Another nestd is this node now: this one takes and publishes nothing more",
             Self::ConfigurationWrong => "The changed configuration was rejected; the previous one stays in force",
@@ -191,6 +198,10 @@ impl AlertKind {
             }
             Self::LedgerUnreachable => {
                 "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
+            }
+            Self::RepairDue => {
+                "On each node that is named, stop nestd, run `nestd check --deep --repair`, and start nestd; this one then goes on by \
+                 itself. Where a node is gone for good, take its machines over with `nestd adopt PROFILE`."
             }
             Self::LedgerTakenOver => {
                 "Another process has this node's name, or its machines were adopted. Where that was meant, start this nestd again: it \

@@ -23,7 +23,8 @@ pub(super) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The status line of a farm that has halted, if one of its alerts makes it halt.
 pub fn halt_summary(alerts: &[FarmAlert]) -> Option<String> {
-    Some(format!("halted: the ledger {}", alerts.iter().find_map(|alert| alert.kind.ledger_fault())?))
+    let mut of_farm = alerts.iter().filter(|alert| alert.profile.is_empty());
+    Some(format!("halted: the ledger {}", of_farm.find_map(|alert| alert.kind.ledger_fault())?))
 }
 
 /// The running farm.
@@ -83,7 +84,7 @@ impl Farm {
             // The next tick detects it and saves what is known.
             Some((AlertKind::LedgerReplaced, _)) => {}
             // What failed is done again when the server is back.
-            Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
+            Some((AlertKind::LedgerUnreachable | AlertKind::RepairDue, why)) => self.ledger.doubt_service(&why),
             Some((kind, detail)) => self.halt_farm(kind, &detail),
             None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
         }

@@ -1,7 +1,6 @@
 //! The lanes that this node searches, for builds of any node of the farm. A node without machines does nothing else.
 
 use std::{
-    path::Path,
     sync::{Arc, PoisonError},
     time::Duration,
 };
@@ -23,6 +22,7 @@ use super::{
 use crate::{
     intake::ContentStore,
     ledger::{LaneId, TakenLane},
+    settings::Settings,
 };
 
 /// How long the meshes of a search are kept: the same parts are often nested again.
@@ -128,9 +128,10 @@ pub(super) fn needs_meshes(farm: &Farm) -> bool {
     !lanes.is_empty() || final_searches.values().any(RunningFinalSearch::is_in_lanes)
 }
 
-/// Removes meshes of searches that ended long ago.
-pub(super) fn forget_old_meshes(state_dir: &Path) {
-    if let Err(failure) = remove_unneeded(&mesh_files(state_dir), KEEP_MESHES, |_| false) {
+/// Removes meshes of searches that ended long ago, and the oldest beyond the size of a cache.
+pub(super) fn forget_old_meshes(settings: &Settings) {
+    let files = mesh_files(&settings.state_dir);
+    if let Err(failure) = remove_unneeded(&files, KEEP_MESHES, settings.resources.cache_bytes, |_| false) {
         warn!("Meshes of ended searches could not be removed: {failure:#}.");
     }
 }

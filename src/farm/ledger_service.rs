@@ -25,7 +25,12 @@ pub fn may_act(farm: &mut Farm) -> bool {
     match farm.ledger.service_state() {
         ServiceState::Held => {
             farm.alerts.clear(AlertKind::LedgerUnreachable, "", "");
+            farm.alerts.clear(AlertKind::RepairDue, "", "");
             true
+        }
+        ServiceState::RepairDue { nodes } => {
+            farm.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
+            false
         }
         ServiceState::Unsure { why } => {
             farm.alerts.raise(AlertKind::LedgerUnreachable, "", "", &why);
@@ -33,6 +38,10 @@ pub fn may_act(farm: &mut Farm) -> bool {
         }
         ServiceState::TakenOver => {
             farm.halt_farm(AlertKind::LedgerTakenOver, &ServerError::TakenOver.to_string());
+            false
+        }
+        ServiceState::Behind => {
+            farm.halt_farm(AlertKind::LedgerBehind, &ServerError::Behind.to_string());
             false
         }
     }

@@ -35,14 +35,27 @@ pub(super) fn second_copies(state_dir: &Path) -> ContentStore {
     ContentStore::from_dir(state_dir.join(COPIES_DIR))
 }
 
-/// Removes the files that were stored longer ago than `keep` and are not needed.
+/// Removes the files that are not needed and were stored longer ago than `keep`, and the oldest of those that together have more than
+/// `most_bytes`.
 ///
 /// # Errors
 /// The folder cannot be read or changed.
-pub(super) fn remove_unneeded(files: &ContentStore, keep: Duration, is_needed: impl Fn(&str) -> bool) -> Result<()> {
+pub(super) fn remove_unneeded(
+    files: &ContentStore,
+    keep: Duration,
+    most_bytes: u64,
+    is_needed: impl Fn(&str) -> bool,
+) -> Result<()> {
+    let mut unneeded = Vec::new();
     for hash in files.list_contents()?.into_keys().filter(|hash| !is_needed(hash)) {
-        let stored_at = files.file_path(&hash)?.metadata()?.modified()?;
-        if stored_at.elapsed().is_ok_and(|age| age > keep) {
+        let meta = files.file_path(&hash)?.metadata()?;
+        unneeded.push((meta.modified()?, meta.len(), hash));
+    }
+    unneeded.sort_unstable_by_key(|(stored_at, ..)| std::cmp::Reverse(*stored_at));
+    let mut bytes_of_younger = 0;
+    for (stored_at, bytes, hash) in unneeded {
+        bytes_of_younger += bytes;
+        if bytes_of_younger > most_bytes || stored_at.elapsed().is_ok_and(|age| age > keep) {
             files.remove_content(&hash)?;
         }
     }
@@ -195,4 +208,36 @@ pub(super) async fn archive_folders<'m>(
 pub(super) fn find_original(folder: &Path, hash: &str) -> Option<PathBuf> {
     let files = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
     files.filter(|path| path.is_file()).find(|path| intake::hash_file(path).is_ok_and(|found| found == hash))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+
+    use super::*;
+
+    #[test]
+    fn the_oldest_files_go_first_and_needed_ones_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = ContentStore::open(folder.path()).unwrap();
+        let hour = Duration::from_secs(3600);
+        let store = |name: &str, hours_ago: u32| {
+            let bytes = name.repeat(100).into_bytes();
+            let hash = blake3::hash(&bytes).to_hex().to_string();
+            files.store_received(&mut &bytes[..], &hash).unwrap();
+            let file = File::options().append(true).open(files.file_path(&hash).unwrap()).unwrap();
+            file.set_modified(std::time::SystemTime::now() - hour * hours_ago).unwrap();
+            hash
+        };
+        let [needed, old, second, first] =
+            [("n", 99), ("o", 30), ("s", 2), ("f", 1)].map(|(name, ago)| store(name, ago));
+        let is_kept = |hash: &String| files.list_contents().unwrap().contains_key(hash);
+        let remove = |most_bytes| remove_unneeded(&files, hour * 24, most_bytes, |hash| hash == needed).unwrap();
+        remove(u64::MAX);
+        assert_eq!([&needed, &old, &second, &first].map(is_kept), [true, false, true, true]);
+        remove(150);
+        assert_eq!([&needed, &second, &first].map(is_kept), [true, false, true]);
+        remove(0);
+        assert_eq!([&needed, &first].map(is_kept), [true, false]);
+    }
 }

@@ -69,7 +69,7 @@ pub async fn reconcile_ledger(
         unknown.extend(find_unknown_builds(settings, ledger, profile, known, &mut unclear).await?);
     }
     if !unknown.is_empty() {
-        give_up_nesting_builds(ledger, &unknown, &mut found).await?;
+        give_up_nesting_builds(settings, ledger, &unknown, &mut found).await?;
     }
     for build in &unknown {
         match ledger.import_build_record(&build.record, build.is_published).await {
@@ -220,9 +220,17 @@ async fn record_from_build_file(
 }
 
 /// Gives up the builds that were being nested when the backup was made, since they are outdated: their copies wait
-/// again.
-async fn give_up_nesting_builds(ledger: &Ledger, unknown: &[UnknownBuild], found: &mut ReconcileReport) -> Result<()> {
+/// again. Those of a node that runs, and has lost no changes, are of now.
+async fn give_up_nesting_builds(
+    settings: &Settings,
+    ledger: &Ledger,
+    unknown: &[UnknownBuild],
+    found: &mut ReconcileReport,
+) -> Result<()> {
     for build in ledger.builds_in_state(BuildState::Nesting).await? {
+        if ledger.is_machine_of_sound_node(&build.profile, &settings.node.name).await? {
+            continue;
+        }
         if unknown.iter().any(|one| one.is_record_of(&build)) {
             let copies = ledger.copies_of_build(build.id).await?;
             ledger.release_copies(build.id, &copies, "its build was published after the backup was made").await?;

@@ -51,12 +51,39 @@ pub async fn restore_ledger(
     rebuild_ledger(settings, begin, new_folders).await
 }
 
-/// Records what the folders hold in the ledger of a farm that no daemon serves.
+/// Records what the folders hold in the ledger of a farm that no daemon serves, or of a node whose daemon does not run. The other nodes
+/// of a farm wait meanwhile where the ledger has lost changes of this one.
 ///
 /// # Errors
 /// See [`restore_ledger`].
 pub async fn repair_ledger(settings: &Settings, new_folders: &[PathBuf]) -> Result<ReconcileReport> {
-    Ok(rebuild_ledger(settings, LedgerSource::Present, new_folders).await?.reconciled)
+    match &settings.ledger {
+        LedgerAddress::File(_) => Ok(rebuild_ledger(settings, LedgerSource::Present, new_folders).await?.reconciled),
+        LedgerAddress::Server(_) => repair_on_server(settings, new_folders).await,
+    }
+}
+
+/// Records what the folders of this node hold in the ledger that all nodes share: each finding in a change of its own. What is left by
+/// one that is ended before its end is found by the next.
+async fn repair_on_server(settings: &Settings, new_folders: &[PathBuf]) -> Result<ReconcileReport> {
+    access::create_private_folders(&settings.state_dir)
+        .with_context(|| format!("creating {}", settings.state_dir.display()))?;
+    let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
+    let right = ServingRight::RepairedNode(settings.node.name.clone());
+    let ledger = Ledger::open_to_serve(&settings.ledger, &serving_node(settings, right)).await?;
+    let repair = async {
+        // The folders of other nodes' machines are theirs to look at.
+        let own = without_other_nodes(settings, &ledger).await?;
+        let known = FolderExpectations { state_dir: own.state_dir.clone(), new_folders: new_folders.to_vec() };
+        folder_check::watch_other_holders(&own);
+        let mut reconciled = reconcile_ledger(&own, &ledger, &known).await?;
+        reconciled.apply_folder_steps(&own);
+        ledger.record_repair(&settings.node.name).await?;
+        anyhow::Ok(reconciled)
+    };
+    let repaired = repair.await;
+    ledger.close().await;
+    repaired
 }
 
 async fn rebuild_ledger(
@@ -79,8 +106,11 @@ async fn rebuild_ledger(
         Some(served) => without_other_nodes(settings, served).await?,
         None => settings.clone(),
     };
-    let rebuilt = rebuild_copy(&own, begin, new_folders, &base, served.as_ref()).await;
+    let mut rebuilt = rebuild_copy(&own, begin, new_folders, &base, served.as_ref()).await;
     if let Some(served) = served {
+        if let (Ok(_), Err(error)) = (&rebuilt, served.record_restore(&settings.node.name).await) {
+            rebuilt = Err(error.into());
+        }
         served.close().await;
     }
     rebuilt
@@ -102,13 +132,10 @@ async fn rebuild_copy(
     folder_check::watch_other_holders(settings);
     known.check_all_available(settings)?;
     let new = ledger::restoring_path(base);
-    match (begin, served) {
-        (LedgerSource::Backup(backup), _) => copy_verified_backup(backup, &new).await?,
-        (LedgerSource::Empty, _) => {}
-        (LedgerSource::Present, Some(served)) => {
-            served.write_backup(&new).await?;
-        }
-        (LedgerSource::Present, None) => {
+    match begin {
+        LedgerSource::Backup(backup) => copy_verified_backup(backup, &new).await?,
+        LedgerSource::Empty => {}
+        LedgerSource::Present => {
             let present = Ledger::open_checked(base).await?;
             let copied = present.write_backup(&new).await;
             present.close().await;

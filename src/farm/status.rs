@@ -104,7 +104,8 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
         }
     }
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    let is_cut_off = farm.alerts.is_active(AlertKind::LedgerUnreachable, "", "");
+    let cut_off = [AlertKind::LedgerUnreachable, AlertKind::RepairDue];
+    let is_cut_off = cut_off.iter().any(|&kind| farm.alerts.is_active(kind, "", ""));
     if !(farm.lifecycle.is_halted || is_cut_off)
         || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
     {

@@ -80,7 +80,7 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
     let forgets_meshes = ledger.file().is_none() && !lane_job::needs_meshes(farm);
     farm.jobs.start(ArchivePurgeJob, move || {
         if forgets_meshes {
-            lane_job::forget_old_meshes(&settings.state_dir);
+            lane_job::forget_old_meshes(&settings);
         }
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");

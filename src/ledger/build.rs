@@ -10,8 +10,8 @@ use super::{
 impl Ledger {
     /// Returns the open build of a profile, and creates it if there is none.
     pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
-        let open = "SELECT * FROM build WHERE profile = $1 AND state = 'open'";
-        if let Some(build) = sql::query_as(open).bind(profile).fetch_optional(self.reader()?).await? {
+        let open = "FROM build WHERE profile = $1 AND state = 'open'";
+        if let Some(build) = sql::select_as(open).bind(profile).fetch_optional(self.reader()?).await? {
             return Ok(build);
         }
         let mut change = self.begin_change().await?;
@@ -25,7 +25,7 @@ impl Ledger {
         .bind(now)
         .execute(change.db())
         .await?;
-        let build = sql::query_as(open).bind(profile).fetch_one(change.db()).await?;
+        let build = sql::select_as(open).bind(profile).fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(build)
     }
@@ -76,7 +76,7 @@ impl Ledger {
 
     /// All builds in a state, oldest first.
     pub async fn builds_in_state(&self, state: BuildState) -> Result<Vec<BuildRow>> {
-        let query = sql::query_as("SELECT * FROM build WHERE state = $1 ORDER BY id").bind(state);
+        let query = sql::select_as("FROM build WHERE state = $1 ORDER BY id").bind(state);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -91,7 +91,7 @@ impl Ledger {
 
     /// Finds a build by its number.
     pub async fn find_build(&self, id: BuildId) -> Result<Option<BuildRow>> {
-        let query = sql::query_as("SELECT * FROM build WHERE id = $1").bind(id);
+        let query = sql::select_as("FROM build WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 }

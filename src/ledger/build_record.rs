@@ -128,7 +128,7 @@ fn text_column<'a>(row: &'a JsonRow, column: &str) -> &'a str {
 
 /// Reads rows as JSON.
 async fn read_json_rows(db: &mut SqlTransaction, query: String, id: i64) -> Result<Vec<Value>> {
-    let rows: Vec<Vec<(String, SqlValue)>> = sql::query_as(AssertSqlSafe(query)).bind(id).fetch_all(db).await?;
+    let rows: Vec<Vec<(String, SqlValue)>> = sql::query_whole_rows(AssertSqlSafe(query)).bind(id).fetch_all(db).await?;
     Ok(rows.into_iter().map(|row| row.into_iter().map(|(name, value)| (name, value.into_json())).collect()).collect())
 }
 

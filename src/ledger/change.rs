@@ -16,12 +16,20 @@ pub struct LedgerChange {
     transaction: SqlTransaction,
     /// The time used for everything in this change.
     pub now: UtcTimestamp,
-    /// The file of the ledger, unless it is in PostgreSQL.
-    file: Option<PathBuf>,
+    origin: ChangeOrigin,
     /// The command that is done with this change.
     command: Option<CommandId>,
     /// Number of the last event that this change wrote.
     last_event: i64,
+}
+
+/// Where a change is made.
+pub enum ChangeOrigin {
+    /// In this file.
+    File(PathBuf),
+    /// On a server. A daemon's changes are counted.
+    #[cfg(feature = "postgres")]
+    Server(Option<super::postgres::CountedChange>),
 }
 
 impl LedgerChange {
@@ -29,10 +37,10 @@ impl LedgerChange {
     pub fn new(
         transaction: SqlTransaction,
         now: UtcTimestamp,
-        file: Option<PathBuf>,
+        origin: ChangeOrigin,
         command: Option<CommandId>,
     ) -> Self {
-        Self { transaction, now, file, command, last_event: 0 }
+        Self { transaction, now, origin, command, last_event: 0 }
     }
 
     /// The connection to run queries on.
@@ -56,13 +64,16 @@ impl LedgerChange {
             SqlTransaction::Sqlite(mut transaction) => {
                 let changes = health::count_change(&mut transaction).await?;
                 transaction.commit().await?;
-                if let Some(file) = &self.file {
+                if let ChangeOrigin::File(file) = &self.origin {
                     health::note_changes(file, changes);
                 }
             }
             #[cfg(feature = "postgres")]
             SqlTransaction::Postgres(transaction) => {
                 transaction.commit().await.map_err(super::ServerError::mark_unreachable)?;
+                if let ChangeOrigin::Server(Some(counted)) = self.origin {
+                    counted.confirm();
+                }
             }
         }
         Ok(())
@@ -70,7 +81,7 @@ impl LedgerChange {
 
     /// Reads a part within this change.
     pub async fn require_part(&mut self, id: PartId) -> Result<PartRow> {
-        let part = sql::query_as("SELECT * FROM part WHERE id = $1").bind(id).fetch_optional(self.db()).await?;
+        let part = sql::select_as("FROM part WHERE id = $1").bind(id).fetch_optional(self.db()).await?;
         part.ok_or(LedgerError::UnknownPart(id))
     }
 

@@ -125,8 +125,8 @@ impl Ledger {
     /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were rejected
     /// now.
     pub async fn give_up_claims(&self, claims: &[String], reason: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE state IN ('claimed', 'waiting') \
+        let query = sql::select_as(
+            "FROM part WHERE state IN ('claimed', 'waiting') \
              AND claim IN (SELECT value FROM json_each($1)) ORDER BY id",
         );
         let parts: Vec<PartRow> = query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?;
@@ -250,7 +250,7 @@ async fn find_or_insert_solid(
     file: &PartRow,
     solid: &SolidFacts,
 ) -> Result<Option<PartRow>> {
-    let known: Option<PartRow> = sql::query_as("SELECT * FROM part WHERE claim = $1 AND object_index = $2")
+    let known: Option<PartRow> = sql::select_as("FROM part WHERE claim = $1 AND object_index = $2")
         .bind(&file.file.claim)
         .bind(solid.object_index)
         .fetch_optional(change.db())

@@ -166,7 +166,7 @@ impl Ledger {
 
     /// The commands that are not answered yet, oldest first.
     pub async fn pending_commands(&self) -> Result<Vec<CommandRow>> {
-        let query = sql::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
+        let query = sql::select_as("FROM command WHERE state = 'asked' ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -194,7 +194,7 @@ impl Ledger {
 
     /// Finds a command by its number.
     pub async fn find_command(&self, id: CommandId) -> Result<Option<CommandRow>> {
-        let query = sql::query_as("SELECT * FROM command WHERE id = $1").bind(id);
+        let query = sql::select_as("FROM command WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::{
     Ledger, LedgerError,
-    sql::{self, ColumnHolds, SqlTransaction, SqlValue},
+    sql::{self, ColumnHolds, DynamicRow, SqlTransaction, SqlValue},
 };
 
 /// A table, in an order in which no row refers to one that is not there yet.
@@ -112,14 +112,15 @@ struct RowsDigest {
     sum: u128,
 }
 
-type DynamicRow = Vec<(String, SqlValue)>;
-
 impl Ledger {
     /// Copies everything in this ledger into another one, which a daemon may not serve.
     ///
     /// # Errors
     /// See [`CopyError`].
     pub async fn copy_into_ledger(&self, to: &Ledger, existing: ExistingRows) -> Result<CopyReport, CopyError> {
+        for ledger in [self, to] {
+            ledger.ensure_own_schema().await?;
+        }
         let mut from = self.begin_snapshot().await?;
         let mut change = to.begin_change().await?;
         let db = change.db();
@@ -171,7 +172,7 @@ async fn copy_table(from: &mut SqlTransaction, to: &mut SqlTransaction, table: &
     let holds: BTreeMap<String, ColumnHolds> = sql::column_types(to, table.name).await?.into_iter().collect();
     let (mut copied, mut references) = (0, Vec::new());
     let Some(key) = table.portions_by else {
-        let all = sql::query_as::<DynamicRow>(AssertSqlSafe(format!("SELECT * FROM {}", table.name)));
+        let all = sql::query_whole_rows(AssertSqlSafe(format!("SELECT * FROM {}", table.name)));
         let rows = all.fetch_all(&mut *from).await?;
         return insert_rows(to, table.name, rows, &holds).await;
     };
@@ -179,7 +180,7 @@ async fn copy_table(from: &mut SqlTransaction, to: &mut SqlTransaction, table: &
     let highest: i64 = sql::query_scalar(AssertSqlSafe(highest)).fetch_one(&mut *from).await?;
     for first in (0..=highest).step_by(PORTION as usize) {
         let some = format!("SELECT * FROM {} WHERE {key} >= $1 AND {key} < $2 ORDER BY {key}", table.name);
-        let some = sql::query_as::<DynamicRow>(AssertSqlSafe(some)).bind(first).bind(first + PORTION);
+        let some = sql::query_whole_rows(AssertSqlSafe(some)).bind(first).bind(first + PORTION);
         let mut rows = some.fetch_all(&mut *from).await?;
         if let Some(column) = table.refers_to_itself {
             references.extend(rows.iter_mut().filter_map(|row| take_reference(row, column)));
@@ -234,7 +235,7 @@ async fn insert_rows(
 
 async fn digest_rows(db: &mut SqlTransaction, relation: &str, is_table: bool) -> Result<RowsDigest, CopyError> {
     let mut digest = RowsDigest::default();
-    let all = sql::query_as::<DynamicRow>(AssertSqlSafe(format!("SELECT * FROM {relation}")));
+    let all = sql::query_whole_rows(AssertSqlSafe(format!("SELECT * FROM {relation}")));
     all.for_each(db, |row| digest.add(row, is_table)).await?;
     Ok(digest)
 }

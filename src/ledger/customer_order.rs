@@ -162,27 +162,26 @@ pub struct OrderQuery {
 impl Ledger {
     /// The lines of an order, oldest first.
     pub async fn order_lines(&self, name: &str) -> Result<Vec<OrderLine>> {
-        let query =
-            sql::query_as("SELECT * FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
+        let query = sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
         Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
     /// The line of a part.
     pub async fn line_of_part(&self, part: PartId) -> Result<OrderLine> {
-        let query = sql::query_as("SELECT * FROM v_order_line WHERE part = $1").bind(part);
+        let query = sql::select_as("FROM v_order_line WHERE part = $1").bind(part);
         query.fetch_optional(self.reader()?).await?.ok_or(LedgerError::UnknownPart(part))
     }
 
     /// Finds an order by its whole name.
     pub async fn find_order(&self, name: &str) -> Result<Option<OrderRow>> {
-        let query = sql::query_as("SELECT * FROM customer_order WHERE name = $1").bind(name);
+        let query = sql::select_as("FROM customer_order WHERE name = $1").bind(name);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// Lists the orders that match the query, open ones first, newest first.
     pub async fn list_orders(&self, query: &OrderQuery) -> Result<Vec<OrderRow>> {
-        let rows = sql::query_as(
-            "SELECT * FROM customer_order WHERE ($1 IS NULL OR instr(folded, $1) > 0) AND ($2 IS NULL OR state = $2) \
+        let rows = sql::select_as(
+            "FROM customer_order WHERE ($1 IS NULL OR instr(folded, $1) > 0) AND ($2 IS NULL OR state = $2) \
              ORDER BY state <> 'open', opened_at DESC, name LIMIT $3",
         );
         let folded = query.name.as_ref().map(|name| name.to_lowercase());
@@ -228,7 +227,7 @@ impl LedgerChange {
             return Ok(());
         }
         let lines: Vec<OrderLine> =
-            sql::query_as("SELECT * FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part")
+            sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part")
                 .bind(name)
                 .fetch_all(self.db())
                 .await?;

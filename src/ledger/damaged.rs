@@ -71,8 +71,8 @@ impl Ledger {
 
     /// The parts that wait for their file to be dropped again, oldest first.
     pub async fn damaged_parts(&self) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE damaged_at IS NOT NULL AND state IN ('claimed', 'waiting', 'batched') ORDER BY id",
+        let query = sql::select_as(
+            "FROM part WHERE damaged_at IS NOT NULL AND state IN ('claimed', 'waiting', 'batched') ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }

@@ -99,7 +99,7 @@ impl Ledger {
 
     /// The build of a profile that has this file name.
     pub async fn find_build_by_file(&self, profile: &str, file_name: &str) -> Result<Option<BuildRow>> {
-        let query = sql::query_as("SELECT * FROM build WHERE profile = $1 AND file_name = $2");
+        let query = sql::select_as("FROM build WHERE profile = $1 AND file_name = $2");
         Ok(query.bind(profile).bind(file_name).fetch_optional(self.reader()?).await?)
     }
 }

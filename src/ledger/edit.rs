@@ -108,7 +108,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let fetch_at = is_elsewhere.then_some(change.now);
         let claim = change.require_part(id).await?.file.claim;
-        let parts: Vec<PartRow> = sql::query_as("SELECT * FROM part WHERE claim = $1 ORDER BY object_index")
+        let parts: Vec<PartRow> = sql::select_as("FROM part WHERE claim = $1 ORDER BY object_index")
             .bind(&claim)
             .fetch_all(change.db())
             .await?;
@@ -155,18 +155,18 @@ impl Ledger {
 
     /// Parts that wait for a person's yes, oldest first.
     pub async fn parts_in_question(&self) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE question <> '' AND state = 'waiting' ORDER BY id");
+        let query = sql::select_as("FROM part WHERE question <> '' AND state = 'waiting' ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts that a newly claimed one is a revision of, oldest first: the same name in the same named order, still waiting, with
     /// other content, and no copy of it in a build.
     pub async fn find_revised_parts(&self, new: PartId) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT p.* FROM part n JOIN part p ON p.order_name = n.order_name \
+        let query = sql::select_as(
+            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
              WHERE n.id = $1 AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile AND p.id < n.id \
              AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
-             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id) ORDER BY p.id",
+             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
         );
         Ok(query.bind(new).fetch_all(self.reader()?).await?)
     }
@@ -196,9 +196,8 @@ impl Ledger {
 
     /// Earlier revisions that a newer one replaced and that are not taken out yet, oldest first.
     pub async fn replaced_parts(&self) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id",
-        );
+        let query =
+            sql::select_as("FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

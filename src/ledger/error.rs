@@ -333,7 +333,8 @@ impl LedgerError {
     /// Whether the cause is a failed or full disk and not the change. Retrying helps once the disk is repaired.
     pub fn is_disk_failure(&self) -> bool {
         match self {
-            Self::ReadOnly | Self::Folder { .. } | Self::Server(ServerError::Unreachable(_)) => true,
+            Self::ReadOnly | Self::Folder { .. } => true,
+            Self::Server(error) => error.is_transient(),
             Self::Open { error, .. } | Self::Sql(error) => {
                 matches!(error, sqlx::Error::Io(_)) || matches!(sqlite_code(error), Some(SQLITE_IOERR | SQLITE_FULL))
             }

@@ -98,13 +98,13 @@ impl Ledger {
 
     /// The events of a part, oldest first.
     pub async fn events_of_part(&self, part: PartId) -> Result<Vec<EventRow>> {
-        let query = sql::query_as("SELECT * FROM event WHERE part_id = $1 ORDER BY id").bind(part);
+        let query = sql::select_as("FROM event WHERE part_id = $1 ORDER BY id").bind(part);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The events of a build, oldest first. Events of its parts are included only if they refer to the build.
     pub async fn events_of_build(&self, build: BuildId) -> Result<Vec<EventRow>> {
-        let query = sql::query_as("SELECT * FROM event WHERE build_id = $1 ORDER BY id").bind(build);
+        let query = sql::select_as("FROM event WHERE build_id = $1 ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

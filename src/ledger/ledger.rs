@@ -7,7 +7,7 @@ use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
     ServingRight, UtcTimestamp,
-    change::LedgerChange,
+    change::{ChangeOrigin, LedgerChange},
     consistency::{self, RuleScope},
     error::Result,
     health,
@@ -157,12 +157,23 @@ impl Ledger {
 
     /// Fails unless the daemon that opened this may act on what the ledger says.
     ///
-    /// `Unreachable` or `TakenOver`.
+    /// `Unreachable`, `RepairDue`, `TakenOver` or `Behind`.
     pub fn ensure_served(&self) -> Result<()> {
         match self.service_state() {
             ServiceState::Held => Ok(()),
             ServiceState::Unsure { why } => Err(ServerError::Unreachable(why).into()),
+            ServiceState::RepairDue { nodes } => Err(ServerError::RepairDue { nodes }.into()),
             ServiceState::TakenOver => Err(ServerError::TakenOver.into()),
+            ServiceState::Behind => Err(ServerError::Behind.into()),
+        }
+    }
+
+    /// Fails unless the schema is exactly that of this binary. That of a server may have additions of a newer nestd.
+    pub(super) async fn ensure_own_schema(&self) -> Result<()> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(()),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.ensure_own_schema().await,
         }
     }
 
@@ -171,6 +182,35 @@ impl Ledger {
         #[cfg(feature = "postgres")]
         if let LedgerStore::Postgres(store) = &self.store {
             store.doubt(_why);
+        }
+    }
+
+    /// The folders of a node were compared with the ledger: it is due for repair no more.
+    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
+    pub async fn record_repair(&self, node: &str) -> Result<()> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(()),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.record_repair(node).await,
+        }
+    }
+
+    /// A backup took the place of the ledger: all nodes with machines but this one are due for repair.
+    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
+    pub async fn record_restore(&self, node: &str) -> Result<()> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(()),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.record_restore(node).await,
+        }
+    }
+
+    /// The nodes that are due for repair, because the ledger has lost changes of them.
+    pub async fn find_repair_due(&self) -> Result<Vec<String>> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(Vec::new()),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.find_repair_due().await,
         }
     }
 
@@ -291,12 +331,17 @@ impl Ledger {
 
     /// Begins a change. From here to its commit, no other change of this ledger can happen.
     pub(super) async fn begin_change(&self) -> Result<LedgerChange> {
-        let transaction = match &self.store {
-            LedgerStore::Sqlite(store) => SqlTransaction::Sqlite(store.begin_change().await?),
+        let (transaction, origin) = match &self.store {
+            LedgerStore::Sqlite(store) => {
+                (SqlTransaction::Sqlite(store.begin_change().await?), ChangeOrigin::File(store.path.clone()))
+            }
             #[cfg(feature = "postgres")]
-            LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_change().await?),
+            LedgerStore::Postgres(store) => {
+                let (transaction, counted) = store.begin_change().await?;
+                (SqlTransaction::Postgres(transaction), ChangeOrigin::Server(counted))
+            }
         };
-        Ok(LedgerChange::new(transaction, self.now(), self.file().map(Path::to_owned), self.command))
+        Ok(LedgerChange::new(transaction, self.now(), origin, self.command))
     }
 
     /// Begins a consistent read of several tables.

@@ -51,7 +51,7 @@ sql_row!(MachineRow { profile, scanned_at, is_inbox_there, is_queue_writable, tr
 impl Ledger {
     /// The last observed states of all machines, by name.
     pub async fn list_machines(&self) -> Result<Vec<MachineRow>> {
-        Ok(sql::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
+        Ok(sql::select_as("FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
     }
 
     /// Makes a node the one that serves machines, except those that another node serves. Returns these, each with its node. The files of
@@ -105,6 +105,14 @@ impl Ledger {
         Ok(node.filter(|node| !node.is_empty()))
     }
 
+    /// Whether another node than `node` serves a machine, and the ledger has lost no changes of it.
+    pub async fn is_machine_of_sound_node(&self, profile: &str, node: &str) -> Result<bool> {
+        let Some(serving) = self.node_of_machine(profile).await?.filter(|serving| serving != node) else {
+            return Ok(false);
+        };
+        Ok(self.file().is_none() && !self.find_repair_due().await?.contains(&serving))
+    }
+
     /// The contents of all live parts, each with the node that serves its machine; "" = none does.
     pub async fn live_contents(&self) -> Result<Vec<(String, String)>> {
         let query = sql::query_as(
@@ -150,7 +158,7 @@ async fn fetch_files_of(change: &mut LedgerChange, profile: &str) -> Result<()> 
 
 /// Records the machines that a node observed. Removes those that it does not serve any more, so that another node can take them.
 pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen: &[ObservedMachine]) -> Result<()> {
-    let known = sql::query_as("SELECT * FROM station WHERE node IN ('', $1)").bind(node);
+    let known = sql::select_as("FROM station WHERE node IN ('', $1)").bind(node);
     let known: Vec<MachineRow> = known.fetch_all(change.db()).await?;
     for gone in known.iter().filter(|row| !seen.iter().any(|s| s.profile == row.profile)) {
         sql::query("DELETE FROM station WHERE profile = $1").bind(&gone.profile).execute(change.db()).await?;

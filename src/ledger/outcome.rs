@@ -116,7 +116,7 @@ impl Ledger {
 
     /// The reported outcomes of a build, oldest first.
     pub async fn outcomes_of_build(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
-        let query = sql::query_as("SELECT * FROM outcome WHERE build_id = $1 ORDER BY id").bind(build);
+        let query = sql::select_as("FROM outcome WHERE build_id = $1 ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -133,8 +133,8 @@ impl Ledger {
 
     /// Failed prints that nobody has seen to, oldest first.
     pub async fn unseen_failures(&self) -> Result<Vec<BuildRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL ORDER BY id",
+        let query = sql::select_as(
+            "FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }

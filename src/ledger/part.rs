@@ -9,13 +9,13 @@ use super::{
 impl Ledger {
     /// Finds a part by its number.
     pub async fn find_part(&self, id: PartId) -> Result<Option<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE id = $1").bind(id);
+        let query = sql::select_as("FROM part WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// All parts in a state, oldest first.
     pub async fn parts_in_state(&self, state: PartState) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE state = $1 ORDER BY claimed_at, id").bind(state);
+        let query = sql::select_as("FROM part WHERE state = $1 ORDER BY claimed_at, id").bind(state);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -27,8 +27,8 @@ impl Ledger {
         until: Timestamp,
         most: u32,
     ) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE state = $1 AND state_at >= $2 AND state_at <= $3 ORDER BY state_at DESC, id DESC LIMIT $4",
+        let query = sql::select_as(
+            "FROM part WHERE state = $1 AND state_at >= $2 AND state_at <= $3 ORDER BY state_at DESC, id DESC LIMIT $4",
         );
         Ok(query
             .bind(state)
@@ -41,8 +41,8 @@ impl Ledger {
 
     /// The claimed parts of a profile that must be read next, in order, at most `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL AND fetch_at IS NULL \
+        let query = sql::select_as(
+            "FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL AND fetch_at IS NULL \
              ORDER BY id LIMIT $2",
         );
         Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
@@ -63,26 +63,26 @@ impl Ledger {
 
     /// All solids of a claim, by object index.
     pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE claim = $1 ORDER BY object_index").bind(claim);
+        let query = sql::select_as("FROM part WHERE claim = $1 ORDER BY object_index").bind(claim);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts of an order, oldest first.
     pub async fn parts_of_order(&self, name: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE order_name = $1 AND order_name <> '' ORDER BY id");
+        let query = sql::select_as("FROM part WHERE order_name = $1 AND order_name <> '' ORDER BY id");
         Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
     /// All parts with this dropped file name, oldest first.
     pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE name = $1 ORDER BY id").bind(name);
+        let query = sql::select_as("FROM part WHERE name = $1 ORDER BY id").bind(name);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts of a profile that are not built or rejected, and those built or rejected since a time, oldest first.
     pub async fn recent_parts(&self, profile: &str, since: Timestamp) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE id IN (\
+        let query = sql::select_as(
+            "FROM part WHERE id IN (\
              SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND profile = $1 \
              UNION ALL SELECT id FROM part WHERE state IN ('built', 'rejected') AND state_at >= $2 AND profile || '' = $1) \
              ORDER BY id",
@@ -93,8 +93,8 @@ impl Ledger {
     /// The parts that are not built or rejected and whose order or file name matches a pattern with `*` and `?`, oldest
     /// first.
     pub async fn unbuilt_parts_matching(&self, pattern: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND (glob($1, name) OR glob($1, order_name)) \
+        let query = sql::select_as(
+            "FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND (glob($1, name) OR glob($1, order_name)) \
              ORDER BY id",
         );
         Ok(query.bind(pattern).fetch_all(self.reader()?).await?)
@@ -102,14 +102,13 @@ impl Ledger {
 
     /// All parts with this content, whatever their names.
     pub async fn parts_with_content(&self, hash: &str) -> Result<Vec<PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE content_hash = $1 ORDER BY id").bind(hash);
+        let query = sql::select_as("FROM part WHERE content_hash = $1 ORDER BY id").bind(hash);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
-        let query =
-            sql::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = $1)");
+        let query = sql::select_as("FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = $1)");
         let mut parts: Vec<PartRow> = query.bind(build).fetch_all(self.reader()?).await?;
         sort_by_precedence(&mut parts);
         Ok(parts)

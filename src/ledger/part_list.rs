@@ -1,7 +1,5 @@
 //! Paged lists of parts for people and programs, newest first.
 
-use sqlx::AssertSqlSafe;
-
 use super::{Ledger, PartId, PartRow, PartState, error::Result, sql};
 
 /// Filter of the list.
@@ -23,7 +21,7 @@ pub struct PartQuery {
 impl Ledger {
     /// Lists the parts that match the query, newest first.
     pub async fn list_parts(&self, query: &PartQuery) -> Result<Vec<PartRow>> {
-        let rows = sql::query_as(AssertSqlSafe(part_list_sql(query)))
+        let rows = sql::select_as(&part_list_sql(query))
             .bind(&query.name)
             .bind(&query.profile)
             .bind(query.before)
@@ -35,7 +33,7 @@ impl Ledger {
     }
 }
 
-/// Builds the SQL query. It first looks up the part numbers in an index. Built parts, which are nearly all parts, are
+/// Builds the SQL query, from its FROM on. It first looks up the part numbers in an index. Built parts, which are nearly all parts, are
 /// read from the newest on.
 pub(super) fn part_list_sql(query: &PartQuery) -> String {
     let wanted = match (&query.name, query.state) {
@@ -49,7 +47,7 @@ pub(super) fn part_list_sql(query: &PartQuery) -> String {
     let before = query.before.map_or("", |_| " AND id < $3");
     let numbers = wanted.iter().map(|wanted| format!("SELECT id FROM part WHERE {wanted}{profile}{before}"));
     let numbers = numbers.collect::<Vec<_>>().join(" UNION ALL ");
-    format!("SELECT * FROM part WHERE id IN ({numbers} ORDER BY id DESC LIMIT $4) ORDER BY id DESC")
+    format!("FROM part WHERE id IN ({numbers} ORDER BY id DESC LIMIT $4) ORDER BY id DESC")
 }
 
 /// Condition for the prefix of a name.

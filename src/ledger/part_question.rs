@@ -58,8 +58,8 @@ impl Ledger {
     /// copies is asked for waits as one copy with a warning that contains `copies_question`.
     pub async fn parts_with_questions(&self, copies_question: &str, most: u32) -> Result<Vec<QuestionedPart>> {
         // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
-        let query = sql::query_as(
-            "SELECT * FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
+        let query = sql::select_as(
+            "FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
              ROW_NUMBER() OVER (PARTITION BY profile, kind ORDER BY id) AS at FROM (\
              SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
              WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \

@@ -104,7 +104,7 @@ impl Ledger {
 
     /// What was said last of each copy of a build, without what was taken back, in the order in which it was said.
     pub async fn picks_of_build(&self, build: BuildId) -> Result<Vec<PickMarkRow>> {
-        let all = sql::query_as("SELECT * FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
+        let all = sql::select_as("FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
         Ok(last_marks(all.fetch_all(self.reader()?).await?))
     }
 
@@ -124,7 +124,7 @@ impl Ledger {
                 .bind(build)
                 .fetch_all(change.db())
                 .await?;
-        let all = sql::query_as("SELECT * FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
+        let all = sql::select_as("FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
         let marks = last_marks(all.fetch_all(change.db()).await?);
         let of: BTreeMap<_, _> = marks.iter().map(|row| ((row.part_id, row.copy), row.mark)).collect();
         let open = counted.iter().filter(|copy| !of.contains_key(copy)).count() as u32;
@@ -169,14 +169,13 @@ async fn record_mark(
     if stands == 0 {
         return Err(LedgerError::NotInBuild { part, copy, build });
     }
-    let last: Option<PickMarkRow> = sql::query_as(
-        "SELECT * FROM pick_mark WHERE build_id = $1 AND part_id = $2 AND copy = $3 ORDER BY id DESC LIMIT 1",
-    )
-    .bind(build)
-    .bind(part)
-    .bind(copy)
-    .fetch_optional(change.db())
-    .await?;
+    let last: Option<PickMarkRow> =
+        sql::select_as("FROM pick_mark WHERE build_id = $1 AND part_id = $2 AND copy = $3 ORDER BY id DESC LIMIT 1")
+            .bind(build)
+            .bind(part)
+            .bind(copy)
+            .fetch_optional(change.db())
+            .await?;
     match last {
         Some(last) if last.mark == mark => return Ok(Some(last).filter(|last| last.told_by != told_by)),
         None if mark == PickMark::Open => return Ok(None),

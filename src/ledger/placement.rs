@@ -117,18 +117,18 @@ impl PlacementRow {
 impl Ledger {
     /// The placements of a part, by copy.
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
-        let query = sql::query_as(
-            "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = $1 ORDER BY l.copy, l.build_id",
+        let query = sql::select_as(
+            "FROM (SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id) \
+             AS placed WHERE part_id = $1 ORDER BY copy, build_id",
         );
         Ok(query.bind(part).fetch_all(self.reader()?).await?)
     }
 
     /// The copies in a build with their poses, by part and copy.
     pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
-        let query = sql::query_as(
-            "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
-             WHERE l.build_id = $1 ORDER BY l.part_id, l.copy",
+        let query = sql::select_as(
+            "FROM (SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id) \
+             AS placed WHERE build_id = $1 ORDER BY part_id, copy",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }

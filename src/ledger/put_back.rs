@@ -101,7 +101,7 @@ impl Ledger {
 
     /// The parts whose originals were requested from the archive, oldest first.
     pub async fn parts_to_fetch(&self) -> Result<Vec<super::PartRow>> {
-        let query = sql::query_as("SELECT * FROM part WHERE fetch_at IS NOT NULL ORDER BY id");
+        let query = sql::select_as("FROM part WHERE fetch_at IS NOT NULL ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 

@@ -44,12 +44,12 @@ sql_row!(ReceiverRow { name, delivered_id = "told_id", failing_at, failure, drop
 impl Ledger {
     /// All receivers.
     pub async fn list_receivers(&self) -> Result<Vec<ReceiverRow>> {
-        Ok(sql::query_as("SELECT * FROM receiver ORDER BY name").fetch_all(self.reader()?).await?)
+        Ok(sql::select_as("FROM receiver ORDER BY name").fetch_all(self.reader()?).await?)
     }
 
     /// Returns the delivery state of a receiver. A new receiver starts now.
     pub async fn find_or_add_receiver(&self, name: ReceiverKind) -> Result<ReceiverRow> {
-        let query = || sql::query_as("SELECT * FROM receiver WHERE name = $1").bind(name);
+        let query = || sql::select_as("FROM receiver WHERE name = $1").bind(name);
         if let Some(known) = query().fetch_optional(self.reader()?).await? {
             return Ok(known);
         }
@@ -74,8 +74,8 @@ impl Ledger {
 
     /// The first event of these kinds after event `after`.
     pub async fn next_event(&self, after: i64, kinds: &[EventKind]) -> Result<Option<EventRow>> {
-        let query = sql::query_as(
-            "SELECT * FROM event WHERE id > $1 AND kind IN (SELECT value FROM json_each($2)) ORDER BY id LIMIT 1",
+        let query = sql::select_as(
+            "FROM event WHERE id > $1 AND kind IN (SELECT value FROM json_each($2)) ORDER BY id LIMIT 1",
         );
         Ok(query.bind(after).bind(json_array(kinds)).fetch_optional(self.reader()?).await?)
     }

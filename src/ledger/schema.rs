@@ -86,12 +86,11 @@ pub async fn ensure_current_version(path: &Path, writer: &SqlitePool) -> Result<
             .await
             .map_err(failed)?,
     };
-    compare_versions(path.to_owned(), found, &MIGRATIONS)
+    compare_versions(path.to_owned(), found, MIGRATIONS.iter().map(|m| m.version).max().unwrap_or(0))
 }
 
-/// Fails unless `found` is the newest version that this binary knows.
-pub(super) fn compare_versions(path: PathBuf, found: i64, migrations: &Migrator) -> Result<()> {
-    let known = migrations.iter().map(|m| m.version).max().unwrap_or(0);
+/// Fails unless `found` is `known`, the newest version that this binary knows.
+pub(super) fn compare_versions(path: PathBuf, found: i64, known: i64) -> Result<()> {
     match found.cmp(&known) {
         std::cmp::Ordering::Less => Err(LedgerError::OlderSchema { path, found, known }),
         std::cmp::Ordering::Equal => Ok(()),

@@ -43,9 +43,37 @@ pub enum ServerError {
     /// Another daemon has taken it over.
     #[error("another nestd serves this ledger now; this one changes nothing more")]
     TakenOver,
+    /// Nodes run that could not use the ledger after the migration.
+    #[error(
+        "this nestd changes the schema of the ledger, which the nestd of these could not use any more: {nodes}. Stop them, start this one, \
+         and upgrade them before they start again"
+    )]
+    OlderNodes {
+        /// The rights that they hold, with servers and state folders.
+        nodes: String,
+    },
+    /// The database has lost changes of these nodes.
+    #[error(
+        "the server of the ledger has lost the last changes of {nodes}: nothing is taken or published until `nestd check --deep --repair` \
+         was run there, or `nestd adopt` here for each machine of a node that is gone for good"
+    )]
+    RepairDue {
+        /// Their names.
+        nodes: String,
+    },
+    /// The database has lost changes that were committed.
+    #[error(
+        "the server of the ledger has lost the last changes of this nestd: a standby took its place without them, or a backup was put back"
+    )]
+    Behind,
 }
 
 impl ServerError {
+    /// Whether the same operation can succeed later, without a change of it.
+    pub fn is_transient(&self) -> bool {
+        matches!(self, Self::Unreachable(_) | Self::RepairDue { .. })
+    }
+
     /// Marks an error of PostgreSQL's driver that says that the server cannot be reached. SQLite has errors of the same kinds, for other
     /// reasons, so that this is told where the database is known.
     #[cfg(feature = "postgres")]

@@ -8,6 +8,8 @@ use std::{fmt, time::Duration};
 pub enum ServingRight {
     /// To be the node of this name.
     Node(String),
+    /// To be the node of this name while its folders are compared with the ledger, which has lost changes.
+    RepairedNode(String),
     /// To have the whole ledger alone: no node serves it meanwhile.
     WholeLedger,
 }
@@ -16,7 +18,7 @@ pub enum ServingRight {
 impl fmt::Display for ServingRight {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Node(name) => write!(f, "node {name}"),
+            Self::Node(name) | Self::RepairedNode(name) => write!(f, "node {name}"),
             Self::WholeLedger => f.write_str("ledger"),
         }
     }
@@ -52,6 +54,13 @@ pub enum ServiceState {
         /// Why.
         why: String,
     },
+    /// The ledger has lost changes of other nodes, and waits for their repair.
+    RepairDue {
+        /// Of which.
+        nodes: String,
+    },
     /// Another process has its right.
     TakenOver,
+    /// The ledger has lost changes that this daemon had committed.
+    Behind,
 }

@@ -263,7 +263,9 @@ impl Ledger {
         for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {
             profile_entry(&mut profiles, &profile).nesting.push(row);
         }
-        for WithProfile { profile, row } in fetch_by_profile(db, "SELECT * FROM pause").await? {
+        for WithProfile { profile, row } in
+            fetch_by_profile(db, "SELECT profile, paused_by, cause, paused_at FROM pause").await?
+        {
             profile_entry(&mut profiles, &profile).paused = Some(row);
         }
         for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {

@@ -22,8 +22,8 @@ impl Ledger {
     /// The waiting copies of a profile, without parts whose file is damaged, in order of precedence.
     pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.begin_snapshot().await?;
-        let mut parts: Vec<PartRow> = sql::query_as(
-            "SELECT * FROM part WHERE profile = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
+        let mut parts: Vec<PartRow> = sql::select_as(
+            "FROM part WHERE profile = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
              AND question = '' AND replaced_by IS NULL",
         )
         .bind(profile)

@@ -152,6 +152,11 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
     let task = farm.tell(1).await;
     farm.refuse(&farm.ledger, "a.stl").await;
     farm.wait(&hook, 1).await;
+    // What was delivered and is not recorded yet would be delivered again.
+    let told = async || farm.ledger.list_receivers().await.unwrap()[0].delivered_id;
+    while told().await < farm.ledger.last_event_id().await.unwrap() {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
     task.abort();
     let _ = task.await;
     farm.refuse(&farm.ledger, "b.stl").await;

@@ -8,6 +8,7 @@ pub mod grid;
 pub mod manifest;
 pub mod random;
 pub mod samples;
+pub mod small_disk;
 pub mod trace;
 pub mod trial;
 pub mod webhook;

@@ -120,6 +120,31 @@ impl PostgresCluster {
         self.run("pg_ctl", &["stop", "-m", "immediate", "-w"]);
     }
 
+    /// Keeps a copy of the data as they are now, as a standby has them. The server is stopped and started for it.
+    pub fn keep_standby(&self) {
+        self.stop_server();
+        let _ = std::fs::remove_dir_all(self.standby());
+        self.copy_data(&self.data(), &self.standby());
+        self.start_server();
+    }
+
+    /// Ends the server, and promotes the standby in its place: what was committed since is lost.
+    pub fn promote_standby(&self) {
+        self.crash_server();
+        std::fs::remove_dir_all(self.data()).expect("the server has ended");
+        self.copy_data(&self.standby(), &self.data());
+        self.start_server();
+    }
+
+    fn standby(&self) -> PathBuf {
+        self.folder.join("standby")
+    }
+
+    fn copy_data(&self, from: &Path, to: &Path) {
+        let copied = as_ordinary_user(Command::new("cp").arg("-a").arg(from).arg(to)).status();
+        assert!(copied.expect("cp runs").success(), "the data cannot be copied");
+    }
+
     /// The address of a database.
     pub fn url(&self, database: &str) -> String {
         Self::url_in(&self.folder, database)

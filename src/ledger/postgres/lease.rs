@@ -7,10 +7,15 @@ use std::{
 };
 
 use rustix::time::{ClockId, clock_gettime};
-use sqlx::{PgConnection, PgPool};
+use sqlx::{PgConnection, PgExecutor, PgPool};
 use tokio::{sync::Notify, task::AbortHandle};
 
-use super::{change_lock::begin_locked, lease_watch::LeaseWatch};
+use super::{
+    change_lock::begin_locked,
+    lease_watch::{LeaseRecord, LeaseWatch},
+    repair_due,
+    schema::SCHEMA,
+};
 use crate::ledger::{LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result};
 
 /// A renewal without an answer for this long is tried again.
@@ -27,8 +32,8 @@ struct LeaseShared {
     pool: PgPool,
     node: ServingNode,
     watch: Mutex<LeaseWatch>,
-    /// Why the last renewal failed, if it did.
-    trouble: Mutex<Option<String>>,
+    /// Why this process may not act until a renewal says otherwise, if so.
+    trouble: Mutex<Option<ServiceState>>,
     /// Asks for a renewal at once.
     doubt: Notify,
 }
@@ -42,16 +47,16 @@ fn since_boot() -> Duration {
 impl HeldLease {
     /// Takes the lease, and renews it from now on. The change lock keeps changes of an earlier owner out meanwhile.
     ///
-    /// `ServedByOther` if another process holds it, or one that it excludes.
+    /// `ServedByOther` if another process holds it, or one that it excludes, `Behind` if the node is due for repair.
     pub async fn acquire(pool: &PgPool, node: &ServingNode) -> Result<Self> {
         let sent_at = since_boot();
         let mut transaction = begin_locked(pool).await?;
-        let epoch = grant(&mut transaction, node).await?;
+        let granted = grant(&mut transaction, node).await?;
         transaction.commit().await.map_err(ServerError::mark_unreachable)?;
         let shared = Arc::new(LeaseShared {
             pool: pool.clone(),
             node: node.clone(),
-            watch: Mutex::new(LeaseWatch::granted(epoch, sent_at, usable(node.lease))),
+            watch: Mutex::new(LeaseWatch::granted(granted, sent_at, usable(node.lease))),
             trouble: Mutex::default(),
             doubt: Notify::new(),
         });
@@ -63,11 +68,11 @@ impl HeldLease {
     pub fn state(&self) -> ServiceState {
         let watch = self.shared.watch();
         if watch.is_lost() {
-            return ServiceState::TakenOver;
+            return if watch.is_behind() { ServiceState::Behind } else { ServiceState::TakenOver };
         }
         let trouble = self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match trouble {
-            Some(why) => ServiceState::Unsure { why },
+            Some(trouble) => trouble,
             None if !watch.may_act(since_boot()) => {
                 ServiceState::Unsure { why: "the right to serve it was not renewed in time".to_owned() }
             }
@@ -77,20 +82,36 @@ impl HeldLease {
 
     /// Tells that a statement has failed because the server could not be reached: until a renewal succeeds, the state is unsure.
     pub fn doubt(&self, why: &str) {
-        *self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.to_owned());
+        *self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) =
+            Some(ServiceState::Unsure { why: why.to_owned() });
         self.shared.doubt.notify_one();
     }
 
-    /// Fails if another node has the lease. To be called in a change, after the change lock was taken.
-    pub async fn fence(&self, db: &mut PgConnection) -> Result<()> {
-        let is_ours = sqlx::query("SELECT 1 FROM lease WHERE name = $1 AND epoch = $2");
-        let is_ours = is_ours.bind(self.shared.name()).bind(self.shared.watch().epoch()).fetch_optional(db).await;
-        match is_ours.map_err(ServerError::mark_unreachable)? {
-            Some(_) => Ok(()),
-            None => {
-                self.shared.lose();
-                Err(ServerError::TakenOver.into())
+    /// Counts a change. To be called in it, after the change lock was taken.
+    ///
+    /// `TakenOver` if another node has the lease, `Behind` if the database has lost earlier changes, `RepairDue` if it has lost those of
+    /// other nodes.
+    pub async fn count_change(&self, db: &mut PgConnection) -> Result<CountedChange> {
+        let before = self.shared.watch();
+        let count = sqlx::query_scalar(
+            "UPDATE lease_change SET changes = changes + 1 FROM lease \
+             WHERE lease_change.name = $1 AND lease.name = $1 AND lease.epoch = $2 RETURNING changes - 1",
+        );
+        let count = count.bind(self.shared.name()).bind(before.epoch()).fetch_optional(&mut *db).await;
+        let found = match count.map_err(ServerError::mark_unreachable)? {
+            Some(changes) => Some(LeaseRecord { epoch: before.epoch(), changes }),
+            None => self.shared.read_record(&mut *db).await?,
+        };
+        match (self.shared.compare(found, before.committed()), found) {
+            (true, Some(found)) => {
+                self.shared.ensure_no_repair_due(db).await?;
+                Ok(CountedChange { lease: self.clone(), number: found.changes + 1 })
             }
+            _ if self.shared.watch().is_behind() => {
+                self.shared.doubt.notify_one();
+                Err(ServerError::Behind.into())
+            }
+            _ => Err(ServerError::TakenOver.into()),
         }
     }
 
@@ -105,6 +126,19 @@ impl HeldLease {
     }
 }
 
+/// A change that the database counts as one of this process.
+pub struct CountedChange {
+    lease: HeldLease,
+    number: i64,
+}
+
+impl CountedChange {
+    /// Tells that the change was committed: a database that does not have it is an older one.
+    pub fn confirm(self) {
+        self.lease.shared.change_watch(|watch| watch.confirm_change(self.number));
+    }
+}
+
 impl LeaseShared {
     /// Name of the lease.
     fn name(&self) -> String {
@@ -115,25 +149,56 @@ impl LeaseShared {
         *self.watch.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn lose(&self) {
-        self.watch.lock().unwrap_or_else(PoisonError::into_inner).lose();
+    fn change_watch<T>(&self, change: impl FnOnce(&mut LeaseWatch) -> T) -> T {
+        change(&mut self.watch.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    async fn renew(&self) -> Result<bool, sqlx::Error> {
-        let sent_at = since_boot();
-        let renewal = sqlx::query(
-            "UPDATE lease SET until = clock_timestamp() + $2 * interval '1 millisecond' WHERE epoch = $1 AND name = $3",
-        );
-        let renewal = renewal.bind(self.watch().epoch()).bind(millis(self.node.lease)).bind(self.name());
-        let renewal = renewal.execute(&self.pool);
-        let renewed = tokio::time::timeout(RENEWAL_TIMEOUT, renewal).await.unwrap_or(Err(sqlx::Error::PoolTimedOut));
-        let is_ours = renewed?.rows_affected() > 0;
-        let mut watch = self.watch.lock().unwrap_or_else(PoisonError::into_inner);
-        match is_ours {
-            true => watch.renew(sent_at, usable(self.node.lease)),
-            false => watch.lose(),
+    fn compare(&self, found: Option<LeaseRecord>, committed: i64) -> bool {
+        self.change_watch(|watch| watch.compare(found, committed))
+    }
+
+    /// Fails if the database has lost changes of another node. The node that is repaired, and whoever has the whole ledger, go on.
+    async fn ensure_no_repair_due(&self, db: &mut PgConnection) -> Result<()> {
+        let due = match &self.node.right {
+            ServingRight::Node(_) => repair_due::find_due(db).await?,
+            ServingRight::RepairedNode(_) | ServingRight::WholeLedger => Vec::new(),
+        };
+        match due.is_empty() {
+            true => Ok(()),
+            false => Err(ServerError::RepairDue { nodes: due.join(", ") }.into()),
         }
-        Ok(is_ours)
+    }
+
+    async fn read_record(&self, db: impl PgExecutor<'_>) -> Result<Option<LeaseRecord>> {
+        let record = sqlx::query_as(
+            "SELECT epoch, coalesce((SELECT changes FROM lease_change WHERE name = $1), 0) FROM lease WHERE name = $1",
+        );
+        let record: Option<(i64, i64)> =
+            record.bind(self.name()).fetch_optional(db).await.map_err(ServerError::mark_unreachable)?;
+        Ok(record.map(|(epoch, changes)| LeaseRecord { epoch, changes }))
+    }
+
+    /// Renews the lease. Returns whether it is still the own one.
+    async fn renew(&self) -> Result<bool> {
+        let (sent_at, before) = (since_boot(), self.watch());
+        let renewal = async {
+            let renewal = sqlx::query(
+                "UPDATE lease SET until = clock_timestamp() + $2 * interval '1 millisecond' WHERE epoch = $1 AND name = $3",
+            );
+            let renewal = renewal.bind(before.epoch()).bind(millis(self.node.lease)).bind(self.name());
+            let mut db = self.pool.acquire().await.map_err(ServerError::mark_unreachable)?;
+            renewal.execute(&mut *db).await.map_err(ServerError::mark_unreachable)?;
+            let found = self.read_record(&mut *db).await?;
+            Ok::<_, LedgerError>((found, self.ensure_no_repair_due(&mut db).await))
+        };
+        let found = tokio::time::timeout(RENEWAL_TIMEOUT, renewal).await;
+        let (found, no_repair_due) =
+            found.map_err(|_| ServerError::Unreachable("it did not answer in time".to_owned()))??;
+        if !self.compare(found, before.committed()) {
+            return Ok(false);
+        }
+        self.change_watch(|watch| watch.renew(sent_at, usable(self.node.lease)));
+        no_repair_due.map(|()| true)
     }
 }
 
@@ -148,11 +213,18 @@ async fn keep_renewing(shared: Arc<LeaseShared>) {
         }
         let trouble = match shared.renew().await {
             Ok(true) => None,
-            Ok(false) => return,
-            Err(error) => Some(LedgerError::from(ServerError::mark_unreachable(error)).to_string()),
+            Ok(false) => break,
+            Err(LedgerError::Server(ServerError::RepairDue { nodes })) => Some(ServiceState::RepairDue { nodes }),
+            Err(error) => Some(ServiceState::Unsure { why: error.to_string() }),
         };
         pause = if trouble.is_none() { regular } else { hasty };
         *shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) = trouble;
+    }
+    if let (true, ServingRight::Node(node)) = (shared.watch().is_behind(), &shared.node.right) {
+        while let Err(error) = repair_due::mark(&shared.pool, node).await {
+            tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
+            tokio::time::sleep(hasty).await;
+        }
     }
 }
 
@@ -165,10 +237,15 @@ fn millis(lease: Duration) -> i64 {
     i64::try_from(lease.as_millis()).unwrap_or(i64::MAX)
 }
 
-/// Grants the lease where it is free, has lapsed, or was the process's own. Returns its epoch.
+/// Grants the lease where it is free, has lapsed, or was the process's own.
 ///
-/// `ServedByOther` if another process holds it, or one that it excludes: whoever has the whole ledger has it alone.
-async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<i64> {
+/// `Behind` if the node is due for repair. `ServedByOther` if another process holds it, or one that it excludes: whoever has the whole ledger has it alone.
+async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<LeaseRecord> {
+    if let ServingRight::Node(node) = &node.right
+        && repair_due::is_due(db, node).await?
+    {
+        return Err(ServerError::Behind.into());
+    }
     let (name, is_whole) = (node.right.to_string(), node.right == ServingRight::WholeLedger);
     let other = sqlx::query_as(
         "SELECT owner, CAST(ceil(extract(epoch FROM until - clock_timestamp())) AS BIGINT) FROM lease \
@@ -180,12 +257,18 @@ async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<i64> {
         return Err(ServerError::ServedByOther { owner, secs }.into());
     }
     let grant = sqlx::query_scalar(
-        "INSERT INTO lease (name, owner, epoch, until) \
-         VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond') \
-         ON CONFLICT (name) DO UPDATE SET owner = excluded.owner, epoch = lease.epoch + 1, until = excluded.until \
-         RETURNING epoch",
+        "INSERT INTO lease (name, owner, epoch, until, newest_schema) \
+         VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond', $4) \
+         ON CONFLICT (name) DO UPDATE SET owner = excluded.owner, epoch = lease.epoch + 1, until = excluded.until, \
+         newest_schema = excluded.newest_schema RETURNING epoch",
     );
-    Ok(grant.bind(&name).bind(&node.owner).bind(millis(node.lease)).fetch_one(db).await?)
+    let grant = grant.bind(&name).bind(&node.owner).bind(millis(node.lease)).bind(SCHEMA.newest());
+    let epoch = grant.fetch_one(&mut *db).await?;
+    let changes = sqlx::query_scalar(
+        "INSERT INTO lease_change (name, changes) VALUES ($1, 0) \
+         ON CONFLICT (name) DO UPDATE SET changes = lease_change.changes RETURNING changes",
+    );
+    Ok(LeaseRecord { epoch, changes: changes.bind(&name).fetch_one(db).await? })
 }
 
 /// Takes the lease of a node away, unless it is held now: who had it changes nothing more, even if it wakes up again. Returns its owner

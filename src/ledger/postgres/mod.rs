@@ -8,8 +8,19 @@ mod lease;
 #[cfg(test)]
 mod lease_interleavings;
 mod lease_watch;
+mod repair_due;
 mod schema;
 mod store;
 
-pub(super) use lease::revoke_lapsed;
+pub(super) use lease::{CountedChange, revoke_lapsed};
 pub(super) use store::PostgresStore;
+
+/// Starts a newer nestd, whose schema has more migrations, as far as that changes the ledger.
+#[cfg(test)]
+pub(super) async fn upgrade_as_newer(
+    server: &super::ServerAddress,
+    added: &[(i64, &'static str, bool)],
+) -> super::error::Result<()> {
+    let pool = sqlx::PgPool::connect_with(server.connect_options()?).await?;
+    schema::ServerSchema::newer(added).bring_up_to_date(&pool, "the ledger", "newer").await
+}

@@ -9,12 +9,11 @@ use sqlx::{
 
 use super::{
     change_lock::begin_locked,
-    lease::{self, HeldLease},
-    schema,
+    lease::{self, CountedChange, HeldLease},
+    repair_due,
+    schema::SCHEMA,
 };
-use crate::ledger::{
-    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result, sql::SqlExecutor,
-};
+use crate::ledger::{LedgerError, LiveRights, ServerError, ServiceState, ServingNode, error::Result, sql::SqlExecutor};
 
 /// Number of connections of a process.
 const CONNECTIONS: u32 = 8;
@@ -25,6 +24,8 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 #[derive(Clone)]
 pub struct PostgresStore {
     pool: PgPool,
+    /// The address, without its password.
+    label: String,
     /// The right to serve the ledger, which a daemon has.
     lease: Option<HeldLease>,
 }
@@ -32,50 +33,51 @@ pub struct PostgresStore {
 impl PostgresStore {
     /// Opens the database and migrates its schema.
     pub async fn open(options: PgConnectOptions, label: &str) -> Result<Self> {
-        let store = Self::connect(options).await?;
-        schema::bring_up_to_date(&store.pool, label).await?;
+        let store = Self::connect(options, label).await?;
+        SCHEMA.bring_up_to_date(&store.pool, label, "").await?;
         Ok(store)
     }
 
     /// Opens the database as [`PostgresStore::open`] does, for a process that serves it.
     ///
-    /// `ServedByOther` if another one has the same right, or one that excludes it.
+    /// `OlderNodes` if nodes run that could not use the migrated ledger, `ServedByOther` if another one has the same right, or one that excludes it.
     pub async fn open_to_serve(options: PgConnectOptions, label: &str, node: &ServingNode) -> Result<Self> {
-        let store = Self::connect(options).await?;
-        // The schema does not change under another node.
-        if schema::ensure_current_version(&store.pool, label).await.is_err() {
-            let alone = ServingNode { right: ServingRight::WholeLedger, ..node.clone() };
-            let alone = match schema::has_table(&store.pool, "lease").await? {
-                true => Some(HeldLease::acquire(&store.pool, &alone).await?),
-                false => None,
-            };
-            schema::bring_up_to_date(&store.pool, label).await?;
-            if let Some(alone) = alone {
-                alone.release().await;
-            }
+        let store = Self::connect(options, label).await?;
+        SCHEMA.bring_up_to_date(&store.pool, label, &node.owner).await?;
+        let lease = HeldLease::acquire(&store.pool, node).await?;
+        // A newer nestd may have changed the schema meanwhile. From now on it sees what this one knows.
+        if let Err(error) = SCHEMA.ensure_usable(&store.pool, label).await {
+            lease.release().await;
+            return Err(error);
         }
-        let lease = Some(HeldLease::acquire(&store.pool, node).await?);
-        Ok(Self { lease, ..store })
+        Ok(Self { lease: Some(lease), ..store })
     }
 
-    /// Opens a database that holds a ledger with the current schema.
+    /// Opens a database that holds a ledger which this binary can use.
     ///
     /// `Missing` if it holds none, `OlderSchema` or `NewerSchema`.
     pub async fn open_existing(options: PgConnectOptions, label: &str) -> Result<Self> {
-        let store = Self::connect(options).await?;
-        if !schema::has_table(&store.pool, "_sqlx_migrations").await? {
-            store.close().await;
-            return Err(LedgerError::Missing { path: label.into() });
+        let store = Self::connect(options, label).await?;
+        match SCHEMA.ensure_usable(&store.pool, label).await {
+            Ok(()) => Ok(store),
+            Err(LedgerError::OlderSchema { found: 0, .. }) => {
+                store.close().await;
+                Err(LedgerError::Missing { path: label.into() })
+            }
+            Err(error) => Err(error),
         }
-        schema::ensure_current_version(&store.pool, label).await?;
-        Ok(store)
     }
 
-    async fn connect(options: PgConnectOptions) -> Result<Self> {
+    async fn connect(options: PgConnectOptions, label: &str) -> Result<Self> {
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(CONNECT_TIMEOUT);
         // A slow server would bring whole migrations into the journal.
         let pool = pool.connect_with(options.application_name("nestd").disable_statement_logging()).await;
-        Ok(Self { pool: pool.map_err(ServerError::mark_unreachable)?, lease: None })
+        Ok(Self { pool: pool.map_err(ServerError::mark_unreachable)?, label: label.to_owned(), lease: None })
+    }
+
+    /// Fails unless the schema is exactly that of this binary.
+    pub async fn ensure_own_schema(&self) -> Result<()> {
+        SCHEMA.ensure_own(&self.pool, &self.label).await
     }
 
     /// Gives the right to serve the ledger back, and closes all connections.
@@ -98,6 +100,22 @@ impl PostgresStore {
         if let Some(lease) = &self.lease {
             lease.doubt(why);
         }
+    }
+
+    /// The folders of a node were compared with the ledger.
+    pub async fn record_repair(&self, node: &str) -> Result<()> {
+        repair_due::record_repair(&self.pool, node).await
+    }
+
+    /// A backup took the place of the ledger, and one node's folders were compared with it.
+    pub async fn record_restore(&self, node: &str) -> Result<()> {
+        repair_due::mark_others(&self.pool, node).await
+    }
+
+    /// The nodes that are due for repair.
+    pub async fn find_repair_due(&self) -> Result<Vec<String>> {
+        let mut db = self.pool.acquire().await.map_err(ServerError::mark_unreachable)?;
+        repair_due::find_due(&mut db).await
     }
 
     /// Who serves the ledger now.
@@ -123,12 +141,14 @@ impl PostgresStore {
 
     /// Begins a change, after all changes that have begun before.
     ///
-    /// `TakenOver` if this is a daemon that does not serve the ledger any more.
-    pub async fn begin_change(&self) -> Result<Transaction<'static, Postgres>> {
+    /// `TakenOver` if this is a daemon that does not serve the ledger any more, `Behind` if the database has lost changes of it,
+    /// `RepairDue` if it has lost changes of others.
+    pub async fn begin_change(&self) -> Result<(Transaction<'static, Postgres>, Option<CountedChange>)> {
         let mut transaction = begin_locked(&self.pool).await?;
-        if let Some(lease) = &self.lease {
-            lease.fence(&mut transaction).await?;
-        }
-        Ok(transaction)
+        let counted = match &self.lease {
+            Some(lease) => Some(lease.count_change(&mut transaction).await?),
+            None => None,
+        };
+        Ok((transaction, counted))
     }
 }

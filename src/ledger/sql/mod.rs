@@ -11,6 +11,8 @@ pub(super) use catalog::{
     column_types, last_number, number_from_highest, set_last_number, skip_numbers, table_columns,
 };
 pub(super) use connection::{SqlExecutor, SqlTransaction};
-pub(super) use query::{query, query_as, query_scalar};
-pub(super) use row::{ColumnKey, ColumnValue, FromSqlRow, SqlRow, column_name, read_text_by, sql_row};
+pub(super) use query::{query, query_as, query_scalar, query_whole_rows, select_as};
+pub(super) use row::{
+    ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlRow, add_group, column_name, read_text_by, sql_row,
+};
 pub(super) use value::{BindValue, ColumnHolds, SqlValue, bind_as_text};

@@ -2,18 +2,23 @@
 
 use std::marker::PhantomData;
 
-use sqlx::{Database, Encode, Error, Executor, IntoArguments, SqlSafeStr, SqlStr, Type, query::Query};
+use sqlx::{
+    AssertSqlSafe, Database, Encode, Error, Executor, IntoArguments, SqlSafeStr, SqlStr, Type,
+    database::HasStatementCache, query::Query,
+};
 use tokio_stream::StreamExt;
 
 #[cfg(feature = "postgres")]
 use crate::ledger::ServerError;
 
-use super::{BindValue, ColumnKey, ColumnValue, FromSqlRow, SqlExecutor, SqlRow, SqlValue};
+use super::{BindValue, ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlExecutor, SqlRow, SqlValue};
 
 /// A statement that returns no rows.
 pub struct SqlQuery {
     text: SqlStr,
     values: Vec<SqlValue>,
+    /// Whether the database keeps what it has made of it.
+    is_prepared: bool,
 }
 
 /// A statement whose rows are read as `T`.
@@ -25,12 +30,25 @@ pub struct TypedQuery<T> {
 
 /// Begins a statement that returns no rows.
 pub fn query(text: impl SqlSafeStr) -> SqlQuery {
-    SqlQuery { text: text.into_sql_str(), values: Vec::new() }
+    SqlQuery { text: text.into_sql_str(), values: Vec::new(), is_prepared: true }
 }
 
 /// Begins a statement whose rows are read as a whole.
 pub fn query_as<T: FromSqlRow>(text: impl SqlSafeStr) -> TypedQuery<T> {
     TypedQuery { query: query(text), read: T::from_sql_row, rows: PhantomData }
+}
+
+/// Begins a statement that reads the columns of `T`. `from` = what follows after the columns: `FROM ..`.
+pub fn select_as<T: NamedColumns>(from: &str) -> TypedQuery<T> {
+    let mut names = Vec::new();
+    T::add_columns(&mut names);
+    query_as(AssertSqlSafe(format!("SELECT {} {from}", names.join(", "))))
+}
+
+/// Begins a statement whose rows are read with all columns that they have.
+pub fn query_whole_rows(text: impl SqlSafeStr) -> TypedQuery<DynamicRow> {
+    let query = SqlQuery { is_prepared: false, ..query(text) };
+    TypedQuery { query, read: SqlRow::values, rows: PhantomData }
 }
 
 /// Begins a statement of whose rows the first column is read.
@@ -47,18 +65,17 @@ impl SqlQuery {
 
     /// Runs it. Returns the number of rows that it changed.
     pub async fn execute(self, on: impl Into<SqlExecutor<'_>>) -> Result<u64, Error> {
-        let Self { text, values } = self;
         match on.into() {
-            SqlExecutor::SqlitePool(pool) => Ok(with_values(text, values).execute(pool).await?.rows_affected()),
-            SqlExecutor::Sqlite(db) => Ok(with_values(text, values).execute(db).await?.rows_affected()),
+            SqlExecutor::SqlitePool(pool) => Ok(with_values(self).execute(pool).await?.rows_affected()),
+            SqlExecutor::Sqlite(db) => Ok(with_values(self).execute(db).await?.rows_affected()),
             #[cfg(feature = "postgres")]
             SqlExecutor::PostgresPool(pool) => {
-                let done = with_values(text, values).execute(pool).await;
+                let done = with_values(self).execute(pool).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
             }
             #[cfg(feature = "postgres")]
             SqlExecutor::Postgres(db) => {
-                let done = with_values(text, values).execute(db).await;
+                let done = with_values(self).execute(db).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
             }
         }
@@ -66,18 +83,17 @@ impl SqlQuery {
 
     /// Runs it and hands each row to `take`, until that returns `false`.
     async fn for_each_row(self, on: SqlExecutor<'_>, take: RowTaker<'_>) -> Result<(), Error> {
-        let Self { text, values } = self;
         match on {
-            SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(text, values), SqlRow::Sqlite, take).await,
-            SqlExecutor::Sqlite(db) => take_rows(db, with_values(text, values), SqlRow::Sqlite, take).await,
+            SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(self), SqlRow::Sqlite, take).await,
+            SqlExecutor::Sqlite(db) => take_rows(db, with_values(self), SqlRow::Sqlite, take).await,
             #[cfg(feature = "postgres")]
             SqlExecutor::PostgresPool(pool) => {
-                let done = take_rows(pool, with_values(text, values), SqlRow::Postgres, take).await;
+                let done = take_rows(pool, with_values(self), SqlRow::Postgres, take).await;
                 done.map_err(ServerError::mark_unreachable)
             }
             #[cfg(feature = "postgres")]
             SqlExecutor::Postgres(db) => {
-                let done = take_rows(db, with_values(text, values), SqlRow::Postgres, take).await;
+                let done = take_rows(db, with_values(self), SqlRow::Postgres, take).await;
                 done.map_err(ServerError::mark_unreachable)
             }
         }
@@ -152,15 +168,16 @@ where
     Ok(())
 }
 
-fn with_values<DB>(text: SqlStr, values: Vec<SqlValue>) -> Query<'static, DB, DB::Arguments>
+fn with_values<DB>(query: SqlQuery) -> Query<'static, DB, DB::Arguments>
 where
-    DB: Database,
+    DB: Database + HasStatementCache,
     Option<i64>: Encode<'static, DB> + Type<DB>,
     Option<f64>: Encode<'static, DB> + Type<DB>,
     Option<bool>: Encode<'static, DB> + Type<DB>,
     Option<String>: Encode<'static, DB> + Type<DB>,
 {
-    values.into_iter().fold(sqlx::query(text), |query, value| match value {
+    let statement = sqlx::query(query.text).persistent(query.is_prepared);
+    query.values.into_iter().fold(statement, |query, value| match value {
         SqlValue::Integer(value) => query.bind(value),
         SqlValue::Real(value) => query.bind(value),
         SqlValue::Flag(value) => query.bind(value),

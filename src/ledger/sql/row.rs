@@ -50,7 +50,7 @@ impl SqlRow {
     }
 
     /// All columns with their names, whatever they are.
-    pub fn values(&self) -> Result<Vec<(String, SqlValue)>, Error> {
+    pub fn values(&self) -> Result<DynamicRow, Error> {
         match self {
             Self::Sqlite(row) => read_values(row),
             #[cfg(feature = "postgres")]
@@ -64,7 +64,7 @@ impl SqlRow {
     }
 }
 
-fn read_values<'r, R: Row>(row: &'r R) -> Result<Vec<(String, SqlValue)>, Error>
+fn read_values<'r, R: Row>(row: &'r R) -> Result<DynamicRow, Error>
 where
     usize: ColumnIndex<R>,
     i64: Decode<'r, R::Database> + Type<R::Database>,
@@ -86,11 +86,7 @@ where
 }
 
 /// A row with its columns by name, whatever they are.
-impl FromSqlRow for Vec<(String, SqlValue)> {
-    fn from_sql_row(row: &SqlRow) -> Result<Self, Error> {
-        row.values()
-    }
-}
+pub type DynamicRow = Vec<(String, SqlValue)>;
 
 /// A Rust type that a whole row can be read as.
 pub trait FromSqlRow: Sized {
@@ -98,7 +94,18 @@ pub trait FromSqlRow: Sized {
     fn from_sql_row(row: &SqlRow) -> Result<Self, Error>;
 }
 
-/// Implements [`FromSqlRow`] for a struct by the names of its fields: those before the semicolon are columns, those after
+/// A row that names the columns it is read from. A statement that names them keeps its result when a newer nestd adds columns.
+pub trait NamedColumns: FromSqlRow {
+    /// Adds the names of the columns.
+    fn add_columns(names: &mut Vec<&'static str>);
+}
+
+/// Adds the columns of a group, which a row gives.
+pub fn add_group<R, G: NamedColumns>(names: &mut Vec<&'static str>, _: fn(&R) -> &G) {
+    G::add_columns(names);
+}
+
+/// Implements [`FromSqlRow`] and [`NamedColumns`] for a struct by the names of its fields: those before the semicolon are columns, those after
 /// it are groups of columns of the same row. `field = "column"` names a column that differs from its field.
 macro_rules! sql_row {
     ($type:ty { $($field:ident $(= $name:literal)?),* $(,)? $(; $($group:ident),+ $(,)?)? }) => {
@@ -108,6 +115,13 @@ macro_rules! sql_row {
                     $($field: row.column($crate::ledger::sql::column_name!($field $($name)?))?,)*
                     $($($group: $crate::ledger::sql::FromSqlRow::from_sql_row(row)?,)+)?
                 })
+            }
+        }
+
+        impl $crate::ledger::sql::NamedColumns for $type {
+            fn add_columns(names: &mut Vec<&'static str>) {
+                $(names.push($crate::ledger::sql::column_name!($field $($name)?));)*
+                $($($crate::ledger::sql::add_group(names, |row: &Self| &row.$group);)+)?
             }
         }
     };

@@ -7,6 +7,7 @@ mod leases;
 mod order_of_events;
 mod same_rows;
 mod schemas;
+mod upgrades;
 
 use std::process::Command;
 

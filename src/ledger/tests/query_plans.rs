@@ -10,6 +10,8 @@ use super::*;
 const BIG: [&str; 7] = ["part", "ticket", "build", "placement", "event", "outcome", "command"];
 /// Sources whose queries read every row on purpose: the deep check, and the totals that the metrics read once a minute.
 const WHOLE: [&str; 3] = ["consistency.rs", "deep_check.rs", "totals.rs"];
+/// Sources that read whole rows, with statements that are not prepared.
+const WHOLE_ROWS: [&str; 2] = ["build_record.rs", "copy.rs"];
 /// Queries that are built at run time are tested separately.
 const MADE: char = '{';
 
@@ -22,12 +24,15 @@ fn queries(source: &str) -> Vec<String> {
     let texts = texts.split('"').skip(1).step_by(2);
     let joined = texts.map(|text| text.split("\\\n").map(str::trim_start).collect::<String>());
     joined
-        .filter(|t| ["SELECT ", "UPDATE ", "DELETE ", "INSERT ", "WITH "].iter().any(|verb| t.starts_with(verb)))
+        .filter(|t| {
+            ["SELECT ", "FROM ", "UPDATE ", "DELETE ", "INSERT ", "WITH "].iter().any(|verb| t.starts_with(verb))
+        })
         .collect()
 }
 
 async fn plan(ledger: &Ledger, query: &str) -> Vec<String> {
-    let explain = format!("EXPLAIN QUERY PLAN {query}");
+    let columns = if query.starts_with("FROM ") { "SELECT * " } else { "" };
+    let explain = format!("EXPLAIN QUERY PLAN {columns}{query}");
     let rows = sql::query_as::<(i64, i64, i64, String)>(sqlx::AssertSqlSafe(explain));
     let rows = rows.fetch_all(ledger.reader().unwrap()).await.unwrap_or_else(|error| panic!("{query}: {error}"));
     rows.into_iter().map(|(_, _, _, step)| step).collect()
@@ -118,7 +123,16 @@ async fn no_query_walks_through_a_table_that_grows() {
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let name = entry.file_name().into_string().unwrap();
         if name.ends_with(".rs") && !WHOLE.contains(&name.as_str()) && !name.contains("fixtures") {
-            all.extend(queries(&std::fs::read_to_string(entry.path()).unwrap()));
+            let found = queries(&std::fs::read_to_string(entry.path()).unwrap());
+            // PostgreSQL refuses a prepared statement whose columns have changed since, as a newer node changes them.
+            let is_open = |query: &String| query.starts_with("SELECT *") || query.contains("RETURNING *");
+            if !WHOLE_ROWS.contains(&name.as_str()) {
+                assert!(
+                    !found.iter().any(is_open),
+                    "{name} does not name its columns, as `select_as` does: {found:#?}"
+                );
+            }
+            all.extend(found);
         }
     }
     all.retain(|query| !query.contains(MADE));

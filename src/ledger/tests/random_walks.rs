@@ -159,7 +159,7 @@ impl RandomWalk {
 
     /// Checks that every wanted copy of every part is in exactly one place: it is waiting, or in one build that counts, or
     /// its part was rejected.
-    async fn account(&self, ledger: &Ledger) {
+    pub(super) async fn account(&self, ledger: &Ledger) {
         for part in ledger.parts_to_fetch().await.unwrap() {
             ledger.mark_fetched(&part.file.content_hash).await.unwrap();
         }

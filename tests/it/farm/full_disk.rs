@@ -1,57 +1,11 @@
 //! A full disk and a read-only queue are temporary: nothing is refused or given up, and work continues when there is
 //! room.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Stdio},
-    time::Duration,
-};
+use std::{fs, time::Duration};
 
 use nestd::ledger::{BuildState, PartState};
 
-use super::support::{QUICK, TestFarm, block, wait_until_or};
-
-/// A small file system in memory; unmounted when dropped.
-struct SmallDisk {
-    at: PathBuf,
-}
-
-impl SmallDisk {
-    /// `None` where mounting is not allowed; prints that.
-    fn new(at: &Path, bytes: u64) -> Option<Self> {
-        fs::create_dir_all(at).unwrap();
-        let mount = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", &format!("size={bytes}"), "none"])
-            .arg(at)
-            .stderr(Stdio::null())
-            .status();
-        if !mount.is_ok_and(|status| status.success()) {
-            eprintln!("SKIPPED: file systems may not be mounted here");
-            return None;
-        }
-        Some(Self { at: at.to_owned() })
-    }
-
-    fn fill(&self) {
-        let mut bytes = vec![7; 1 << 16];
-        let mut file = fs::File::create(self.at.join("filler")).unwrap();
-        // Fills the disk to the last byte.
-        while !bytes.is_empty() {
-            while std::io::Write::write_all(&mut file, &bytes).is_ok() {}
-            bytes.truncate(bytes.len() / 2);
-        }
-    }
-
-    fn free(&self) {
-        fs::remove_file(self.at.join("filler")).unwrap();
-    }
-
-    fn read_only(&self, is: bool) {
-        let word = if is { "remount,ro" } else { "remount,rw" };
-        assert!(Command::new("mount").args(["-o", word]).arg(&self.at).status().unwrap().success());
-    }
-}
+use super::support::{QUICK, TestFarm, block, small_disk::SmallDisk, wait_until_or};
 
 #[test]
 fn a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_told() {
@@ -84,12 +38,6 @@ fn a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_t
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.stop();
     drop(disk);
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg("-l").arg(&self.at).stderr(Stdio::null()).status();
-    }
 }
 
 fn says(farm: &TestFarm, words: &str) {

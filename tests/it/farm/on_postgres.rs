@@ -134,6 +134,37 @@ fn a_server_that_lost_the_last_changes_is_older_than_the_folders() {
     farm.stop();
 }
 
+#[test]
+fn a_daemon_sees_at_once_that_a_standby_took_the_servers_place_without_the_last_changes() {
+    let server = PostgresCluster::start();
+    let mut farm = TestFarm::new(QUICK);
+    use_server(&farm, &new_database(&server));
+    start(&mut farm);
+    farm.drop_part("early.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    server.keep_standby();
+    farm.drop_part("late.stl", &block(20.0, 20.0, 12.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.flush();
+    farm.wait_for_queued(1);
+    farm.wait_for_parts(PartState::Built, 2);
+    server.promote_standby();
+    says(&farm, "has lost the last changes of this nestd");
+    farm.drop_part("later.stl", &block(20.0, 20.0, 14.0));
+    std::thread::sleep(std::time::Duration::from_secs(5));
+    assert!(farm.folder("inbox").join("later.stl").exists(), "it was taken into a ledger that is too old");
+    assert_eq!(farm.queued().len(), 1, "the parts were published twice");
+    farm.stop();
+    let told = failure(&farm, &["run"]);
+    assert!(told.contains("older than the folders"), "{told}");
+    farm.nestd_ok(&["check", "--deep", "--repair"]);
+    start(&mut farm);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.wait_for_parts(PartState::Built, 2);
+    farm.assert_nothing_lost_or_doubled();
+    farm.stop();
+}
+
 /// Points the farm to another database, which is empty.
 fn new_url(farm: &TestFarm, server: &PostgresCluster) -> String {
     let url = new_database(server);

@@ -1,9 +1,12 @@
 //! A node of the farm, as a process on folders of its own.
 
-use std::{fs, net::TcpListener, process::Command};
+use std::{fs, net::TcpListener, path::Path, process::Command};
 
 use super::{
-    super::{postgres_cluster::PostgresCluster, support::TestFarm},
+    super::{
+        postgres_cluster::PostgresCluster,
+        support::{TestFarm, small_disk::SmallDisk},
+    },
     server_link::ServerLink,
 };
 
@@ -14,6 +17,11 @@ const FARM: &str = "scan_secs = 0.3\ncache_bytes = 0\nthreads = 1\n[log]\nfilter
 /// The factor by which a lease is shorter than in production.
 const HURRY: &str = "10";
 
+/// Size of the file system of a state folder.
+const STATE_BYTES: u64 = 64 << 20;
+/// Debian's library that gives a process another time of day.
+const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1";
+
 /// The machine whose builds several nodes search for.
 const SLOW_MACHINE: usize = 1;
 
@@ -23,17 +31,33 @@ pub struct FarmNode {
     pub name: String,
     /// Its connection to the server.
     pub link: ServerLink,
+    /// The file system of its state folder, where one may be mounted.
+    pub disk: Option<SmallDisk>,
+    /// By how much its wall clock is wrong.
+    clock_error: Option<&'static str>,
 }
 
 impl FarmNode {
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = self.farm.command(args);
         command.env("NESTD_TEST_HURRY", HURRY).env("NESTD_TEST_HOST", &self.name);
+        if let (Some(error), true) = (self.clock_error, can_set_clocks()) {
+            command.env("LD_PRELOAD", FAKETIME).env("FAKETIME", error).env("FAKETIME_DONT_FAKE_MONOTONIC", "1");
+        }
         command
     }
 
     pub fn start(&mut self) {
         self.farm.start_as(self.command(&["run"]));
+    }
+
+    /// Whether its daemon has seen that the ledger lacks changes, and does nothing more or does not start.
+    pub fn sees_lost_changes(&self) -> bool {
+        let log = self.farm.log();
+        let since = log.rfind("The farm is open").unwrap_or(0);
+        ["has lost the last changes of this nestd", "older than the folders"]
+            .iter()
+            .any(|words| log[since..].contains(words))
     }
 
     /// Whether its daemon has lost its right since it was started, and does nothing more.
@@ -42,6 +66,11 @@ impl FarmNode {
         let since = log.rfind("The farm is open").unwrap_or(0);
         log[since..].contains("Another nestd is this node now")
     }
+}
+
+/// Whether the clocks of single processes can be set here.
+pub fn can_set_clocks() -> bool {
+    Path::new(FAKETIME).exists()
 }
 
 /// The machine of a node.
@@ -57,7 +86,8 @@ pub fn machine_text(number: usize) -> String {
 /// A node with its own machine.
 pub fn configured_node(number: usize, server: &PostgresCluster, database: &str) -> FarmNode {
     let farm = TestFarm::with_machine(&machine_name(number), &machine_text(number));
-    configure_node(farm, format!("node-{number}"), server, database)
+    let clock_error = if number == 2 { Some("+7h") } else { None };
+    FarmNode { clock_error, ..configure_node(farm, format!("node-{number}"), server, database) }
 }
 
 /// A node without machines.
@@ -66,7 +96,7 @@ pub fn configured_worker(server: &PostgresCluster, database: &str) -> FarmNode {
     fs::remove_file(farm.root().join("config/profiles/none.toml")).unwrap();
     // The daemon makes none where it has no machine.
     fs::create_dir_all(farm.folder("inbox")).unwrap();
-    configure_node(farm, "worker".to_owned(), server, database)
+    FarmNode { clock_error: Some("-5h"), ..configure_node(farm, "worker".to_owned(), server, database) }
 }
 
 fn configure_node(farm: TestFarm, name: String, server: &PostgresCluster, database: &str) -> FarmNode {
@@ -78,5 +108,6 @@ fn configure_node(farm: TestFarm, name: String, server: &PostgresCluster, databa
          [web]\nlisten = \"127.0.0.1:{port}\"\n"
     );
     fs::write(farm.config(), config).unwrap();
-    FarmNode { farm, name, link }
+    let disk = SmallDisk::new(&farm.root().join("state"), STATE_BYTES);
+    FarmNode { farm, name, link, disk, clock_error: None }
 }

@@ -23,13 +23,18 @@ enum NodeFault {
     WorkerSlept,
     ServerRestarted,
     ServerCrashed,
+    /// A standby that lacks the last changes takes the place of the server.
+    StandbyPromoted,
+    /// The disk of the state folder is full for a while.
+    DiskFull,
 }
 
 impl NodesFarm {
     /// Lets something go wrong, and waits until it is over.
     pub(super) fn inject_fault(&mut self) {
         use NodeFault::{
-            Adopted, EndedInOrder, Killed, LinkFails, ServerCrashed, ServerRestarted, Slept, WorkerKilled, WorkerSlept,
+            Adopted, DiskFull, EndedInOrder, Killed, LinkFails, ServerCrashed, ServerRestarted, Slept, StandbyPromoted,
+            WorkerKilled, WorkerSlept,
         };
         let faults = [
             Killed,
@@ -44,6 +49,8 @@ impl NodesFarm {
             WorkerSlept,
             ServerRestarted,
             ServerCrashed,
+            StandbyPromoted,
+            DiskFull,
         ];
         let fault = faults[self.rng.random_range(0..faults.len())];
         let number = self.rng.random_range(0..NODES);
@@ -104,16 +111,43 @@ impl NodesFarm {
                 self.server.crash_server();
                 self.start_server_after(short);
             }
+            StandbyPromoted => {
+                self.server.keep_standby();
+                self.wait_for_server();
+                for _ in 0..self.rng.random_range(2..16) {
+                    self.run_operation();
+                }
+                std::thread::sleep(short);
+                self.server.promote_standby();
+                self.wait_for_server();
+                // Within a lease each node has renewed it, and has seen what is missing.
+                std::thread::sleep(Duration::from_secs(3));
+            }
+            DiskFull => {
+                if let Some(disk) = &self.nodes[number].disk {
+                    disk.fill();
+                    std::thread::sleep(short * 2);
+                    disk.free();
+                }
+            }
         }
         // A daemon that lost its right ends nothing by itself: the service manager's watchdog or a person starts it again.
         self.start_ended_nodes();
     }
 
-    /// Starts again what has ended by itself, or has lost its right and does nothing more.
+    /// Starts again what has ended by itself, or has lost its right and does nothing more. Where the ledger has lost changes, a person
+    /// has it repaired before.
     pub(super) fn start_ended_nodes(&mut self) {
         for node in self.nodes.iter_mut().chain([&mut self.worker]) {
-            if node.farm.has_ended() || node.is_halted() {
+            let is_behind = node.sees_lost_changes();
+            if node.farm.has_ended() || node.is_halted() || is_behind {
                 node.farm.kill();
+                if is_behind {
+                    let repaired = node.command(&["check", "--deep", "--repair"]).output().unwrap();
+                    let told = String::from_utf8_lossy(&repaired.stdout).into_owned();
+                    let told: Vec<&str> = told.lines().filter(|line| line.contains("repair")).collect();
+                    self.story.push(format!("  {} was repaired: {told:?}", node.name));
+                }
                 node.start();
             }
         }
@@ -122,6 +156,10 @@ impl NodesFarm {
     fn start_server_after(&self, pause: Duration) {
         std::thread::sleep(pause);
         self.server.start_server();
+        self.wait_for_server();
+    }
+
+    fn wait_for_server(&self) {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(self.server.connect("postgres"));
     }

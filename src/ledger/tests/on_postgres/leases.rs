@@ -66,6 +66,90 @@ async fn a_daemon_whose_lease_has_lapsed_changes_nothing_once_another_has_it() {
 }
 
 #[tokio::test]
+async fn a_daemon_sees_that_the_database_has_lost_its_last_changes() {
+    for lost in [
+        "UPDATE lease_change SET changes = changes - 1",
+        "DELETE FROM lease_change",
+        "UPDATE lease SET epoch = epoch - 1 WHERE epoch > 1",
+        "DELETE FROM lease",
+    ] {
+        let address = fresh_address().await;
+        Ledger::open_to_serve(&address, &node("same", LONG)).await.unwrap().close().await;
+        let daemon = Ledger::open_to_serve(&address, &node("same", LONG)).await.unwrap();
+        waiting(&daemon, "a", 1).await;
+        let viewer = Ledger::open_existing(&address).await.unwrap();
+        waiting(&viewer, "of nobody", 1).await;
+        waiting(&daemon, "b", 1).await;
+        set(&viewer, lost).await;
+        let refused = daemon.record_claim(&new_part("late", 1)).await.unwrap_err();
+        assert!(matches!(refused, LedgerError::Server(ServerError::Behind)), "{lost}: {refused}");
+        assert_eq!(daemon.service_state(), ServiceState::Behind, "{lost}");
+        let again = daemon.record_claim(&new_part("later", 1)).await.unwrap_err();
+        assert!(matches!(again, LedgerError::Server(ServerError::Behind)), "{lost}: {again}");
+    }
+}
+
+#[tokio::test]
+async fn no_node_goes_on_until_each_that_lost_changes_was_repaired() {
+    let address = fresh_address().await;
+    let right = |name: &str| ServingRight::Node(name.to_owned());
+    let open = async |right: ServingRight| {
+        let lease = Duration::from_secs(3);
+        Ledger::open_to_serve(&address, &ServingNode { owner: format!("{right}"), right, lease }).await
+    };
+    let nodes = ["print1", "print2", "print3"];
+    let mut ledgers = Vec::new();
+    for name in nodes {
+        let ledger = open(right(name)).await.unwrap();
+        ledger.announce_node(&NodeHeartbeat { name: name.to_owned(), ..heartbeat() }).await.unwrap();
+        assert!(ledger.claim_machines(name, &[format!("machine of {name}")]).await.unwrap().is_empty());
+        ledgers.push(ledger);
+    }
+    // One of them does not run when it is seen.
+    ledgers.pop().unwrap().close().await;
+    let viewer = Ledger::open_existing(&address).await.unwrap();
+    set(&viewer, "UPDATE lease_change SET changes = changes - 1 WHERE name = 'node print1'").await;
+    assert!(ledgers[0].record_claim(&new_part("late", 1)).await.is_err());
+    tokio::time::sleep(Duration::from_millis(1500)).await;
+    assert_eq!(ledgers[0].service_state(), ServiceState::Behind);
+    let nodes = "print1, print3".to_owned();
+    assert_eq!(ledgers[1].service_state(), ServiceState::RepairDue { nodes });
+    let refused = ledgers[1].record_claim(&new_part("b", 1)).await.unwrap_err();
+    assert!(refused.is_disk_failure() && refused.to_string().contains("print1, print3"), "{refused}");
+    ledgers.remove(0).close().await;
+    assert!(matches!(open(right("print1")).await, Err(LedgerError::Server(ServerError::Behind))));
+    for name in ["print1", "print3"] {
+        let repaired = open(ServingRight::RepairedNode(name.to_owned())).await.unwrap();
+        assert!(open(right(name)).await.is_err(), "its daemon does not run meanwhile");
+        waiting(&repaired, name, 1).await;
+        repaired.record_repair(name).await.unwrap();
+        repaired.close().await;
+        open(right(name)).await.unwrap();
+    }
+    tokio::time::sleep(Duration::from_millis(1500)).await;
+    assert_eq!(ledgers[0].service_state(), ServiceState::Held);
+    waiting(&ledgers[0], "b", 1).await;
+    // A node that is gone for good is due no more once its machines are another's.
+    ledgers[0].record_restore("print2").await.unwrap();
+    assert_eq!(viewer.find_repair_due().await.unwrap(), ["print1", "print3"]);
+    set(&viewer, "UPDATE lease SET until = clock_timestamp() WHERE name <> 'node print2'").await;
+    for name in ["print1", "print3"] {
+        viewer.adopt_machine(&format!("machine of {name}"), "print2", "ann").await.unwrap().unwrap();
+    }
+    assert!(viewer.find_repair_due().await.unwrap().is_empty());
+}
+
+#[tokio::test]
+async fn an_idle_daemon_sees_it_when_it_renews_its_lease() {
+    let address = fresh_address().await;
+    let daemon = Ledger::open_to_serve(&address, &node("idle", Duration::from_secs(3))).await.unwrap();
+    waiting(&daemon, "a", 1).await;
+    set(&Ledger::open_existing(&address).await.unwrap(), "UPDATE lease_change SET changes = changes - 1").await;
+    tokio::time::sleep(Duration::from_millis(2500)).await;
+    assert_eq!(daemon.service_state(), ServiceState::Behind);
+}
+
+#[tokio::test]
 async fn a_lease_is_renewed_as_long_as_it_is_open() {
     let address = fresh_address().await;
     let lease = Duration::from_secs(3);

@@ -39,8 +39,7 @@ const NUMBERED_WITH_GAPS: [&str; 5] = ["event", "ticket", "outcome", "command", 
 async fn rows_of(ledger: &Ledger, relation: &str) -> BTreeSet<String> {
     let has_gaps = NUMBERED_WITH_GAPS.contains(&relation);
     let order = if has_gaps { "ORDER BY id" } else { "" };
-    let query =
-        sql::query_as::<Vec<(String, SqlValue)>>(sqlx::AssertSqlSafe(format!("SELECT * FROM {relation} {order}")));
+    let query = sql::query_whole_rows(sqlx::AssertSqlSafe(format!("SELECT * FROM {relation} {order}")));
     let rows = query.fetch_all(ledger.reader().unwrap()).await.unwrap_or_else(|error| panic!("{relation}: {error}"));
     let text = |(place, mut row): (u32, Vec<(String, SqlValue)>)| {
         row.sort_by(|a, b| a.0.cmp(&b.0));

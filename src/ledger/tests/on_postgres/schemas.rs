@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
 
-/// Tables of one of the two: the count of changes of a file, and the lease of a server.
-const OF_ONE_ALONE: [&str; 2] = ["change_count", "lease"];
+/// Tables of one of the two: the count of changes of a file; leases, and who can use the ledger, of a server.
+const OF_ONE_ALONE: [&str; 5] = ["change_count", "lease", "lease_change", "repair_due", "schema_range"];
 
 /// A relation: its columns by name, and the words that its checks admit.
 #[derive(Debug, Default, PartialEq)]

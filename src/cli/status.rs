@@ -146,7 +146,7 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     profiles.extend(known.map(|status| machine(configured.contains(&status.profile.as_str()), status)));
     profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
-    let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served().await?);
+    let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served_by(node).await?);
     let nodes = list_farm_nodes(ledger).await?;
     Ok(FarmStatus { daemon, nodes, is_served, attention: Vec::new(), profiles, parts })
 }

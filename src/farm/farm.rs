@@ -84,7 +84,9 @@ impl Farm {
             // The next tick detects it and saves what is known.
             Some((AlertKind::LedgerReplaced, _)) => {}
             // What failed is done again when the server is back.
-            Some((AlertKind::LedgerUnreachable | AlertKind::RepairDue, why)) => self.ledger.doubt_service(&why),
+            Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
+            // The next tick sees it.
+            Some((AlertKind::RepairDue, _)) => {}
             Some((kind, detail)) => self.halt_farm(kind, &detail),
             None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
         }

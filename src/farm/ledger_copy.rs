@@ -31,6 +31,8 @@ pub async fn copy_ledger(from: &LedgerAddress, to: &LedgerAddress) -> Result<Cop
 
 async fn copy_opened(source: &Ledger, to: &LedgerAddress) -> Result<CopyReport> {
     source.check_integrity().await?;
+    let due = source.find_repair_due().await?;
+    ensure!(due.is_empty(), "it has lost changes of {}: run `nestd check --deep --repair` there first", due.join(", "));
     let target = open_alone(to).await?;
     let copied = source.copy_into_ledger(&target, ExistingRows::Refuse).await;
     target.close_with_checksum().await?;

@@ -22,12 +22,16 @@ pub fn copying_node(host: &str) -> ServingNode {
 
 /// Whether the farm may act on what its ledger says. If another process has its right now, the farm halts.
 pub fn may_act(farm: &mut Farm) -> bool {
-    match farm.ledger.service_state() {
-        ServiceState::Held => {
-            farm.alerts.clear(AlertKind::LedgerUnreachable, "", "");
-            farm.alerts.clear(AlertKind::RepairDue, "", "");
-            true
-        }
+    let state = farm.ledger.service_state();
+    // What was before is not so any more.
+    if !matches!(state, ServiceState::Unsure { .. }) {
+        farm.alerts.clear(AlertKind::LedgerUnreachable, "", "");
+    }
+    if !matches!(state, ServiceState::RepairDue { .. }) {
+        farm.alerts.clear(AlertKind::RepairDue, "", "");
+    }
+    match state {
+        ServiceState::Held => true,
         ServiceState::RepairDue { nodes } => {
             farm.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
             false

@@ -17,7 +17,7 @@ use super::{
     lane_problem::MESHES_DIR,
     lease_holder::LeaseHolder,
     lease_renewal,
-    ledger_freshness::check_ledger_current,
+    ledger_freshness::{LedgerBehindError, check_ledger_current},
     ledger_service,
     lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
     machine_setup,
@@ -195,6 +195,10 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     let node = ledger_service::serving_node(settings, ServingRight::Node(settings.node.name.clone()));
     let ledger = Ledger::open_to_serve(&settings.ledger, &node).await?;
     if let Err(failure) = check_ledger_current(settings, &ledger).await {
+        if failure.is::<LedgerBehindError>() {
+            // Other nodes may have got what it has lost.
+            ledger.mark_repair_due(&settings.node.name).await?;
+        }
         ledger.close().await;
         return Err(failure);
     }

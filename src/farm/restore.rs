@@ -101,16 +101,16 @@ async fn rebuild_ledger(
         LedgerAddress::File(_) => None,
         server => Some(Ledger::open_to_serve(server, &serving_node(settings, ServingRight::WholeLedger)).await?),
     };
-    // The folders of other nodes' machines are theirs to look at.
-    let own = match &served {
-        Some(served) => without_other_nodes(settings, served).await?,
-        None => settings.clone(),
+    let rebuild = async {
+        // The folders of other nodes' machines are theirs to look at.
+        let own = match &served {
+            Some(served) => without_other_nodes(settings, served).await?,
+            None => settings.clone(),
+        };
+        rebuild_copy(&own, begin, new_folders, &base, served.as_ref()).await
     };
-    let mut rebuilt = rebuild_copy(&own, begin, new_folders, &base, served.as_ref()).await;
+    let rebuilt = rebuild.await;
     if let Some(served) = served {
-        if let (Ok(_), Err(error)) = (&rebuilt, served.record_restore(&settings.node.name).await) {
-            rebuilt = Err(error.into());
-        }
         served.close().await;
     }
     rebuilt
@@ -151,12 +151,21 @@ async fn rebuild_copy(
         return Ok(RestoreOutcome { aside: None, reconciled });
     }
     let aside = match served {
-        Some(served) => Some(replace_rows(served, base).await?),
+        Some(served) => {
+            // Before, and again for the machines that the backup has.
+            served.mark_repair_due(&settings.node.name).await?;
+            let aside = replace_rows(served, base).await?;
+            served.mark_repair_due(&settings.node.name).await?;
+            Some(aside)
+        }
         None => ledger::replace_ledger(base).await?,
     };
     reconciled.apply_folder_steps(settings);
-    if served.is_none() {
-        Ledger::open_existing(base).await?.close_with_checksum().await?;
+    match served {
+        Some(served) => served.record_repair(&settings.node.name).await?,
+        None => {
+            Ledger::open_existing(base).await?.close_with_checksum().await?;
+        }
     }
     Ok(RestoreOutcome { aside, reconciled })
 }

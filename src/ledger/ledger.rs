@@ -195,13 +195,14 @@ impl Ledger {
         }
     }
 
-    /// A backup took the place of the ledger: all nodes with machines but this one are due for repair.
+    /// The ledger has lost changes, or is about to: all nodes with machines are due for repair. Those that run, and have lost nothing, say
+    /// so themselves.
     #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
-    pub async fn record_restore(&self, node: &str) -> Result<()> {
+    pub async fn mark_repair_due(&self, node: &str) -> Result<()> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(()),
             #[cfg(feature = "postgres")]
-            LedgerStore::Postgres(store) => store.record_restore(node).await,
+            LedgerStore::Postgres(store) => store.mark_repair_due(node).await,
         }
     }
 

@@ -196,6 +196,16 @@ impl Ledger {
         Ok(rights.is_whole || !rights.nodes.is_empty() || self.list_nodes().await?.iter().any(|node| node.alive))
     }
 
+    /// Whether this daemon serves this ledger: of a file the one that there is, on a server the node of this name.
+    pub async fn is_served_by(&self, node: &str) -> Result<bool> {
+        let rights = self.live_rights().await?;
+        let is_its = |name: &str| self.file().is_some() || name == node;
+        let nodes = self.list_nodes().await?;
+        Ok(rights.is_whole
+            || rights.nodes.iter().any(|name| is_its(name))
+            || nodes.iter().any(|row| row.alive && is_its(&row.name)))
+    }
+
     /// Whether a node carries out what concerns no machine that a node serves: one of them does, the first by name.
     pub async fn is_first_node(&self, node: &str) -> Result<bool> {
         Ok(self.file().is_some() || self.live_rights().await?.nodes.first().is_some_and(|first| first == node))

@@ -52,6 +52,12 @@ pub enum ServerError {
         /// The rights that they hold, with servers and state folders.
         nodes: String,
     },
+    /// A migration found its tables in use.
+    #[error(
+        "the schema of the ledger is to be brought up to date, and another program reads it, perhaps pg_dump or `nestd backup`; this is \
+         tried again until that one has ended"
+    )]
+    SchemaInUse,
     /// The database has lost changes of these nodes.
     #[error(
         "the server of the ledger has lost the last changes of {nodes}: nothing is taken or published until `nestd check --deep --repair` \
@@ -71,7 +77,7 @@ pub enum ServerError {
 impl ServerError {
     /// Whether the same operation can succeed later, without a change of it.
     pub fn is_transient(&self) -> bool {
-        matches!(self, Self::Unreachable(_) | Self::RepairDue { .. })
+        matches!(self, Self::Unreachable(_) | Self::RepairDue { .. } | Self::SchemaInUse)
     }
 
     /// Marks an error of PostgreSQL's driver that says that the server cannot be reached. SQLite has errors of the same kinds, for other

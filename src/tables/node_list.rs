@@ -14,6 +14,8 @@ pub struct FarmNode {
     pub node: NodeRow,
     /// The machines that it serves, by name.
     pub machines: Vec<String>,
+    /// Whether the ledger has lost changes of it, so that its folders are to be compared with it.
+    pub repair_due: bool,
 }
 
 /// The nodes of a farm.
@@ -31,6 +33,7 @@ pub const NODE_COLUMNS: &[TableColumn<FarmNode>] = &[
 impl FarmNode {
     fn state_text(&self) -> &'static str {
         match (self.node.alive, self.node.pid) {
+            _ if self.repair_due => "is to be repaired",
             (true, _) => "runs",
             (false, 0) => "stopped",
             (false, _) => "does not answer",
@@ -45,8 +48,10 @@ impl FarmNode {
 pub async fn list_farm_nodes(ledger: &Ledger) -> Result<Vec<FarmNode>, LedgerError> {
     let machines = ledger.list_machines().await?;
     let nodes = ledger.list_nodes().await?.into_iter();
+    let due = ledger.find_repair_due().await?;
     let with_machines = |node: NodeRow| FarmNode {
         machines: machines.iter().filter(|row| row.node == node.name).map(|row| row.profile.clone()).collect(),
+        repair_due: due.contains(&node.name),
         node,
     };
     Ok(nodes.map(with_machines).collect())

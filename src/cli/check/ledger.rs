@@ -73,7 +73,7 @@ async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckRepo
         Some(daemon) if daemon.alive => {
             report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
         }
-        _ if ledger.is_served().await? => {
+        _ if ledger.is_served_by(&settings.node.name).await? => {
             let text = "runs, but could not write into the ledger since it was started";
             report.add_problem(
                 "daemon",

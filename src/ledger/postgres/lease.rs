@@ -118,6 +118,11 @@ impl HeldLease {
     /// Gives the lease back.
     pub async fn release(&self) {
         self.renewals.abort();
+        if let (true, ServingRight::Node(node)) = (self.shared.watch().is_behind(), &self.shared.node.right)
+            && let Err(error) = repair_due::mark(&self.shared.pool, node, false).await
+        {
+            tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
+        }
         let end = sqlx::query("UPDATE lease SET until = clock_timestamp() WHERE name = $1 AND epoch = $2");
         let ended = end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(&self.shared.pool).await;
         if let Err(error) = ended {
@@ -157,6 +162,12 @@ impl LeaseShared {
         self.change_watch(|watch| watch.compare(found, committed))
     }
 
+    /// What is read after a change failed says so at once.
+    fn wait_for_repair(&self, nodes: &str) {
+        let trouble = ServiceState::RepairDue { nodes: nodes.to_owned() };
+        *self.trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(trouble);
+    }
+
     /// Fails if the database has lost changes of another node. The node that is repaired, and whoever has the whole ledger, go on.
     async fn ensure_no_repair_due(&self, db: &mut PgConnection) -> Result<()> {
         let due = match &self.node.right {
@@ -165,13 +176,17 @@ impl LeaseShared {
         };
         match due.is_empty() {
             true => Ok(()),
-            false => Err(ServerError::RepairDue { nodes: due.join(", ") }.into()),
+            false => {
+                let nodes = due.join(", ");
+                self.wait_for_repair(&nodes);
+                Err(ServerError::RepairDue { nodes }.into())
+            }
         }
     }
 
     async fn read_record(&self, db: impl PgExecutor<'_>) -> Result<Option<LeaseRecord>> {
         let record = sqlx::query_as(
-            "SELECT epoch, coalesce((SELECT changes FROM lease_change WHERE name = $1), 0) FROM lease WHERE name = $1",
+            "SELECT epoch, coalesce((SELECT changes FROM lease_change WHERE name = $1), -1) FROM lease WHERE name = $1",
         );
         let record: Option<(i64, i64)> =
             record.bind(self.name()).fetch_optional(db).await.map_err(ServerError::mark_unreachable)?;
@@ -198,6 +213,10 @@ impl LeaseShared {
             return Ok(false);
         }
         self.change_watch(|watch| watch.renew(sent_at, usable(self.node.lease)));
+        if let (Err(_), ServingRight::Node(node)) = (&no_repair_due, &self.node.right) {
+            // It runs, and knows that nothing of its own is lost.
+            repair_due::record_repair(&self.pool, node).await?;
+        }
         no_repair_due.map(|()| true)
     }
 }
@@ -221,9 +240,15 @@ async fn keep_renewing(shared: Arc<LeaseShared>) {
         *shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) = trouble;
     }
     if let (true, ServingRight::Node(node)) = (shared.watch().is_behind(), &shared.node.right) {
-        while let Err(error) = repair_due::mark(&shared.pool, node).await {
-            tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
-            tokio::time::sleep(hasty).await;
+        // Until a person ends this process: the next standby may not have the mark.
+        let mut is_first = true;
+        loop {
+            let marked = repair_due::mark(&shared.pool, node, is_first).await;
+            is_first &= marked.is_err();
+            if let Err(error) = &marked {
+                tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
+            }
+            tokio::time::sleep(if is_first { hasty } else { regular }).await;
         }
     }
 }
@@ -242,7 +267,7 @@ fn millis(lease: Duration) -> i64 {
 /// `Behind` if the node is due for repair. `ServedByOther` if another process holds it, or one that it excludes: whoever has the whole ledger has it alone.
 async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<LeaseRecord> {
     if let ServingRight::Node(node) = &node.right
-        && repair_due::is_due(db, node).await?
+        && repair_due::find_due(db).await?.contains(node)
     {
         return Err(ServerError::Behind.into());
     }
@@ -264,6 +289,10 @@ async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<LeaseRecord>
     );
     let grant = grant.bind(&name).bind(&node.owner).bind(millis(node.lease)).bind(SCHEMA.newest());
     let epoch = grant.fetch_one(&mut *db).await?;
+    if is_whole {
+        // A node that slept meanwhile is fenced off.
+        sqlx::query("UPDATE lease SET epoch = epoch + 1 WHERE left(name, 5) = 'node '").execute(&mut *db).await?;
+    }
     let changes = sqlx::query_scalar(
         "INSERT INTO lease_change (name, changes) VALUES ($1, 0) \
          ON CONFLICT (name) DO UPDATE SET changes = lease_change.changes RETURNING changes",

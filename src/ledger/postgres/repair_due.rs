@@ -13,32 +13,18 @@ pub async fn find_due(db: &mut PgConnection) -> Result<Vec<String>> {
     Ok(due.fetch_all(db).await.map_err(ServerError::mark_unreachable)?)
 }
 
-/// Whether a node is due.
-pub async fn is_due(db: &mut PgConnection, node: &str) -> Result<bool> {
-    let is_due = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM repair_due WHERE node = $1)");
-    Ok(is_due.bind(node).fetch_one(db).await.map_err(ServerError::mark_unreachable)?)
-}
-
-/// A node has seen that changes of it are lost. Those that do not run cannot say whether they have lost any: they are due, too.
-pub async fn mark(pool: &PgPool, node: &str) -> Result<()> {
+/// A node has seen that changes of it are lost. `with_others` = so are all other nodes with machines: one that runs, and has lost nothing,
+/// says so within a renewal of its lease; one that does not run cannot.
+pub async fn mark(pool: &PgPool, node: &str, with_others: bool) -> Result<()> {
     let mark = sqlx::query(
-        "INSERT INTO repair_due (node) SELECT $1 UNION SELECT station.node FROM station WHERE station.node <> '' AND NOT EXISTS \
-         (SELECT 1 FROM lease WHERE lease.name = 'node ' || station.node AND until > clock_timestamp()) ON CONFLICT DO NOTHING",
+        "INSERT INTO repair_due (node) SELECT DISTINCT node FROM station WHERE node <> '' AND ($2 OR node = $1) \
+         ON CONFLICT DO NOTHING",
     );
-    mark.bind(node).execute(pool).await.map_err(ServerError::mark_unreachable)?;
+    mark.bind(node).bind(with_others).execute(pool).await.map_err(ServerError::mark_unreachable)?;
     Ok(())
 }
 
-/// All nodes with machines but this one are due.
-pub async fn mark_others(pool: &PgPool, node: &str) -> Result<()> {
-    let mark = sqlx::query(
-        "INSERT INTO repair_due (node) SELECT DISTINCT node FROM station WHERE node NOT IN ('', $1) ON CONFLICT DO NOTHING",
-    );
-    mark.bind(node).execute(pool).await.map_err(ServerError::mark_unreachable)?;
-    record_repair(pool, node).await
-}
-
-/// The folders of a node were compared with the ledger.
+/// The folders of a node were compared with the ledger, or it knows that nothing of its own is lost.
 pub async fn record_repair(pool: &PgPool, node: &str) -> Result<()> {
     let repaired = sqlx::query("DELETE FROM repair_due WHERE node = $1").bind(node).execute(pool).await;
     repaired.map_err(ServerError::mark_unreachable)?;

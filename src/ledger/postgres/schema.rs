@@ -94,9 +94,13 @@ impl ServerSchema {
         self.ensure_no_older_node(&mut transaction, found, owner).await?;
         sqlx::query(LOCK_TIMEOUT).execute(&mut *transaction).await.map_err(ServerError::mark_unreachable)?;
         let applied = self.migrator.run_direct(None, &mut *transaction, false).await;
-        applied.map_err(|error| LedgerError::Migrate { path: label.into(), error: name_reader(error) })?;
+        applied.map_err(|error| name_cause(error, label))?;
         let range = sqlx::query("UPDATE schema_range SET usable_from = greatest(usable_from, $1)");
         range.bind(self.usable_from).execute(&mut *transaction).await.map_err(ServerError::mark_unreachable)?;
+        // An older node that slept meanwhile is fenced off.
+        let fence = sqlx::query("UPDATE lease SET epoch = epoch + 1 WHERE owner <> $1 AND newest_schema < $2");
+        let fence = fence.bind(owner).bind(self.usable_from).execute(&mut *transaction).await;
+        fence.map_err(ServerError::mark_unreachable)?;
         Ok(transaction.commit().await.map_err(ServerError::mark_unreachable)?)
     }
 
@@ -150,20 +154,18 @@ impl ServerSchema {
     }
 }
 
-/// Says who keeps a migration from the tables that it changes.
-fn name_reader(error: MigrateError) -> MigrateError {
-    let code = match &error {
+/// Tells what passes from what does not.
+fn name_cause(error: MigrateError, label: &str) -> LedgerError {
+    match error {
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => {
-            error.as_database_error().and_then(|error| error.code().map(String::from))
+            let code = error.as_database_error().and_then(|error| error.code().map(String::from));
+            match code.as_deref() {
+                // A lock was not free in time; a deadlock.
+                Some("55P03" | "40P01") => ServerError::SchemaInUse.into(),
+                _ => ServerError::mark_unreachable(error).into(),
+            }
         }
-        _ => None,
-    };
-    match code.as_deref() {
-        Some("55P03") => MigrateError::Source(
-    "another program reads the ledger, perhaps pg_dump or `nestd backup`. Wait until it has ended, and start nestd again"
-                .into(),
-        ),
-        _ => error,
+        error => LedgerError::Migrate { path: label.into(), error },
     }
 }
 

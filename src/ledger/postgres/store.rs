@@ -107,9 +107,9 @@ impl PostgresStore {
         repair_due::record_repair(&self.pool, node).await
     }
 
-    /// A backup took the place of the ledger, and one node's folders were compared with it.
-    pub async fn record_restore(&self, node: &str) -> Result<()> {
-        repair_due::mark_others(&self.pool, node).await
+    /// The ledger has lost changes, or is about to: all nodes with machines are due for repair.
+    pub async fn mark_repair_due(&self, node: &str) -> Result<()> {
+        repair_due::mark(&self.pool, node, true).await
     }
 
     /// The nodes that are due for repair.

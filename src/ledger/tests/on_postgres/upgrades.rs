@@ -84,6 +84,20 @@ async fn what_older_nodes_could_not_use_waits_until_they_have_ended() {
 }
 
 #[tokio::test]
+async fn an_older_node_that_slept_during_the_migration_changes_nothing_more() {
+    let address = fresh_address().await;
+    let older = start(&address, "print1").await.unwrap();
+    let viewer = Ledger::open_existing(&address).await.unwrap();
+    let mut change = viewer.begin_change().await.unwrap();
+    sql::query("UPDATE lease SET until = clock_timestamp()").execute(change.db()).await.unwrap();
+    change.commit().await.unwrap();
+    let breaking = (9001, "ALTER TABLE part RENAME COLUMN note TO remark", false);
+    upgrade_as_newer(server(&address), &[breaking]).await.unwrap();
+    let late = older.write_event(EventKind::Paused, "", None, None, "").await.unwrap_err();
+    assert!(matches!(late, LedgerError::Server(ServerError::TakenOver)), "{late}");
+}
+
+#[tokio::test]
 async fn a_schema_does_not_change_under_a_copy_and_not_half() {
     let address = fresh_address().await;
     let right = ServingRight::WholeLedger;

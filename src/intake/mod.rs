@@ -80,6 +80,7 @@ pub use list_lookup::ListLookup;
 pub use list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedPolicy};
 pub use misplaced::find_misplaced;
 pub use name::{display_name, raw_name};
+pub use name_match::fold_name;
 pub use order_list::{OrderList, OrderListRow};
 pub use part_spec::{COPIES_QUESTION, PartSpec, ReceivedTicket, SpecSource, is_copies_question};
 pub use recover::{ClaimsOnDisk, list_claims, recover_claims};

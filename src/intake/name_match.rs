@@ -13,7 +13,7 @@ use unicode_normalization::{UnicodeNormalization, is_nfc};
 use super::{display_name, name::is_part_name};
 
 /// Folds differences that people and file systems ignore: decomposed letters, upper case, and kinds of blanks.
-pub(super) fn fold_name(name: &str) -> String {
+pub fn fold_name(name: &str) -> String {
     let plain_blank = |c: char| if matches!(c, '\u{a0}' | '\u{202f}' | '\u{3000}') { ' ' } else { c };
     match name.is_ascii() {
         true => name.to_ascii_lowercase(),

@@ -46,6 +46,7 @@ mod query;
 mod report;
 mod request_user;
 mod scene;
+mod search;
 mod search_report;
 mod server;
 mod state;

@@ -29,6 +29,7 @@ pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                     nav aria-label="Pages" {
                         span.brand { "nestd" }
                         (link("/", "Farm")) (link("/orders", "Orders")) (link("/history", "History")) (link("/parts", "Parts"))
+                        (search_field("", "Search the farm"))
                     }
                 }
                 main #main tabindex="-1" { (content) }
@@ -37,6 +38,17 @@ pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                         a href="/api/v1/openapi.json" { "JSON interface" } " · " a href="/metrics" { "Metrics" } }
                 }
             }
+        }
+    }
+}
+
+/// The field that searches the whole farm; `label` is its name for screen readers.
+pub(super) fn search_field(text: &str, label: &str) -> Markup {
+    html! {
+        form.search method="get" action="/search" role="search" aria-label=(label) {
+            input type="search" name="q" value=(text) required maxlength="200" aria-label=(label)
+                placeholder="Part, file, order, build 1182" title="Press / to search" autocomplete="off";
+            button type="submit" { "Search" }
         }
     }
 }

@@ -21,7 +21,7 @@ use super::{
     error::HandlerError,
     farm as farm_page, guard, history,
     listener::DashboardListener,
-    live, metrics, openapi, order, part, part_forms, pick_page, picture, scene,
+    live, metrics, openapi, order, part, part_forms, pick_page, picture, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -92,6 +92,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/parts/{part}", get(part::show_part))
         .route("/parts/{part}/edit", post(part_forms::post_edit))
         .route("/parts/{part}/reprint", post(part_forms::post_reprint))
+        .route("/search", get(search::show_found))
         .route("/live", get(live::stream_changes))
         .route("/commands", post(command::post_command))
         .route("/name", post(device_name::post_name))

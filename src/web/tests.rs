@@ -96,7 +96,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 9] = [
+const PAGES: [&str; 10] = [
     "/",
     "/history",
     "/parts",
@@ -106,6 +106,7 @@ const PAGES: [&str; 9] = [
     "/parts/1",
     "/orders",
     "/orders/bracket.stl",
+    "/search?q=bracket",
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {

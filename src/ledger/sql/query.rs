@@ -129,6 +129,16 @@ impl<T: Send> TypedQuery<T> {
         self.query.for_each_row(on.into(), &mut take).await
     }
 
+    /// Hands each row to `take`, one after the other, until that returns `false`.
+    pub async fn for_each_while(
+        self,
+        on: impl Into<SqlExecutor<'_>>,
+        mut take: impl FnMut(T) -> bool + Send,
+    ) -> Result<(), Error> {
+        let read = self.read;
+        self.query.for_each_row(on.into(), &mut |row: SqlRow| Ok(take(read(&row)?))).await
+    }
+
     /// Reads the first row, if there is one.
     pub async fn fetch_optional(self, on: impl Into<SqlExecutor<'_>>) -> Result<Option<T>, Error> {
         let mut first = None;

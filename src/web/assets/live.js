@@ -94,6 +94,13 @@ function listen() {
   });
 }
 
+// The key / leads to the search, from everywhere but a field.
+addEventListener("keydown", (event) => {
+  if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey || event.target.closest("input, select, textarea")) return;
+  event.preventDefault();
+  document.querySelector("nav input[type=search]")?.focus();
+});
+
 // An error page and the answer to a form are not updated.
 if (main && !document.querySelector("#problem, #answer")) {
   main.addEventListener("toggle", () => { if (dirty) refresh(); }, true);

@@ -25,7 +25,7 @@ use crate::{
 pub struct BuildLookupArgs {
     /// A build file, or a build as for show: 42, b42, its file name, or the name of an order or part that is in only
     /// one build
-    #[arg(required = true, num_args = 1.., value_name = "BUILD")]
+    #[arg(required = true, num_args = 1.., value_name = "BUILD", add = super::candidates::of_builds())]
     what: Vec<String>,
     /// Build volume in mm, e.g. 200x200x200, for a file that does not state it
     #[arg(long, value_name = "XxYxZ", value_parser = super::values::parse_volume)]

@@ -4,18 +4,20 @@ use std::{io::Write, path::PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Command;
-use clap_complete::Shell;
+use clap_complete::{Shell, env::Shells};
 
 use super::{CommandExit, table::print_text};
 use build_file::format_count;
 
-/// Prints the completions of a shell.
-pub fn print_completions(command: &Command, shell: Shell) -> Result<CommandExit> {
-    // Shells would offer hidden commands, too.
-    let visible = command.get_subcommands().filter(|command| !command.is_hide_set());
-    let mut command = Command::new("nestd").args(command.get_arguments()).subcommands(visible);
+/// The variable that says for which shell a word is completed.
+const COMPLETE_VARIABLE: &str = "COMPLETE";
+
+/// Prints what a shell runs to complete a word: it asks nestd, which knows the machines, builds and parts of the farm.
+pub fn print_completions(shell: Shell) -> Result<CommandExit> {
+    let (name, shells) = (shell.to_string(), Shells::builtins());
+    let completer = shells.completer(&name).with_context(|| format!("no completions for {name}"))?;
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut command, "nestd", &mut script);
+    completer.write_registration(COMPLETE_VARIABLE, "nestd", "nestd", "nestd", &mut script)?;
     std::io::stdout().write_all(&script).context("cannot print")?;
     Ok(CommandExit::Success)
 }

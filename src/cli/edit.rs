@@ -5,7 +5,7 @@ use anyhow::Result;
 use nester::OrientationRule;
 
 use super::{
-    CommandExit, CommonArgs, UsageError,
+    CommandExit, CommonArgs, UsageError, candidates,
     command::{DaemonCommand, run_for_parts},
     farm_context::{load_settings, user_at_host, with_ledger},
     table::print_text,
@@ -22,7 +22,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 pub struct EditArgs {
     /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
-    #[arg(required = true, value_name = "PART|ORDER")]
+    #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
     targets: Vec<String>,
     /// Copies wanted in all, those in builds included
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -142,7 +142,7 @@ async fn reprint_targets(ledger: &Ledger, word: &str) -> Result<Vec<ReprintTarge
 #[derive(Debug, clap::Args)]
 pub struct RequeueArgs {
     /// Build number, as history prints it (4 or b4)
-    #[arg(value_parser = parse_build_number)]
+    #[arg(value_parser = parse_build_number, add = candidates::of_builds())]
     build: i64,
 }
 

@@ -4,7 +4,7 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 use super::{
-    CommandExit, CommonArgs, UsageError,
+    CommandExit, CommonArgs, UsageError, candidates,
     farm_context::{parse_time, with_ledger_to_read},
     table::{TextTable, print_json, print_text},
     terminal::output_columns,
@@ -38,7 +38,7 @@ pub struct HistoryArgs {
     #[arg(long, value_name = "TIME")]
     until: Option<String>,
     /// Builds of one machine profile
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", add = candidates::of_profiles())]
     profile: Option<String>,
     /// The newest N builds only
     #[arg(long, value_name = "N")]

@@ -6,6 +6,7 @@ mod adopt;
 mod atomic_file;
 mod backup;
 mod build_lookup;
+mod candidates;
 mod check;
 mod command;
 mod common;
@@ -82,28 +83,31 @@ enum CliCommand {
     /// Nest and publish the waiting parts of a profile now
     Flush {
         /// Machine profile
+        #[arg(add = candidates::of_profiles())]
         profile: String,
     },
     /// Stop a profile from firing batches until it is resumed
     Pause {
         /// Machine profile
+        #[arg(add = candidates::of_profiles())]
         profile: String,
     },
     /// Let a paused profile fire again
     Resume {
         /// Machine profile
+        #[arg(add = candidates::of_profiles())]
         profile: String,
     },
     /// Take a rejected part back
     Retry {
         /// Part number, as status and show print it (5 or p5)
-        #[arg(value_parser = values::parse_part_number)]
+        #[arg(value_parser = values::parse_part_number, add = candidates::of_refused_parts())]
         part: i64,
     },
     /// Take waiting parts, or some of their copies, out of the farm
     Cancel {
         /// Parts: numbers (5 or p5, 5=2 for two copies), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART[=N]|ORDER")]
+        #[arg(required = true, value_name = "PART[=N]|ORDER", add = candidates::of_parts())]
         targets: Vec<String>,
     },
     /// Change what was asked with waiting parts: copies, due date, priority, order and so on
@@ -111,22 +115,22 @@ enum CliCommand {
     /// Move waiting parts to another machine
     Move {
         /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART|ORDER")]
+        #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
         targets: Vec<String>,
         /// Machine profile to move them to
-        #[arg(long, value_name = "PROFILE")]
+        #[arg(long, value_name = "PROFILE", add = candidates::of_profiles())]
         to: String,
     },
     /// Print parts as they are that wait for a yes
     Confirm {
         /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART|ORDER")]
+        #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
         targets: Vec<String>,
     },
     /// Print again what was printed: a build, the last copies of a part, or an order
     Reprint {
         /// Build (b4), part (p5, 5=2 for two copies), order or file name
-        #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER")]
+        #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER", add = candidates::of_everything())]
         targets: Vec<String>,
     },
     /// Issue the same proved build once more, as a new build
@@ -136,7 +140,7 @@ enum CliCommand {
     /// Mark a profile's refused files, or the failed print of a build, as seen: they raise no alert any more
     Dismiss {
         /// Machine profile, or build (b4)
-        #[arg(value_name = "PROFILE|BUILD")]
+        #[arg(value_name = "PROFILE|BUILD", add = candidates::of_profiles())]
         profile: String,
     },
     /// Record the outcome of a published build
@@ -146,6 +150,7 @@ enum CliCommand {
     /// Take over a machine, and the files that another nestd claimed in its hot folder before it went away
     Adopt {
         /// Machine profile
+        #[arg(add = candidates::of_profiles())]
         profile: String,
     },
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
@@ -187,6 +192,8 @@ enum CliCommand {
 
 /// Parses the command line, runs the command and prints an error chain once.
 pub fn main() -> ExitCode {
+    // A shell that completes a word runs nestd with COMPLETE set; then this prints and ends.
+    clap_complete::CompleteEnv::with_factory(CommandLine::command).complete();
     let cli = CommandLine::parse();
     match dispatch_command(&cli) {
         Ok(CommandExit::Success) => ExitCode::SUCCESS,
@@ -235,7 +242,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Verify(args) => verify::run(common, args),
         CliCommand::Init(args) => new_farm::run_init(args),
         CliCommand::Machine(command) => new_farm::run_machine(common, command),
-        CliCommand::Completions { shell } => completions::print_completions(&CommandLine::command(), *shell),
+        CliCommand::Completions { shell } => completions::print_completions(*shell),
         CliCommand::Man { dir } => completions::write_manual(CommandLine::command(), dir),
         CliCommand::ReadPart => {
             farm::answer_read_request(std::io::stdin(), std::io::stdout()).map(|()| CommandExit::Success)

@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use super::{
-    CommandExit, CommonArgs,
+    CommandExit, CommonArgs, candidates,
     farm_context::{user_at_host, with_ledger},
     table::print_text,
     values::{parse_build_number, parse_part_copies},
@@ -14,7 +14,7 @@ use crate::ledger::{BuildId, PartId, PrintOutcome, ToldOutcome};
 #[derive(Debug, clap::Args)]
 pub struct OutcomeArgs {
     /// Build number, as history prints it (4 or b4)
-    #[arg(value_parser = parse_build_number)]
+    #[arg(value_parser = parse_build_number, add = candidates::of_builds())]
     build: i64,
     /// Outcome of the print
     outcome: OutcomeChoice,

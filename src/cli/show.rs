@@ -17,7 +17,7 @@ use crate::{farm::locate_build_file, settings::MachineProfile, tables::TimeView}
 pub struct ShowArgs {
     /// 'build 42' or b42, 'part 7' or p7, 'part FILE', 'order NAME', or only a number or name, which shows everything
     /// that matches
-    #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER")]
+    #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER", add = super::candidates::of_everything())]
     what: Vec<String>,
     /// Print all columns, however wide the terminal is
     #[arg(long)]

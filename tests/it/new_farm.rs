@@ -19,6 +19,24 @@ fn succeed(dir: &Path, words: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// The words that a shell offers for the last of these words.
+fn offered(dir: &Path, words: &[&str]) -> Vec<String> {
+    let output = Command::new(env!("CARGO_BIN_EXE_nestd"))
+        .args(["--", "nestd"])
+        .args(words)
+        .env("COMPLETE", "fish")
+        .env_remove("NESTD_ROOT")
+        .current_dir(dir)
+        .output()
+        .unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines()
+        .filter_map(|line| Some(line.split('\t').next()?.to_owned()))
+        .filter(|word| !word.starts_with('-'))
+        .collect()
+}
+
 /// (exit code, standard error).
 fn fail(dir: &Path, words: &[&str]) -> (Option<i32>, String) {
     let output = nestd(dir, words);
@@ -69,9 +87,20 @@ fn shells_and_man_know_every_command_and_the_version_names_the_commit() {
     let dir = tempfile::tempdir().unwrap();
     for shell in ["bash", "zsh", "fish"] {
         let script = succeed(dir.path(), &["completions", shell]);
-        assert!(["history", "machine", "completions"].iter().all(|word| script.contains(word)), "{shell}");
-        assert!(!script.contains("read-part"), "{shell}: what is hidden stays so");
+        assert!(script.contains("COMPLETE") && script.contains("nestd"), "{shell}: {script}");
     }
+    let commands = offered(dir.path(), &[""]);
+    assert!(
+        ["history", "machine", "completions"].iter().all(|word| commands.contains(&(*word).to_owned())),
+        "{commands:?}"
+    );
+    assert!(!commands.contains(&"read-part".to_owned()), "what is hidden stays so");
+    assert_eq!(offered(dir.path(), &["flush", ""]), [""; 0], "no farm, no words, no error");
+    succeed(dir.path(), &["init"]);
+    succeed(dir.path(), &["machine", "new", "hp-1", "--model", "mjf-5200"]);
+    assert_eq!(offered(dir.path(), &["flush", "h"]), ["hp-1"]);
+    let config = dir.path().join("config/nestd.toml");
+    assert_eq!(offered(Path::new("/"), &["-c", config.to_str().unwrap(), "pause", ""]), ["hp-1"]);
     succeed(dir.path(), &["man", "pages"]);
     let pages: Vec<String> = fs::read_dir(dir.path().join("pages"))
         .unwrap()

@@ -1,7 +1,7 @@
 //! Control files: a technician without a shell puts an empty file `FLUSH`, `PAUSE` or `RESUME` into the hot folder. It is
 //! removed once the farm has acted upon it.
 
-use std::{fs, io, os::unix::fs::MetadataExt, path::Path};
+use std::{ffi::OsStr, fs, io, os::unix::fs::MetadataExt, path::Path};
 
 use super::{InboxEntry, disk, display_name};
 
@@ -66,11 +66,7 @@ pub(super) enum ControlName {
 
 /// Recognises a control file by its name: in any case, and with `.txt`, which Windows adds and hides.
 pub(super) fn control_name(entry: &InboxEntry) -> Option<ControlName> {
-    let name = entry.path.file_name()?.to_str()?.to_ascii_uppercase();
-    let name = name.strip_suffix(".TXT").unwrap_or(&name);
-    let kind = [ControlKind::Flush, ControlKind::Pause, ControlKind::Resume]
-        .into_iter()
-        .find(|kind| kind.file_name() == name)?;
+    let kind = named_control(entry.path.file_name()?)?;
     match (entry.order.is_empty(), entry.size) {
         (true, 0) => Some(ControlName::Command(kind)),
         (true, _) => Some(ControlName::NotEmpty(kind)),
@@ -78,6 +74,13 @@ pub(super) fn control_name(entry: &InboxEntry) -> Option<ControlName> {
         // An order may hold a file of that name.
         (false, _) => None,
     }
+}
+
+/// The command that a file of this name gives.
+pub(super) fn named_control(name: &OsStr) -> Option<ControlKind> {
+    let name = name.to_str()?.to_ascii_uppercase();
+    let name = name.strip_suffix(".TXT").unwrap_or(&name);
+    [ControlKind::Flush, ControlKind::Pause, ControlKind::Resume].into_iter().find(|kind| kind.file_name() == name)
 }
 
 /// Why a file with the name of a control file gives no command.

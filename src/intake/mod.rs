@@ -57,6 +57,7 @@ mod test_inbox;
 #[cfg(test)]
 mod tests;
 mod ticket;
+mod upload;
 mod watch;
 
 pub use adopt::{adopt_claims, foreign_claims, taken_over_claims, unreleased_claims};
@@ -91,4 +92,5 @@ pub use settled_entry::SettledEntry;
 pub use status::write_status;
 pub use store::{ContentStore, StoreError, StoredFile};
 pub use ticket::{Ticket, TicketError};
+pub use upload::{UploadError, UploadedFile, check_upload_name, remove_unfinished_uploads};
 pub use watch::{InboxWatcher, WatchError};

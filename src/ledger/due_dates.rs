@@ -42,6 +42,16 @@ impl Ledger {
         Ok(query.bind(UtcTimestamp(until)).fetch_all(self.reader()?).await?)
     }
 
+    /// The parts that are not printed yet and whose due date was reported as at risk, by due date.
+    pub async fn parts_at_risk(&self) -> Result<Vec<DuePartRow>> {
+        let query = sql::query_as(
+            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, p.due_text, CAST(NULL AS DOUBLE PRECISION) AS height_mm \
+             FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NOT NULL \
+             AND p.state IN ('claimed', 'waiting', 'batched') ORDER BY p.due_at, p.id",
+        );
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
     /// Records that the due date of these parts of one order is at risk. Writes one event, which refers to the first
     /// part.
     pub async fn record_at_risk(&self, profile: &str, parts: &[PartId], detail: &str) -> Result<()> {

@@ -28,6 +28,15 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
 ];
 
+/// Events of the parts of an order.
+pub const ORDER_EVENT_COLUMNS: &[Column<EventRow>] = &[
+    Column::new("at", fields::EVENT, |event| event.at.into()),
+    Column::new("kind", fields::KIND, |event| event.kind.to_string().into()),
+    Column::new("part_id", fields::PART, |event| event.part_id.map_or(CellValue::Missing, CellValue::Part)),
+    Column::new("build", fields::BUILD, |event| event.build_id.into()),
+    Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
+];
+
 /// The facts of a build. `machine` is its machine profile at the time of the build. An open build has fewer facts.
 /// `copies` is the text with its number of copies, `file` the path of its file.
 pub fn build_facts(

@@ -34,6 +34,18 @@ pub const DENSITY: FieldDefinition = FieldDefinition::share("Density");
 pub const MEAN_DENSITY: FieldDefinition = FieldDefinition::share("Mean density");
 /// Share of the height of the machine's volume that a build uses.
 pub const USED: FieldDefinition = FieldDefinition::share("Used");
+/// Sum of build heights.
+pub const HEIGHT_SUM: FieldDefinition = FieldDefinition::real("Height", "mm", 1);
+/// Hours that printing takes.
+pub const PRINT_HOURS: FieldDefinition = FieldDefinition::real("Machine time", "h", 1);
+/// Volume of parts in litres.
+pub const PART_LITRES: FieldDefinition = FieldDefinition::real("Parts", "l", 2);
+/// Volume of cakes in litres.
+pub const CAKE_LITRES: FieldDefinition = FieldDefinition::real("Cake", "l", 2);
+/// Builds whose print failed.
+pub const FAILED_BUILDS: FieldDefinition = FieldDefinition::whole("Failed");
+/// Good copies among those of which somebody told how they came out.
+pub const YIELD: FieldDefinition = FieldDefinition::share("Yield");
 /// Number of layers of a build.
 pub const LAYERS: FieldDefinition = FieldDefinition::whole("Layers");
 /// Thickness of a layer.

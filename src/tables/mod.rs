@@ -8,6 +8,7 @@ mod field_definition;
 pub mod fields;
 mod history;
 mod machine_status;
+mod month;
 mod node_list;
 mod order_list;
 mod part_list;
@@ -16,11 +17,12 @@ mod pick_list;
 mod table_column;
 mod time_view;
 
-pub use build_sheet::{EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
+pub use build_sheet::{EVENT_COLUMNS, ORDER_EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
 pub use cell_value::CellValue;
 pub use field_definition::{FieldDefinition, SheetFact};
 pub use history::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS};
 pub use machine_status::{MACHINE_COLUMNS, MachineForecast, MachineNow};
+pub use month::{MONTH_COLUMNS, MachineOutput};
 pub use node_list::{FarmNode, NODE_COLUMNS, list_farm_nodes};
 pub use order_list::{BuiltCopies, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS};
 pub use part_list::{

@@ -6,9 +6,10 @@ use flate2::Compression;
 
 use super::compressed::CompressedBody;
 
-const ASSETS: [(&str, &str, &[u8]); 4] = [
+const ASSETS: [(&str, &str, &[u8]); 5] = [
     ("style.css", "text/css; charset=utf-8", include_bytes!("assets/style.css")),
     ("live.js", "text/javascript; charset=utf-8", include_bytes!("assets/live.js")),
+    ("drop.js", "text/javascript; charset=utf-8", include_bytes!("assets/drop.js")),
     ("view.js", "text/javascript; charset=utf-8", include_bytes!("assets/view.js")),
     ("icon.svg", "image/svg+xml", include_bytes!("assets/icon.svg")),
 ];

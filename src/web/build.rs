@@ -10,18 +10,18 @@ use super::{
     cached_render::{find_build, layout_version},
     chart,
     error::HandlerResult,
-    farm,
-    format::{count, prose_with_code},
+    format::prose_with_code,
     listing::{fact_list, table_of},
+    machine_card::fire_forecast_text,
     page::html_page,
-    picture::cake_picture,
     state::DashboardState,
+    view_section::{ViewSection, ViewedPart},
 };
 use crate::{
     farm::{CakeCopy, load_placed_parts},
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::MachineProfile,
-    tables::{BUILD_PART_COLUMNS, CountedPart, OUTCOME_COLUMNS, TimeView, build_facts},
+    tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
 };
 
 /// The page of a build.
@@ -31,7 +31,7 @@ pub(super) async fn show_build(
 ) -> HandlerResult<Markup> {
     let (build, profile) = find_build(&web, number_of_build).await?;
     let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
-    let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
+    let copies: u32 = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
     // Counts only the copies in this build: the other copies are in other builds, or wait.
     let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart { part, copies: copies.len() as u32 };
     let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
@@ -45,7 +45,7 @@ pub(super) async fn show_build(
         @else if !build.reason.is_empty() {
             p class=(if is_failure(build.state) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
-        @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
+        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
         p.links { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" }
             @if build.times.published_at.is_some() {
                 a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
@@ -61,6 +61,13 @@ pub(super) async fn show_build(
     Ok(html_page(&format!("Build {}", build.id), "", Some("view.js"), &content))
 }
 
+/// The 3D view of a build with its parts.
+fn view_of_build(build: &BuildRow, rows: &[CountedPart], view: &TimeView) -> ViewSection {
+    let due = |counted: &CountedPart| GivenDate::of_terms(&counted.part.terms).map(|due| view.due_text(&due));
+    let part = |counted: &CountedPart| ViewedPart::of_counted(counted, due(counted).unwrap_or_default());
+    ViewSection { build: build.id.0, version: view_version(build), parts: rows.iter().map(part).collect() }
+}
+
 /// When an open build fires, and which trigger fires it.
 async fn fire_forecast(
     web: &DashboardState,
@@ -74,7 +81,7 @@ async fn fire_forecast(
     Ok(status
         .iter()
         .find(|status| status.profile == build.profile)
-        .and_then(|status| farm::fire_forecast_text(profile, status)))
+        .and_then(|status| fire_forecast_text(profile, status)))
 }
 
 /// A text that changes when the layout of the build changes. A proved build does not change any more.
@@ -88,30 +95,6 @@ fn view_version(build: &BuildRow) -> String {
 /// Whether the reason of a build is a failure, not a note of the operator.
 fn is_failure(state: BuildState) -> bool {
     matches!(state, BuildState::Failed | BuildState::Interrupted)
-}
-
-/// The 3D view, or a picture without JavaScript. A report has no `version`: it contains its scene and its picture.
-pub(super) fn view_section(build: i64, copies: u32, version: &str) -> Markup {
-    html! {
-        section #view data-build=(build) data-copies=(copies) data-version=(version) aria-label="3D view" {
-            @if !version.is_empty() {
-                noscript { p { "The 3D view needs JavaScript. " } }
-            } @else {
-                noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
-            }
-            div.stage {
-                // Stands there until the view is drawn, and where it cannot be drawn.
-                @if !version.is_empty() { div.poster { (cake_picture(build)) } }
-                canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
-            }
-            div.controls {
-                label { "Cut at " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
-                label { "Explode" input #explode type="range" min="0" max="100" value="0"; }
-                button #home type="button" { "Whole view" }
-            }
-            p #hover role="status" { "Point at a copy to see what it is; click to see its siblings." }
-        }
-    }
 }
 
 /// A chart of the build height over the time of the search.

@@ -59,7 +59,7 @@ pub(super) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
     let has_counted = placements.iter().any(|placed| !placed.is_bad);
     html! {
         @if web.orders && build.times.published_at.is_some() {
-            section.forms aria-label="What became of the print" {
+            section.forms #told aria-label="What became of the print" {
                 (outcome_form(web, build, &bad_text(build, placements), is_told))
                 @if has_counted {
                     details { summary { "Print again" }

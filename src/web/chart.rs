@@ -2,16 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use jiff::ToSpan;
 use maud::{Markup, PreEscaped, html};
 
 use super::format::count;
 use crate::{ledger::HistoryRow, settings::FarmZone};
 
-const WIDTH: f64 = 640.0;
+/// Width of a chart: about that of a phone, so that its text is never smaller than it is written.
+const WIDTH: f64 = 360.0;
 const HEIGHT: f64 = 180.0;
-const LEFT: f64 = 46.0;
+const LEFT: f64 = 44.0;
 const BOTTOM: f64 = 26.0;
 const TOP: f64 = 10.0;
+/// Weeks that a month may touch; fewer of them are not drawn wider.
+const WEEKS_OF_MONTH: usize = 5;
 /// Most lines in a chart. The style sheet gives them colours that the colour-blind can tell apart.
 const MAX_LINES: usize = 6;
 
@@ -96,21 +100,81 @@ pub(super) fn plot_lines<'a>(
         let path: Vec<String> = line.iter().map(|p| format!("{:.1},{:.1}", x(p.0), y(p.1))).collect();
         body += &format!("<polyline class=\"c{at}\" points=\"{}\"/>", path.join(" "));
         if line.len() <= 60 {
-            body.extend(
-                line.iter()
-                    .map(|p| format!("<circle class=\"c{at}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"2.5\"/>", x(p.0), y(p.1))),
-            );
+            body.extend(line.iter().map(|p| {
+                let (cx, cy, told) = (x(p.0), y(p.1), short_number(p.1));
+                format!(
+                    "<circle class=\"c{at}\" cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"3\"><title>{told}, {}</title></circle>",
+                    label(p.0)
+                )
+            }));
         }
     }
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
             (PreEscaped(body))
-            @for (tick, anchor) in ["tick", "tick middle", "tick middle", "tick end"].into_iter().enumerate() {
-                @let at = first + (last - first) * tick as f64 / 3.0;
+            @for (tick, anchor) in ["tick", "tick middle", "tick end"].into_iter().enumerate() {
+                @let at = first + (last - first) * tick as f64 / 2.0;
                 @if tick == 0 || last > first { text class=(anchor) x=(format!("{:.1}", x(at))) y=(HEIGHT - 8.0) { (label(at)) } }
             }
         }
     }
+}
+
+/// Bars by week, from Monday on, stacked by machine; nothing if nothing was published. `value` is what is summed.
+pub(super) fn weekly_bars(
+    title: &str,
+    rows: &[HistoryRow],
+    zone: &FarmZone,
+    value: &dyn Fn(&HistoryRow) -> Option<f64>,
+) -> Markup {
+    let mut weeks: BTreeMap<jiff::civil::Date, BTreeMap<&str, f64>> = BTreeMap::new();
+    let mut machines: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in rows {
+        let (Some(at), Some(value)) = (row.published_at, value(row)) else { continue };
+        let day = at.0.to_zoned(zone.time_zone().clone()).date();
+        let monday = day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());
+        *weeks.entry(monday).or_default().entry(row.profile.as_str()).or_default() += value;
+        machines.insert(row.profile.as_str(), 0);
+    }
+    machines.values_mut().enumerate().for_each(|(place, number)| *number = place.min(MAX_LINES - 1));
+    let most = next_round_number(weeks.values().map(|week| week.values().sum()).fold(1e-9, f64::max));
+    let step = (WIDTH - LEFT - 8.0) / weeks.len().max(WEEKS_OF_MONTH) as f64;
+    let tall = HEIGHT - TOP - BOTTOM;
+    html! {
+        @if !weeks.is_empty() {
+            figure {
+                figcaption { (title) @for (name, number) in &machines { " " span class=(format!("key c{number}")) { (name) } } }
+                svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
+                    @for tick in 0..=4 {
+                        @let at = TOP + tall * (1.0 - f64::from(tick) / 4.0);
+                        line.grid x1=(LEFT) x2=(WIDTH - 8.0) y1=(at) y2=(at) {}
+                        text.tick.end x=(LEFT - 6.0) y=(at + 4.0) { (short_number(most * f64::from(tick) / 4.0)) }
+                    }
+                    @for (place, (monday, week)) in weeks.iter().enumerate() {
+                        @let left = LEFT + step * place as f64;
+                        @for (name, number, low, high) in stacked(week, &machines) {
+                            rect class=(format!("bar c{number}")) x=(format!("{:.1}", left + 0.15 * step)) width=(format!("{:.1}", 0.7 * step))
+                                y=(format!("{:.1}", TOP + tall * (1.0 - high / most))) height=(format!("{:.1}", tall * (high - low) / most)) {
+                                title { (name) ", week from " (monday) ": " (short_number(high - low)) }
+                            }
+                        }
+                        text.tick.middle x=(format!("{:.1}", left + 0.5 * step)) y=(HEIGHT - 8.0) { (monday.strftime("%d.%m.").to_string()) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The pieces of a bar from the bottom up: machine, number of its colour, lower and upper end.
+fn stacked<'a>(week: &BTreeMap<&'a str, f64>, machines: &BTreeMap<&'a str, usize>) -> Vec<(&'a str, usize, f64, f64)> {
+    let mut low = 0.0;
+    let mut piece = |(&name, &value): (&&'a str, &f64)| {
+        let from = low;
+        low += value;
+        (name, machines.get(name).copied().unwrap_or(0), from, from + value)
+    };
+    week.iter().map(&mut piece).collect()
 }
 
 /// The next round number: 1, 2, 2.5, 5 times a power of ten.

@@ -7,7 +7,7 @@ use std::{
     pin::Pin,
     sync::{
         Arc,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicU8, Ordering},
     },
     task::{Context, Poll, ready},
     time::Duration,
@@ -103,10 +103,22 @@ impl<L: Listener> Listener for LimitedListener<L> {
     }
 }
 
-/// Whether a complete request of a connection is being answered. Until the response is ready the connection does not
-/// time out: the client waits for us.
+/// How far the request of a connection is: it arrives, it is answered, or files arrive.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RequestInProgress(Arc<AtomicBool>);
+pub(super) struct RequestInProgress(Arc<AtomicU8>);
+
+/// The request arrives, within the time of a request.
+const ARRIVING: u8 = 0;
+/// It is complete. Until the response is ready the connection does not time out: the client waits for us.
+const ANSWERING: u8 = 1;
+/// Its files arrive, which may take long; each piece of them must come within the time of an idle connection.
+const UPLOADING: u8 = 2;
+
+impl RequestInProgress {
+    fn is_at(&self, stage: u8) -> bool {
+        self.0.load(Ordering::Relaxed) == stage
+    }
+}
 
 impl<L: Listener> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestInProgress {
     fn connect_info(stream: IncomingStream<'_, LimitedListener<L>>) -> Self {
@@ -114,25 +126,33 @@ impl<L: Listener> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestI
     }
 }
 
-/// Marks a request as in progress until the guard is dropped.
+/// Marks how far a request is until the guard is dropped.
 struct InProgressGuard(RequestInProgress);
 
 impl InProgressGuard {
-    fn new(answering: RequestInProgress) -> Self {
-        answering.0.store(true, Ordering::Relaxed);
-        Self(answering)
+    fn new(progress: RequestInProgress, stage: u8) -> Self {
+        progress.0.store(stage, Ordering::Relaxed);
+        Self(progress)
     }
 }
 
 impl Drop for InProgressGuard {
     fn drop(&mut self) {
-        self.0.0.store(false, Ordering::Relaxed);
+        self.0.0.store(ARRIVING, Ordering::Relaxed);
     }
 }
 
-/// Receives the whole request while the timeout of its connection runs, then answers it without that timeout.
+/// Whether a request brings files: the address of the form that adds them to a machine.
+fn brings_files(request: &Request) -> bool {
+    let path = request.uri().path();
+    *request.method() == Method::POST && path.starts_with("/machines/") && path.ends_with("/files")
+}
+
+/// Receives the whole request while the timeout of its connection runs, then answers it without that timeout. Files are received by
+/// whoever answers.
 pub(super) async fn buffer_then_answer(mut request: Request, next: Next) -> Response {
-    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+    let is_upload = brings_files(&request);
+    if !is_upload && !matches!(*request.method(), Method::GET | Method::HEAD) {
         let (head, body) = request.into_parts();
         let Ok(body) = to_bytes(body, MAX_BODY_BYTES).await else {
             let text = "the form is too long, or did not arrive as a whole".to_owned();
@@ -140,8 +160,9 @@ pub(super) async fn buffer_then_answer(mut request: Request, next: Next) -> Resp
         };
         request = Request::from_parts(head, Body::from(body));
     }
-    let answering = request.extensions().get::<ConnectInfo<RequestInProgress>>().map(|info| info.0.clone());
-    let _at_work = answering.map(InProgressGuard::new);
+    let progress = request.extensions().get::<ConnectInfo<RequestInProgress>>().map(|info| info.0.clone());
+    let stage = if is_upload { UPLOADING } else { ANSWERING };
+    let _at_work = progress.map(|progress| InProgressGuard::new(progress, stage));
     next.run(request).await
 }
 
@@ -167,7 +188,9 @@ impl<S> LimitedConnection<S> {
     }
 
     fn note_read(&mut self) {
-        if !self.is_receiving {
+        if self.in_progress.is_at(UPLOADING) {
+            self.restart_timeout(self.timeouts.idle);
+        } else if !self.is_receiving {
             self.is_receiving = true;
             self.restart_timeout(self.timeouts.request);
         }
@@ -182,7 +205,7 @@ impl<S> LimitedConnection<S> {
     fn poll_timeout(&mut self, context: &mut Context<'_>) -> Poll<io::Error> {
         loop {
             ready!(self.deadline.as_mut().poll(context));
-            if !self.in_progress.0.load(Ordering::Relaxed) {
+            if !self.in_progress.is_at(ANSWERING) {
                 return Poll::Ready(io::ErrorKind::TimedOut.into());
             }
             self.restart_timeout(self.timeouts.request);

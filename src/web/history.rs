@@ -28,6 +28,8 @@ use crate::{
     tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of, fields},
 };
 
+/// Spans of time that are one click away, days.
+const QUICK_SPANS: [i64; 3] = [7, 30, 90];
 /// Greatest number of builds on a page.
 const MAX_ROWS: u32 = 500;
 
@@ -142,7 +144,7 @@ pub(super) async fn show_history(
     let query = query_string(&filter)?;
     let content = html! {
         h1 { "History" }
-        (filter_form(&filter, settings.profiles.keys()))
+        (filter_form(&filter, Timestamp::now().to_zoned(settings.time_zone.time_zone().clone()).date(), settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
         (sums_table(&sums, &view))
@@ -155,7 +157,7 @@ pub(super) async fn show_history(
     Ok(html_page("History", "/history", None, &content))
 }
 
-fn filter_form<'a>(filter: &HistoryFilter, profiles: impl Iterator<Item = &'a String>) -> Markup {
+fn filter_form<'a>(filter: &HistoryFilter, today: Date, profiles: impl Iterator<Item = &'a String>) -> Markup {
     let states: Vec<String> =
         BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
@@ -176,6 +178,10 @@ fn filter_form<'a>(filter: &HistoryFilter, profiles: impl Iterator<Item = &'a St
                 @for (word, _, field) in &SORT_COLUMNS { option value=(word) selected[*word == filter.sort] { (field.page_heading()) } }
             } }
             button type="submit" { "Show" }
+            span { @for days in QUICK_SPANS {
+                @let since = today.saturating_sub(days.days());
+                a href=(format!("/history?since={since}")) { (days) " days" } " "
+            } }
         }
     }
 }

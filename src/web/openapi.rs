@@ -16,7 +16,7 @@ use super::{
     api,
     dto::{BuildResponse, PartResource, PartResponse},
     error::ApiError,
-    history, order, part, pick_page,
+    history, month, order, part, pick_page,
     state::DashboardState,
 };
 use crate::{
@@ -49,7 +49,7 @@ struct ApiRoute {
     handler: HandlerMaker,
 }
 
-const ROUTES: [ApiRoute; 9] = [
+const ROUTES: [ApiRoute; 10] = [
     ApiRoute {
         path: "/api/v1/farm",
         name: "farm",
@@ -122,6 +122,15 @@ const ROUTES: [ApiRoute; 9] = [
         query: Some(schema_of::<order::OrderFilter>),
         without: &[],
         handler: || get(order::get_orders),
+    },
+    ApiRoute {
+        path: "/api/v1/month",
+        name: "month",
+        summary: "What each machine made in a month and in the one before, what came late and what failed",
+        answer: schema_of::<month::MonthResponse>,
+        query: Some(schema_of::<month::MonthQuestion>),
+        without: &[],
+        handler: || get(month::get_month),
     },
     ApiRoute {
         path: "/api/v1/orders/{order}",

@@ -3,32 +3,32 @@
 use std::sync::Arc;
 
 use axum::{
-    Form, Json,
+    Json,
     extract::{Path, Query, State},
-    response::Response,
 };
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    command::{answer_page, check_form_key, send_commands},
     error::{HandlerError, HandlerResult},
     format::count,
     listing::table_of,
+    order_forms::{line_forms, order_buttons, order_forms},
     page::html_page,
-    query::{order_address, parse_field},
-    request_user::RequestUser,
+    query::parse_field,
     state::DashboardState,
 };
 use crate::{
-    ledger::{
-        CommandArgument, CommandKind, NewCommand, OrderLine, OrderQuery, OrderState, OrderSummary, PartState,
-        ReprintTarget,
+    ledger::{EventRow, OrderLine, OrderQuery, OrderState, OrderSummary},
+    tables::{
+        BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
+        fields,
     },
-    tables::{BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS, TimeView, fields},
 };
 
+/// Events of an order on its page.
+const MAX_EVENTS: usize = 200;
 /// Orders on a page unless asked otherwise.
 const USUAL_ORDERS: u32 = 200;
 /// Greatest number of orders on a page.
@@ -67,12 +67,6 @@ pub(super) struct OrderLineResource {
     line: OrderLine,
     /// The builds that hold copies of it, oldest first.
     builds: Vec<BuiltCopies>,
-}
-
-/// The form of a button that concerns a whole order.
-#[derive(Debug, Deserialize)]
-pub(super) struct OrderButtonForm {
-    key: String,
 }
 
 /// The orders that match the filter, and whether more may follow.
@@ -154,18 +148,37 @@ pub(super) async fn show_order(
         lines.into_iter().map(|line| (line.line, line.builds)).unzip();
     let mut builds = builds.concat();
     builds.sort_by_key(|row| (row.build.0, row.part.0));
+    let waiting: u32 = lines.iter().map(|line| line.copies.waiting).sum();
+    let parts = web.ledger.parts_of_order(&name).await?;
+    let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let content = html! {
         h1 { "Order " (name) ": " (summary.order.state) }
         (state_sentence(&summary, &view))
         (order_buttons(&web, &name, &lines))
+        (order_forms(&web, &name, &lines))
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
-        h2 { "Builds" }
+        (line_forms(&web, &lines, &parts))
+        h2 { "Where the copies are" }
+        @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }
         @else { (table_of("Builds", None, ORDER_BUILD_COLUMNS, &builds, &view)) }
+        h2 { "What happened, and who did it" }
+        (table_of("Events", None, ORDER_EVENT_COLUMNS, &events, &view))
     };
     Ok(html_page(&format!("Order {name}"), "/orders", None, &content))
+}
+
+/// The newest events of the parts of an order, newest first.
+async fn order_events(web: &DashboardState, lines: &[OrderLine]) -> HandlerResult<Vec<EventRow>> {
+    let mut events = Vec::new();
+    for line in lines {
+        events.extend(web.ledger.events_of_part(line.part).await?);
+    }
+    events.sort_by_key(|event| std::cmp::Reverse(event.id));
+    events.truncate(MAX_EVENTS);
+    Ok(events)
 }
 
 /// How far the order is.
@@ -178,69 +191,4 @@ fn state_sentence(summary: &OrderSummary, view: &TimeView) -> Markup {
             @if let Some(due) = GivenDate::new(summary.due_at, &summary.due_text) { " Due " (view.due_text(&due)) "." }
         }
     }
-}
-
-/// The buttons that concern the whole order. Each is folded away, so that nobody presses it by mistake.
-fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
-    let printed = lines.iter().any(|line| line.copies.printed + line.copies.good > 0);
-    let waiting = lines.iter().filter(|line| line.state == PartState::Waiting).count() as u32;
-    let address = order_address(name);
-    html! {
-        @if web.orders && printed {
-            details { summary { "Print again" }
-                p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
-                form.tell method="post" action=(format!("{address}/reprint")) {
-                    input type="hidden" name="key" value=(web.form_key);
-                    button type="submit" { "Print every printed copy again" }
-                }
-            }
-        }
-        @if web.orders && waiting > 0 {
-            details { summary { "Cancel" }
-                p { (count(waiting, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
-                form.tell method="post" action=(format!("{address}/cancel")) {
-                    input type="hidden" name="key" value=(web.form_key);
-                    button type="submit" { "Cancel what waits" }
-                }
-            }
-        }
-    }
-}
-
-/// Puts every printed copy of an order back among the waiting ones.
-pub(super) async fn post_reprint(
-    State(web): State<Arc<DashboardState>>,
-    Path(name): Path<String>,
-    RequestUser(by): RequestUser,
-    Form(form): Form<OrderButtonForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
-    let back = order_address(&name);
-    let report = web.ledger.reprint_copies(&ReprintTarget::Order(name), &by).await;
-    answer_page(report.map(|report| report.sentences()), &back)
-}
-
-/// Cancels what waits of an order.
-pub(super) async fn post_cancel(
-    State(web): State<Arc<DashboardState>>,
-    Path(name): Path<String>,
-    RequestUser(by): RequestUser,
-    Form(form): Form<OrderButtonForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
-    let lines = web.ledger.order_lines(&name).await?;
-    let cancel = |line: &OrderLine| NewCommand {
-        kind: CommandKind::Cancel,
-        profile: String::new(),
-        part: Some(line.part),
-        argument: CommandArgument { copies: waiting_of_several(line), edit: None },
-        asked_by: by.clone(),
-    };
-    let commands = lines.iter().filter(|line| line.state == PartState::Waiting).map(cancel).collect();
-    send_commands(&web, commands, &order_address(&name)).await
-}
-
-/// The waiting copies of a line, if others of it are in builds; `None` = all copies wait.
-fn waiting_of_several(line: &OrderLine) -> Option<u32> {
-    (line.copies.waiting < line.copies.wanted).then_some(line.copies.waiting)
 }

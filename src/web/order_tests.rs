@@ -38,6 +38,69 @@ impl TestDashboard {
 }
 
 #[tokio::test]
+async fn a_month_sums_up_what_each_machine_made_and_says_what_failed_and_what_was_late() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let row = dashboard.ledger.read_history(&Default::default()).await.unwrap().remove(0);
+    let zone = dashboard.web.current_settings().time_zone.clone();
+    let month = row.at.0.to_zoned(zone.time_zone().clone()).strftime("%Y-%m").to_string();
+    let late = crate::ledger::NewPartRow {
+        profile: "cube".to_owned(),
+        ..fixtures::asked(fixtures::new_part("late", 1), |terms| {
+            (terms.order_name, terms.due_at) = ("L1".to_owned(), Some(row.at.0 - jiff::SignedDuration::from_secs(1)));
+        })
+    };
+    let id = dashboard.ledger.record_claim(&late).await.unwrap().id;
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
+    assert_eq!(dashboard.tell(&[("act", "complete"), ("bad", "1=1")]).await.status, StatusCode::OK);
+    let report = dashboard.json(&format!("/api/v1/month?at={month}")).await;
+    let cube = &report["machines"][0];
+    let figures = ["builds", "copies", "good_copies", "bad_copies"].map(|key| cube[key].as_u64().unwrap());
+    assert_eq!(figures, [1, 2, 1, 1], "{report}");
+    assert_eq!((cube["height_mm"].as_f64(), cube["yield_share"].as_f64()), (Some(87.5), Some(0.5)));
+    assert!(
+        (cube["print_hours"].as_f64().unwrap() - 8.75).abs() < 1e-9
+            && (cube["part_litres"].as_f64().unwrap() - 0.002).abs() < 1e-9
+    );
+    assert!((cube["cake_litres"].as_f64().unwrap() - 0.002 / 0.21).abs() < 1e-9, "{cube}");
+    assert_eq!(report["before"][0]["builds"], 0);
+    assert_eq!((report["late"][0]["order_name"].as_str(), report["late"].as_array().unwrap().len()), (Some("L1"), 1));
+    dashboard.tell(&[("act", "failed"), ("correct", "yes"), ("note", "bed moved")]).await;
+    let page = dashboard.get(&format!("/month?at={month}")).await.text;
+    assert!(
+        page.contains("bed moved") && page.contains("href=\"/orders/L1\"") && page.contains("<rect class=\"bar c0\""),
+        "{page}"
+    );
+    let csv = dashboard.get(&format!("/month.csv?at={month}")).await.text;
+    assert!(csv.starts_with("profile,builds,failed_builds,height_mm") && csv.contains("cube,1,1,87.5"), "{csv}");
+    assert_eq!(dashboard.get("/month?at=1999-12").await.status, StatusCode::OK);
+    for wrong in ["2026-13", "soon", "2026", "2026-1", "99999-01"] {
+        assert_eq!(dashboard.get(&format!("/month?at={wrong}")).await.status, StatusCode::BAD_REQUEST, "{wrong}");
+    }
+}
+
+#[tokio::test]
+async fn the_forms_of_an_order_command_every_line_that_waits() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let parts =
+        [dashboard.claim("a", "N1").await, dashboard.claim("b", "N1").await, dashboard.claim("c", "other").await];
+    let page = dashboard.get("/orders/N1").await.text;
+    assert!(page.contains("action=\"/orders/N1/edit\"") && page.contains("For all 2 waiting parts"), "{page}");
+    let refused = async |path: &str, fields: &[(&str, &str)]| dashboard.post_to(path, fields).await.status;
+    assert_eq!(refused("/orders/N1/edit", &[("key", "guessed"), ("priority", "90")]).await, StatusCode::FORBIDDEN);
+    assert_eq!(refused("/orders/N1/edit", &[("key", "key")]).await, StatusCode::BAD_REQUEST);
+    assert_eq!(refused("/orders/N1/edit", &[("key", "key"), ("due", "soon")]).await, StatusCode::BAD_REQUEST);
+    assert_eq!(refused("/orders/N1/move", &[("key", "key"), ("profile", "gone")]).await, StatusCode::NOT_FOUND);
+    assert_eq!(refused("/orders/none/edit", &[("key", "key"), ("priority", "9")]).await, StatusCode::CONFLICT);
+    // No daemon answers here: the commands are noted.
+    let edited = dashboard.post_to("/orders/N1/edit", &[("key", "key"), ("priority", "90"), ("due", "none")]).await;
+    assert!(edited.text.contains("has not answered"), "{}", edited.text);
+    let mut asked: Vec<_> =
+        dashboard.ledger.pending_commands().await.unwrap().into_iter().map(|row| (row.kind, row.part_id)).collect();
+    asked.sort_by_key(|(_, part)| *part);
+    assert_eq!(asked, [(CommandKind::Edit, Some(parts[0])), (CommandKind::Edit, Some(parts[1]))]);
+}
+
+#[tokio::test]
 async fn orders_are_found_by_any_part_of_their_name_and_open_ones_come_first() {
     let dashboard = with_a_build("Old Möbel.stl").await;
     assert_eq!(dashboard.tell(&[("act", "complete")]).await.status, StatusCode::OK);

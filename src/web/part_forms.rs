@@ -59,7 +59,7 @@ pub(super) fn part_forms(web: &DashboardState, part: &PartRow, printed: u32) -> 
     let can_edit = matches!(part.state, PartState::Waiting | PartState::Batched | PartState::Built);
     html! {
         @if web.orders {
-            section.forms aria-label="Change what was asked" {
+            section.forms #edit aria-label="Change what was asked" {
                 @if can_edit { (edit_form(web, part)) }
                 @if part.state == PartState::Waiting { (move_form(web, part)) }
                 @if printed > 0 { (reprint_form(web, part.id, printed)) }
@@ -182,8 +182,13 @@ async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId
 }
 
 impl PartEditForm {
+    /// The key of the page that it comes from.
+    pub(super) fn key(&self) -> &str {
+        &self.key
+    }
+
     /// The fields that differ from what the page showed.
-    fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit, String> {
+    pub(super) fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit, String> {
         let changed = |new: &str, old: &str| Some(new.trim().to_owned()).filter(|new| new != old.trim());
         let due = |text: String| match text.is_empty() || text.eq_ignore_ascii_case("none") {
             true => Ok(None),

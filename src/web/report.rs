@@ -8,12 +8,13 @@ use build_file::{BuildMetadata, Viewpoint};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
-    build::{height_curve, view_section},
+    build::height_curve,
     format::count,
     listing::{fact_list, table_of},
     pick_map,
     scene::pack_scene,
     search_report::ReportExcerpt,
+    view_section::{ViewSection, ViewedPart},
 };
 use crate::{
     farm::CakeContents,
@@ -83,12 +84,13 @@ impl HtmlReport<'_> {
     fn body_markup(&self, title: &str, number: i64) -> Markup {
         let copies = self.cake.copy_count() as u32;
         let (points, cake) = self.search_results();
+        let parts = self.cake.parts.iter().map(ViewedPart::of_cake).collect();
         html! {
             h1 { (title) }
             @if self.cake.missing_mesh_count() > 0 {
                 p.bad { (count(self.cake.missing_mesh_count() as u32, "part is", "parts are")) " not shown: the originals are no longer kept." }
             }
-            (view_section(number, copies, ""))
+            (ViewSection { build: number, version: String::new(), parts }.to_markup())
             (self.facts_markup(copies))
             (height_curve(&points))
             h2 { "Parts" }

@@ -48,6 +48,8 @@ struct SceneMesh {
     part: i64,
     name: String,
     order: String,
+    /// When it is due, as people read it, "" = no date.
+    due: String,
     vertices: usize,
     triangles: usize,
     /// The lowest coordinates, and the length of a step, mm.
@@ -63,6 +65,8 @@ struct SceneCopy {
     translation_mm: [f64; 3],
     low_mm: f64,
     top_mm: f64,
+    /// Its step in the proved order of removal, from 1; `None` = not proved.
+    step: Option<u32>,
 }
 
 /// The scene of a build.
@@ -99,6 +103,7 @@ pub(super) fn pack_scene(
             part: part.part,
             name: part.name.clone(),
             order: part.order.clone(),
+            due: part.due.clone(),
             vertices: reduced.vertices.len(),
             triangles: reduced.triangles.len(),
             low_mm,
@@ -152,6 +157,7 @@ fn scene_copies(part: &CakePart, mesh: &Mesh) -> Vec<SceneCopy> {
             translation_mm: standing.pose.translation.to_array(),
             low_mm: bounds.min.z,
             top_mm: bounds.max.z,
+            step: standing.drawn.map(|drawn| drawn.position),
         }
     };
     part.copies.iter().map(copy).collect()

@@ -17,11 +17,11 @@ use super::{
     cache::RecentCache,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
-    content, device_name,
+    content, device_name, drop,
     error::HandlerError,
-    farm as farm_page, guard, history,
+    farm as farm_page, flush, guard, history,
     listener::DashboardListener,
-    live, metrics, openapi, order, part, part_forms, pick_page, picture, scene, search,
+    live, metrics, month, needs, openapi, order, order_forms, part, part_forms, pick_page, picture, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -62,9 +62,13 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         },
         metrics: MetricsExporter::default(),
         render_slot: Arc::new(Semaphore::new(1)),
+        upload_slots: Arc::new(Semaphore::new(drop::MAX_UPLOADS)),
         changes: changes.clone(),
     });
     tokio::spawn(live::watch_for_changes(shared.clone(), changes));
+    if shared.orders {
+        tokio::spawn(drop::sweep_unfinished(shared.clone()));
+    }
     let routes = build_router(shared).into_make_service_with_connect_info::<RequestInProgress>();
     match listener {
         DashboardListener::Tcp(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
@@ -85,9 +89,16 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/builds/{build}/parts/{part}/picture", get(picture::get_part_picture))
         .route("/builds/{build}/picture", get(picture::get_picture))
         .route("/builds/{build}/scene", get(scene::get_scene))
+        .route("/machines/{machine}/flush", get(flush::show_preview))
+        .route("/machines/{machine}/drop", get(drop::show_form))
+        .route("/machines/{machine}/files", post(drop::post_files).layer(DefaultBodyLimit::disable()))
+        .route("/machines/{machine}/dismiss", post(needs::post_dismiss))
         .route("/history", get(history::show_history))
         .route("/history.csv", get(history::download_csv))
         .route("/history.json", get(history::download_json))
+        .route("/month", get(month::show_month))
+        .route("/month.csv", get(month::download_csv))
+        .route("/month.json", get(month::get_month))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
         .route("/parts/{part}/edit", post(part_forms::post_edit))
@@ -98,8 +109,10 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/name", post(device_name::post_name))
         .route("/orders", get(order::list_orders))
         .route("/orders/{order}", get(order::show_order))
-        .route("/orders/{order}/cancel", post(order::post_cancel))
-        .route("/orders/{order}/reprint", post(order::post_reprint))
+        .route("/orders/{order}/cancel", post(order_forms::post_cancel))
+        .route("/orders/{order}/edit", post(order_forms::post_edit))
+        .route("/orders/{order}/move", post(order_forms::post_move))
+        .route("/orders/{order}/reprint", post(order_forms::post_reprint))
         .route("/assets/{name}", get(asset_route::get_asset))
         .route("/content/{hash}", get(content::get_content))
         .route("/metrics", get(metrics::get_metrics))

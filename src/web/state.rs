@@ -31,6 +31,8 @@ pub(super) struct DashboardState {
     pub(super) metrics: MetricsExporter,
     /// Who holds it makes something for the caches: looking takes one core and the meshes of one build from the farm at most.
     pub(super) render_slot: Arc<Semaphore>,
+    /// Who holds one of these receives files from a form.
+    pub(super) upload_slots: Arc<Semaphore>,
     pub(super) changes: watch::Sender<u64>,
 }
 

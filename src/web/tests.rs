@@ -25,6 +25,8 @@ mod api;
 mod asset_tests;
 #[path = "break_out_tests.rs"]
 mod break_out_tests;
+#[path = "drop_tests.rs"]
+mod drop_tests;
 #[path = "guard_tests.rs"]
 mod guard;
 #[path = "order_tests.rs"]
@@ -68,6 +70,7 @@ impl TestDashboard {
             },
             metrics: Default::default(),
             render_slot: Arc::new(Semaphore::new(1)),
+            upload_slots: Arc::new(Semaphore::new(1)),
             changes: watch::Sender::new(0),
         };
         change(&mut web);
@@ -96,7 +99,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 10] = [
+const PAGES: [&str; 13] = [
     "/",
     "/history",
     "/parts",
@@ -107,6 +110,9 @@ const PAGES: [&str; 10] = [
     "/orders",
     "/orders/bracket.stl",
     "/search?q=bracket",
+    "/month",
+    "/machines/cube/flush",
+    "/machines/cube/drop",
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {

@@ -1,6 +1,6 @@
 // Checks of the dashboard in a real browser: node pages.mjs '{"chromium": ..., "base": ..., ...}'; tests/browser/pages.rs calls it.
 import assert from "node:assert/strict";
-import { copyFileSync, readdirSync, renameSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, readdirSync, renameSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { drawn, open, pixels, start, violations } from "./browser.mjs";
 
@@ -8,9 +8,9 @@ const farm = JSON.parse(process.argv[2]);
 const { base } = farm;
 const browser = await start(farm.chromium);
 const PAGES = { farm: "/", build: `/builds/${farm.build}`, pick: `/builds/${farm.build}/pick`, breakOut: `/builds/${farm.build}/break-out`, open: `/builds/${farm.open}`, history: "/history",
-  parts: "/parts", part: `/parts/${farm.part}`, orders: "/orders", order: `/orders/${encodeURIComponent(farm.order)}`, refused: `/parts/${farm.refused}`, missing: "/parts/999999" };
+  parts: "/parts", part: `/parts/${farm.part}`, orders: "/orders", order: `/orders/${encodeURIComponent(farm.order)}`, refused: `/parts/${farm.refused}`, search: "/search?q=e", flush: `/machines/${farm.profile}/flush`, drop: `/machines/${farm.profile}/drop`, month: "/month", missing: "/parts/999999" };
 const SPATIAL = ["build", "open"];
-const WIDTHS = [360, 1280, 2560];
+const WIDTHS = [390, 800, 1440];
 const builds = () => readdirSync(farm.queue).filter((name) => name.endsWith(".build.3mf")).length;
 const api = async (path) => (await fetch(base + path)).json();
 const until = async (what, holds, secs = 60) => {
@@ -90,12 +90,74 @@ const checks = {
     }
     assert.ok(found, "no part is under the pointer");
     assert.ok([...names].some((name) => found.said.startsWith(name)), `${found.said} is not of the build`);
-    assert.equal(whole.red, 0);
     await page.mouse.click(...found.place);
-    assert.ok((await pixels(page)).red > 20, "a click marks the siblings");
+    const marked = await pixels(page);
+    assert.notEqual(marked.sum, whole.sum, "a click makes ghosts of all but the siblings");
+    assert.equal(await page.locator(".view-part[aria-pressed=true]").count(), 1, "the list shows what is chosen");
+    assert.ok(found.said.startsWith(await page.locator(".view-part[aria-pressed=true]").evaluate((entry) => entry.childNodes[1].textContent.trim())));
+    await page.keyboard.press("Escape");
+    assert.equal(await page.locator(".view-part[aria-pressed=true]").count(), 0);
+    // The other way: the list chooses in the view, by pointer and by keyboard.
+    await page.mouse.move(0, 0);
+    const before = await pixels(page);
+    await page.locator(".view-part").first().hover();
+    assert.notEqual((await pixels(page)).sum, before.sum, "pointing at a line shows its copies");
+    await page.mouse.move(0, 0);
+    assert.equal((await pixels(page)).sum, before.sum);
+    await page.locator(".view-order").first().focus();
+    await page.keyboard.press("Enter");
+    assert.ok(await page.locator(".view-part[aria-pressed=true]").count() >= 1, "an order is chosen with all its parts");
+    await page.keyboard.press("Enter");
+    for (const colouring of ["order", "due", "height", "step"]) {
+      await page.selectOption("#colour", colouring);
+      assert.ok(await page.locator("#legend span.swatch").count() >= 1, `${colouring} has a legend`);
+      if (colouring !== "due") assert.notEqual((await pixels(page)).sum, before.sum, `colours by ${colouring}`);
+    }
     clean(page);
     await page.context().close();
     return `${count} copies, ${whole.colours} colours`;
+  },
+
+  async "the search is on every page, the key / leads to it, and it finds what it should"() {
+    const page = await open(browser, base, PAGES.history);
+    await page.keyboard.press("/");
+    await page.keyboard.type("MÜLLER");
+    await page.keyboard.press("Enter");
+    await page.getByRole("heading", { name: "Search: MÜLLER" }).waitFor();
+    assert.equal(await page.getByRole("region", { name: "orders" }).getByRole("link").first().innerText(), "Müller & Söhne");
+    await page.fill("nav input[type=search]", `build ${farm.build}`);
+    await page.keyboard.press("Enter");
+    await page.getByRole("link", { name: `Build ${farm.build}`, exact: true }).click();
+    await page.getByRole("heading", { level: 1, name: `Build ${farm.build} on` }).waitFor();
+    assert.deepEqual(page.wrong.filter((wrong) => !/live/.test(wrong)), []);
+    await page.context().close();
+  },
+
+  async "files are added by form and by dropping them, with and without JavaScript"() {
+    const waits = async (name) => (await api(`/api/v1/parts?name=${encodeURIComponent(name)}`)).some((part) => part.name === name && part.state === "waiting");
+    for (const [name, javaScriptEnabled] of [["by-form.stl", false], ["by-script.stl", true]]) {
+      const page = await open(browser, base, PAGES.drop, { javaScriptEnabled });
+      await page.fill("main input[name=copies]", "2");
+      await page.fill("main input[name=order]", "Form & Co");
+      await page.setInputFiles("main input[type=file]", { name, mimeType: "model/stl", buffer: readFileSync(farm.sample) });
+      await page.getByRole("button", { name: /^Add to/ }).click();
+      await page.getByText(`${name} is in the hot folder`).waitFor({ timeout: 30000 });
+      await until(`${name} waits`, () => waits(name));
+      const [part] = await api(`/api/v1/parts?name=${name}`);
+      assert.deepEqual([part.copies, part.order], [2, "Form & Co"], JSON.stringify(part));
+      clean(page);
+      await page.context().close();
+    }
+    const page = await open(browser, base, PAGES.farm);
+    const card = page.locator(`section[aria-label="${farm.profile}"]`), bytes = readFileSync(farm.sample).toString("base64");
+    const files = await page.evaluateHandle((text) => { const all = new DataTransfer(); all.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], "by-drop.stl")); return all; }, bytes);
+    for (const kind of ["dragover", "drop"]) await card.dispatchEvent(kind, { dataTransfer: files });
+    assert.match(await card.locator(".chosen").innerText(), /by-drop\.stl, \d+ kB/);
+    await card.getByRole("button", { name: /^Add to/ }).click();
+    await card.getByText("by-drop.stl is in the hot folder").waitFor({ timeout: 30000 });
+    await until("by-drop.stl waits", () => waits("by-drop.stl"));
+    clean(page);
+    await page.context().close();
   },
 
   async "an open build is shown before it is published"() {
@@ -209,7 +271,9 @@ const checks = {
     const before = builds();
     const page = await open(browser, base, PAGES.farm, { javaScriptEnabled: false });
     assert.ok((await page.innerText("main")).includes("Waiting"), "the page is readable without JavaScript");
-    await page.locator(`section[aria-label="${farm.profile}"]`).getByRole("button", { name: /^Flush/ }).click();
+    await page.locator(`section[aria-label="${farm.profile}"]`).getByRole("link", { name: /^Flush/ }).click();
+    assert.match(await page.innerText("main"), /copies of \d+ parts wait\. The layout so far holds \d+ of them and stands at [\d.]+ mm/);
+    await page.getByRole("button", { name: /^Flush now/ }).click();
     await until("one more build is in the queue folder", () => builds() === before + 1);
     await until("the ledger has it", async () => (await api("/api/v1/builds")).filter((b) => b.published_at).length === before + 1);
     await page.context().close();
@@ -355,7 +419,7 @@ async function pictured(page) {
 
 /** Pictures of each page for the documentation. */
 async function shoot() {
-  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["open", 1280, "light"], ["pick", 1280, "light"],
+  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["open", 1280, "light"], ["build", 390, "dark"], ["month", 1280, "light"], ["order", 1280, "light"], ["search", 1280, "light"], ["flush", 1280, "light"], ["drop", 390, "light"], ["pick", 1280, "light"],
     ["history", 1280, "light"], ["history", 1280, "dark"], ["parts", 1280, "light"], ["part", 1280, "light"], ["refused", 360, "light"]]) {
     const page = await open(browser, base, PAGES[name], { width, scheme });
     if (SPATIAL.includes(name)) await drawn(page);

@@ -93,7 +93,7 @@ impl BrowserDashboard {
     }
 
     /// Drops some copies of all sample parts except the largest, as one order per customer.
-    fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
+    pub fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
         let samples: Vec<_> =
             sample_parts::all_samples().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
         for (at, sample) in samples.iter().enumerate() {
@@ -190,7 +190,7 @@ fn open_build(dashboard: &BrowserDashboard) -> i64 {
 }
 
 /// The folder with the checks and their npm packages, made once for all tests.
-fn tools() -> PathBuf {
+pub fn tools() -> PathBuf {
     static TOOLS: LazyLock<PathBuf> = LazyLock::new(fetched);
     TOOLS.clone()
 }

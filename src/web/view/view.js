@@ -1,85 +1,80 @@
-// The 3D view of a build: draws each mesh once, with its copies as instances. build.sh bundles it with three.js into
-// ../assets/view.js.
-import { AmbientLight, BufferAttribute, BufferGeometry, Box3, Box3Helper, Color, DirectionalLight, InstancedMesh, Matrix4, MeshLambertMaterial,
-  PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+// The 3D view of a build and the list beside it: what is chosen or pointed at on one side is shown on the other. build.sh bundles it with
+// three.js into ../assets/view.js.
+import { AmbientLight, Color, DirectionalLight, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Cake } from "./cake.js";
+import { furniture } from "./furniture.js";
+import { load } from "./load.js";
+import { kindColour, scaleColour } from "./palette.js";
 
-// Okabe and Ito's colours, which the colour-blind can tell apart, plain, lighter and darker: those of the pictures (format/shade).
-const COLOURS = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66]];
-const colourOf = (number) => {
-  const shade = [(c) => c, (c) => c + 0.45 * (255 - c), (c) => 0.62 * c][(number / COLOURS.length | 0) % 3];
-  return new Color(`rgb(${COLOURS[number % COLOURS.length].map((c) => Math.round(shade(c))).join(",")})`);
-};
 const section = document.querySelector("#view");
-const HINT = "Point at a copy to see what it is; click to see its siblings.";
+const HINT = "Point at a copy or at a line of the list to see what it is; press to keep it chosen.";
+const least = (numbers) => numbers.reduce((a, b) => Math.min(a, b), Infinity), most = (numbers) => numbers.reduce((a, b) => Math.max(a, b), -Infinity);
 
-// A report contains its scene; a page fetches it from the server.
-async function fetched(build) {
-  const inside = document.querySelector("#scene");
-  if (inside) return Uint8Array.from(atob(inside.textContent), (letter) => letter.charCodeAt(0)).buffer;
-  const answer = await fetch(`/builds/${build}/scene`);
-  if (!answer.ok) throw new Error(`the server answers ${answer.status}`);
-  return answer.arrayBuffer();
-}
-
-async function load(build) {
-  const bytes = await fetched(build);
-  const length = new DataView(bytes).getUint32(0, true);
-  const scene = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
-  let at = 4 + length;
-  // Numbers are differences to the one before, in 16 bits: three runs of coordinates in steps of the mesh, then the corners.
-  const run = (count, step) => { let sum = 0; const differences = new Uint16Array(bytes, at, count); at += 2 * count; for (let n = 0; n < count; n += 1) { sum = (sum + differences[n]) & 65535; step(sum, n); } };
-  for (const mesh of scene.meshes) {
-    mesh.positions = new Float32Array(3 * mesh.vertices);
-    for (let axis = 0; axis < 3; axis += 1) run(mesh.vertices, (sum, n) => { mesh.positions[3 * n + axis] = mesh.low_mm[axis] + mesh.step_mm * sum; });
-    mesh.indices = new Uint16Array(3 * mesh.triangles);
-    run(3 * mesh.triangles, (sum, n) => { mesh.indices[n] = sum; });
-  }
-  return scene;
+/** What colours can mean: the colour of a copy, and a legend of colours with words. */
+function colourings(data) {
+  const orders = [...new Set(data.meshes.map((mesh) => mesh.order))].sort(), number = new Map(data.meshes.map((mesh, at) => [mesh, at]));
+  const copies = data.meshes.flatMap((mesh) => mesh.copies);
+  const dues = [...new Set(data.meshes.map((mesh) => mesh.due).filter(Boolean))].sort(), lastStep = most(copies.map((copy) => copy.step ?? 0));
+  const steps = (words) => words.map((text, at) => [scaleColour(words.length > 1 ? at / (words.length - 1) : 0), text]);
+  const low = least(copies.map((copy) => copy.low_mm)), top = data.height_mm ?? most(copies.map((copy) => copy.top_mm));
+  const middle = (copy) => (copy.low_mm + copy.top_mm) / 2;
+  const dueShare = (mesh) => (mesh.due ? dues.indexOf(mesh.due) / Math.max(dues.length - 1, 1) : null);
+  const few = dues.length > 6 ? [dues[0], dues[dues.length >> 1], dues[dues.length - 1]] : dues;
+  return {
+    part: { colour: (mesh) => kindColour(number.get(mesh)), legend: [] },
+    order: { colour: (mesh) => kindColour(orders.indexOf(mesh.order)), legend: orders.map((name, at) => [kindColour(at), name || "no order"]) },
+    due: { colour: (mesh) => scaleColour(dueShare(mesh)), legend: [...steps(few), [scaleColour(null), "no date"]] },
+    height: { colour: (_, copy) => scaleColour((middle(copy) - low) / (top - low || 1)), legend: steps([low, (low + top) / 2, top].map((mm) => `${mm.toFixed(0)} mm`)) },
+    step: { colour: (_, copy) => scaleColour(copy.step ? 1 - (copy.step - 1) / Math.max(lastStep - 1, 1) : null), legend: lastStep ? steps([`${lastStep}: last out`, "1: first out"]) : [[scaleColour(null), "no proved order of removal"]] },
+  };
 }
 
 function show(data) {
-  const canvas = section.querySelector("canvas"), hover = section.querySelector("#hover");
+  const canvas = section.querySelector("canvas"), hover = section.querySelector("#hover"), entries = [...section.querySelectorAll("[data-part]")];
   const renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
   renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
   renderer.localClippingEnabled = true;
-  const scene = new Scene(), style = (name) => new Color(getComputedStyle(section).getPropertyValue(name).trim() || "#f4f5f6");
-  const [x, y, z] = data.volume_mm, size = Math.hypot(x, y, z), middle = new Vector3(x / 2, y / 2, z / 2);
+  const scene = new Scene(), style = (name) => getComputedStyle(section).getPropertyValue(name).trim() || "#5c6670";
+  const [x, y, z] = data.volume_mm, size = Math.hypot(x, y, z);
   const camera = new PerspectiveCamera(35, 1, size / 200, size * 10); camera.up.set(0, 0, 1);
   const sun = new DirectionalLight("#ffffff", 2.2); camera.add(sun); sun.position.set(-0.4, 0.8, 0.5);
-  const box = new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)));
-  scene.add(camera, new AmbientLight("#ffffff", 1.1), box);
-  const theme = () => { scene.background = style("--canvas"); box.material.color.copy(style("--box")); };
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { theme(); draw(); });
-  const knife = new Plane(new Vector3(0, 0, -1), z + 1);
-  const instanced = [], chosen = new Color("#d40000"), turn = new Quaternion(), one = new Vector3(1, 1, 1), place = new Vector3(), matrix = new Matrix4();
-  data.meshes.forEach((mesh, number) => {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
-    geometry.setIndex(new BufferAttribute(mesh.indices, 1));
-    const material = new MeshLambertMaterial({ flatShading: true, clippingPlanes: [knife], side: 2 });
-    const drawn = new InstancedMesh(geometry, material, mesh.copies.length);
-    drawn.userData = { mesh, colour: colourOf(number) };
-    scene.add(drawn); instanced.push(drawn);
-  });
-  // The page of a part links to its copies: /builds/1#part-7.
-  const linked = () => Number(/^#part-(\d+)$/.exec(location.hash)?.[1]) || null;
-  let marked = linked();
-  addEventListener("hashchange", () => { marked = linked(); paint(); draw(); });
-  const paint = () => instanced.forEach((drawn) => {
-    const { mesh, colour } = drawn.userData;
-    mesh.copies.forEach((_, at) => drawn.setColorAt(at, marked === mesh.part ? chosen : colour));
-    if (drawn.instanceColor) drawn.instanceColor.needsUpdate = true;
-  });
-  const pose = (explode) => instanced.forEach((drawn) => {
-    drawn.userData.mesh.copies.forEach((copy, at) => {
-      place.fromArray(copy.translation_mm);
-      const out = new Vector3((place.x - x / 2), (place.y - y / 2), (copy.low_mm + copy.top_mm) / 2).multiplyScalar(explode);
-      turn.fromArray(copy.rotation);
-      drawn.setMatrixAt(at, matrix.compose(place.clone().add(out), turn, one));
-    });
-    drawn.instanceMatrix.needsUpdate = true; drawn.computeBoundingSphere();
-  });
+  scene.add(camera, new AmbientLight("#ffffff", 1.1));
+  const knife = new Plane(new Vector3(0, 0, -1), z + 1), cake = new Cake(data, knife), meanings = colourings(data);
+  scene.add(...cake.objects);
+  let around = null;
+  const theme = () => { scene.background = new Color(style("--canvas")); if (around) scene.remove(around); around = furniture(data.volume_mm, data.height_mm, style("--box"), style("--text")); scene.add(around); paint(); };
+
+  // What is chosen for good, and what is pointed at: { part } or { order }; null = nothing. The page of a part links to its copies.
+  const linked = () => { const part = Number(/^#part-(\d+)$/.exec(location.hash)?.[1]); return part ? { part } : null; };
+  let chosen = linked(), pointed = null;
+  const fits = (mesh, what) => (what.part === undefined ? mesh.order === what.order : mesh.part === what.part);
+  const same = (one, other) => one?.part === other?.part && one?.order === other?.order;
+  const meaning = () => meanings[section.querySelector("#colour")?.value] ?? meanings.part;
+  function paint() {
+    const what = pointed ?? chosen, { colour } = meaning();
+    cake.arrange((mesh) => !what || fits(mesh, what), colour, style("--box"));
+    draw();
+  }
+  function mark() {
+    const parts = new Map(data.meshes.map((mesh) => [mesh.part, mesh])), { colour, legend } = meaning();
+    for (const entry of entries) {
+      const mesh = parts.get(Number(entry.dataset.part)), [copy] = mesh?.copies ?? [];
+      entry.setAttribute("aria-pressed", String(Boolean(mesh && chosen && fits(mesh, chosen))));
+      const swatch = entry.querySelector(".swatch");
+      if (swatch) swatch.style.background = copy ? colour(mesh, copy) : "none";
+    }
+    for (const heading of section.querySelectorAll("[data-order]")) heading.setAttribute("aria-pressed", String(same(chosen, { order: heading.dataset.order })));
+    section.querySelector("#legend")?.replaceChildren(...legend.map(([colour, text]) => {
+      const line = document.createElement("span"), swatch = Object.assign(document.createElement("span"), { className: "swatch" });
+      swatch.style.background = colour; line.append(swatch, ` ${text}`);
+      return line;
+    }));
+  }
+  const choose = (what) => { chosen = same(what, chosen) ? null : what; pointed = null; mark(); paint(); };
+  const point = (what) => { if (same(what, pointed)) return; pointed = what; paint(); };
+  addEventListener("hashchange", () => { chosen = linked(); mark(); paint(); });
+
   const controls = new OrbitControls(camera, canvas);
   // Looks from the front, slightly from the right and above, as near as possible with the whole build in view.
   const home = () => {
@@ -91,46 +86,73 @@ function show(data) {
       const corner = new Vector3(sx, sy, sz).multiplyScalar(0.5);
       distance = Math.max(distance, corner.dot(back) + Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall));
     }
-    camera.position.copy(controls.target).addScaledVector(back, 1.06 * distance); controls.update(); draw();
+    camera.position.copy(controls.target).addScaledVector(back, 1.12 * distance); controls.update(); draw();
   };
   let asked = false;
-  const draw = () => { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(instanced.reduce((n, d) => n + d.count, 0)); }); };
-  const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };
+  function draw() { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(cake.count); }); }
+  const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; if (!w || !h) return; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };
   controls.addEventListener("change", draw); new ResizeObserver(fit).observe(canvas);
-  const top = data.height_mm ? data.height_mm * 1.001 : z, cut = section.querySelector("#cut"), said = section.querySelector("#cut-mm");
-  const slice = () => { const height = top * cut.value / 1000; knife.constant = cut.value === "1000" ? 10 * z : height; said.textContent = `${height.toFixed(1)} mm `; draw(); };
+
+  const top = data.height_mm ? data.height_mm * 1.001 : z, cut = section.querySelector("#cut"), said = section.querySelector("#cut-mm"), layers = Math.max(1, Math.ceil((data.height_mm ?? z) / data.layer_mm - 1e-6));
+  const slice = () => {
+    const height = top * cut.value / 1000, layer = Math.round(layers * cut.value / 1000);
+    knife.constant = cut.value === "1000" ? 10 * z : height;
+    said.textContent = `${height.toFixed(1)} mm, layer ${layer} of ${layers} `; cut.setAttribute("aria-valuetext", said.textContent); draw();
+  };
   cut.addEventListener("input", slice);
-  section.querySelector("#explode").addEventListener("input", (e) => { pose(e.target.value / 60); draw(); });
+  section.querySelector("#explode").addEventListener("input", (e) => { cake.explode = e.target.value / 60; paint(); });
   section.querySelector("#home").addEventListener("click", home);
+  section.querySelector("#colour")?.addEventListener("change", () => { mark(); paint(); });
+
   const ray = new Raycaster(), mouse = new Vector2();
   const under = (event) => {
     const box = canvas.getBoundingClientRect();
     mouse.set((event.clientX - box.left) / box.width * 2 - 1, 1 - (event.clientY - box.top) / box.height * 2);
     ray.setFromCamera(mouse, camera);
-    const hit = ray.intersectObjects(instanced, false).find((h) => h.point.z <= knife.constant);
-    return hit && { mesh: hit.object.userData.mesh, copy: hit.object.userData.mesh.copies[hit.instanceId] };
+    return cake.hit(ray, knife);
   };
-  let waiting = 0;
-  const tell = (found) => { hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm` : HINT; };
+  let hot = null;
+  const tell = (found) => {
+    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}` : HINT;
+    hot?.classList.remove("hot");
+    hot = found ? entries.find((entry) => Number(entry.dataset.part) === found.mesh.part) : null;
+    hot?.classList.add("hot");
+  };
+  let waiting = 0, down = null;
   canvas.addEventListener("pointermove", (event) => { if (event.buttons || performance.now() < waiting) return; const began = performance.now();
     const found = under(event); waiting = performance.now() + 2 * (performance.now() - began); tell(found); });
-  let down = null;
+  canvas.addEventListener("pointerleave", () => tell(null));
   canvas.addEventListener("pointerdown", (e) => { down = [e.clientX, e.clientY]; });
-  canvas.addEventListener("click", (e) => { if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return; const found = under(e); tell(found); marked = found && marked !== found.mesh.part ? found.mesh.part : null; paint(); draw(); });
+  canvas.addEventListener("click", (e) => {
+    if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
+    const found = under(e);
+    if (found) choose({ part: found.mesh.part }); else if (chosen) choose(chosen);
+    tell(found);
+    if (found && hot) { const list = hot.closest(".view-list"); list.scrollTop = hot.offsetTop - list.offsetTop - list.clientHeight / 2; }
+  });
   canvas.addEventListener("keydown", (e) => {
     const arm = camera.position.clone().sub(controls.target), up = new Vector3(0, 0, 1);
     if (e.key === "ArrowLeft" || e.key === "ArrowRight") arm.applyAxisAngle(up, e.key === "ArrowLeft" ? -0.15 : 0.15);
     else if (e.key === "ArrowUp" || e.key === "ArrowDown") arm.z += (e.key === "ArrowUp" ? 0.1 : -0.1) * arm.length();
     else if (e.key === "+" || e.key === "-") arm.multiplyScalar(e.key === "+" ? 0.9 : 1.1);
+    else if (e.key === "Escape" && chosen) return choose(chosen);
     else return;
     e.preventDefault(); camera.position.copy(controls.target).add(arm); controls.update(); draw();
   });
+  for (const [selector, of] of [["[data-part]", (e) => ({ part: Number(e.dataset.part) })], ["[data-order]", (e) => ({ order: e.dataset.order })]]) {
+    for (const entry of section.querySelectorAll(selector)) {
+      entry.addEventListener("click", () => choose(of(entry)));
+      for (const begin of ["pointerenter", "focus"]) entry.addEventListener(begin, (e) => { if (e.pointerType !== "touch") point(of(entry)); });
+      for (const end of ["pointerleave", "blur"]) entry.addEventListener(end, () => point(null));
+    }
+  }
   if (data.missing_copies > 0) {
     const gone = document.createElement("p"), all = section.dataset.copies;
     gone.className = "bad"; gone.textContent = `${data.missing_copies} of ${all} ${all === "1" ? "copy is" : "copies are"} not shown: the originals are no longer kept.`;
     section.prepend(gone);
   }
-  theme(); pose(0); paint(); slice(); fit(); home();
+  mark(); theme(); slice(); fit(); home();
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme);
 }
 
 if (section) load(section.dataset.build).then(show).catch((error) => { section.querySelector("#hover").textContent = `No 3D view: ${error.message}.`; });

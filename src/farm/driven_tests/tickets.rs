@@ -9,9 +9,9 @@ use crate::{
     ledger::{PartRow, PartState},
 };
 
-/// The ticket that the README shows, as somebody copies it.
+/// The ticket that docs/dropping.md shows, as somebody copies it.
 fn readme_ticket() -> String {
-    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/dropping.md")).unwrap();
     let section = readme.split_once("**A ticket beside the part**").unwrap().1;
     let lines = section.lines().skip_while(|line| !line.starts_with("    ")).take_while(|line| !line.is_empty());
     lines.map(|line| format!("{line}\n")).collect()

@@ -6,10 +6,11 @@ use flate2::Compression;
 
 use super::compressed::CompressedBody;
 
-const ASSETS: [(&str, &str, &[u8]); 5] = [
+const ASSETS: [(&str, &str, &[u8]); 6] = [
     ("style.css", "text/css; charset=utf-8", include_bytes!("assets/style.css")),
     ("live.js", "text/javascript; charset=utf-8", include_bytes!("assets/live.js")),
     ("drop.js", "text/javascript; charset=utf-8", include_bytes!("assets/drop.js")),
+    ("start.js", "text/javascript; charset=utf-8", include_bytes!("assets/start.js")),
     ("view.js", "text/javascript; charset=utf-8", include_bytes!("assets/view.js")),
     ("icon.svg", "image/svg+xml", include_bytes!("assets/icon.svg")),
 ];

@@ -58,7 +58,7 @@ pub(super) async fn show_build(
         h2 { "Parts" }
         (table_of("Parts", None, BUILD_PART_COLUMNS, &rows, &view))
     };
-    Ok(html_page(&format!("Build {}", build.id), "", Some("view.js"), &content))
+    Ok(html_page(&format!("Build {}", build.id), "", Some("start.js"), &content))
 }
 
 /// The 3D view of a build with its parts.

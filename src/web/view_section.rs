@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::{format::count, picture::cake_picture};
+use super::{assets::asset_address, format::count, picture::cake_picture};
 use crate::{farm::CakePart, tables::CountedPart};
 
 /// What the view of a build shows.
@@ -51,7 +51,8 @@ impl ViewSection {
         let copies: u32 = self.parts.iter().map(|part| part.copies).sum();
         let has_pages = !self.version.is_empty();
         html! {
-            section #view data-build=(self.build) data-copies=(copies) data-version=(self.version) aria-label="3D view" {
+            section #view data-build=(self.build) data-copies=(copies) data-version=(self.version)
+                data-script=[has_pages.then(|| asset_address("view.js"))] aria-label="3D view" {
                 @if has_pages { noscript { p { "The 3D view needs JavaScript. " } } }
                 @else { noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } } }
                 div.split {

@@ -8,6 +8,7 @@ mod quiet;
 mod samba;
 #[path = "../support/mod.rs"]
 mod support;
+mod tasks;
 
 use std::process::ExitCode;
 
@@ -32,6 +33,11 @@ fn main() -> ExitCode {
             pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time,
         ),
     ];
+    trials.push(trial(
+        "tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon",
+        missing_variables(&["NESTD_BROWSER"]),
+        tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
+    ));
     trials.push(trial(
         "paper::pick_map_and_history_lose_nothing_on_paper",
         missing_variables(&["NESTD_BROWSER"]).or_else(paper::missing),

@@ -6,4 +6,4 @@ NESTD_BROWSER=$(command -v "${1:-chromium}")
 NESTD_SHOTS=$PWD/docs/screens
 export NESTD_BROWSER NESTD_SHOTS
 mkdir -p "$NESTD_SHOTS"
-cargo test --test browser pages
+cargo test --test browser tasks

@@ -411,26 +411,7 @@ const checks = {
   },
 };
 
-/** Waits until every picture of a page is there, also those that are loaded when they come into sight. */
-async function pictured(page) {
-  await page.evaluate(() => document.querySelectorAll("img").forEach((image) => { image.loading = "eager"; }));
-  await page.waitForFunction(() => [...document.images].every((image) => image.complete && image.naturalWidth > 0), null, { timeout: 60000 });
-}
-
-/** Pictures of each page for the documentation. */
-async function shoot() {
-  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["open", 1280, "light"], ["build", 390, "dark"], ["month", 1280, "light"], ["order", 1280, "light"], ["search", 1280, "light"], ["flush", 1280, "light"], ["drop", 390, "light"], ["pick", 1280, "light"],
-    ["history", 1280, "light"], ["history", 1280, "dark"], ["parts", 1280, "light"], ["part", 1280, "light"], ["refused", 360, "light"]]) {
-    const page = await open(browser, base, PAGES[name], { width, scheme });
-    if (SPATIAL.includes(name)) await drawn(page);
-    await pictured(page);
-    await page.screenshot({ path: join(farm.shots, `${name}-${width}-${scheme}.png`), fullPage: true });
-    await page.context().close();
-  }
-}
-
 let failed = 0;
-if (farm.shots) await shoot();
 for (const [name, check] of Object.entries(checks)) {
   try {
     const told = await check();

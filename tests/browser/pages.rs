@@ -1,6 +1,5 @@
 //! The dashboard in a real Chromium, on a farm that the real daemon serves. Needs `NESTD_BROWSER=<chromium>`, node
-//! and npm, which fetches playwright-core and axe-core. `NESTD_SHOTS=<folder>` also saves pictures of the pages
-//! (`docs/screens.sh`).
+//! and npm, which fetches playwright-core and axe-core.
 
 use std::{
     fs,
@@ -167,12 +166,11 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     let open = open_build(dashboard);
     let sample = dashboard.farm.root().join("sample.stl");
     fs::write(&sample, stl(&sample_parts::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
-    let shots = std::env::var_os("NESTD_SHOTS").map(PathBuf::from);
     let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
     let copies: u32 = built.iter().map(|part| part.owed.copies).sum();
     serde_json::json!({
         "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
-        "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample, "shots": shots,
+        "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample,
         "build": 1, "second": history[0]["build"], "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
         "order": built[0].terms.order_name, "history": history,
     })

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { drawn, open, start } from "./browser.mjs";
+import { shoot } from "./shots.mjs";
 
 const farm = JSON.parse(process.argv[2]), { base } = farm;
 const browser = await start(farm.chromium);
@@ -86,6 +87,12 @@ const tasks = [
   }],
 ];
 
+if (farm.shots) {
+  const build = `/builds/${farm.build}`, shots = [["farm", "/"], ["build", build], ["pick", `${build}/pick`], ["history", "/history"], ["month", "/month"], ["order", "/orders/1182"],
+    ["search", "/search?q=e"], ["parts", "/parts?state=built"], ["part", "/parts/1"], ["drop", `/machines/${farm.profile}/drop`]].map(([name, path]) => [name, path, 1280, "light"]);
+  for (const [name, path] of [["farm", "/"], ["build", build]]) shots.push([name, path, 390, "dark"]);
+  await shoot(browser, base, [...shots, ["build", build, 1280, "dark"], ["flush", `/machines/${farm.profile}/flush`, 390, "light"]], farm.shots);
+}
 let failed = 0;
 for (const [name, most, act] of tasks) {
   const page = await open(browser, base, "/", { width: 1440 }), one = new Person(page), began = performance.now();

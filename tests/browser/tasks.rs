@@ -1,4 +1,5 @@
-//! What people do on the pages, by clicks and seconds, and how a build opens on a slow line.
+//! What people do on the pages, by clicks and seconds, and how a build opens on a slow line. `NESTD_SHOTS=<folder>` also saves pictures
+//! of the pages of that farm (`docs/screens.sh`).
 
 use std::{fs, process::Command};
 
@@ -43,6 +44,7 @@ pub fn eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon() {
     fs::write(&sample, box_of(17.0, 12.0, 9.0)).unwrap();
     let asked = serde_json::json!({
         "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "build": 1, "sample": sample, "friday": "2031-11-28",
+        "shots": std::env::var_os("NESTD_SHOTS").map(std::path::PathBuf::from),
     });
     let output = Command::new("node").arg("tasks.mjs").arg(asked.to_string()).current_dir(tools()).output().unwrap();
     let output_text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);

@@ -21,11 +21,13 @@ use super::{
     machine_state::RunningSearch,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     state::ReadingState,
-    thread_priority::lower_thread_priority,
+    thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     trigger::FireTrigger,
 };
-use crate::ledger::Ledger;
-use crate::ledger::{BuildId, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
+use crate::{
+    ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart},
+    settings::MachineProfile,
+};
 
 /// Minimum time of a search for each copy, seconds: long enough to try all of them.
 const SECS_PER_COPY: f64 = 0.02;
@@ -105,6 +107,9 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let head = machine.open.truncate_queue(&waiting, &machine.profile);
     let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
     machine.pacing.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
+    if !machine.pacing.is_idle {
+        machine.open.end_night();
+    }
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
     report_left_out(farm, name, None, cut_off).await?;
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
@@ -156,7 +161,7 @@ async fn start_layout_search(
     let open = &mut machine.open;
     open.rounds += 1;
     let (round, best) = (open.rounds, SharedBestLayout::default());
-    let secs = machine.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
+    let secs = arrival_search_secs(&machine.profile, wanted.len());
     let budget = SearchBudget::of_secs(secs);
     let request = NestingRequest {
         profile: machine.profile.clone(),
@@ -169,10 +174,15 @@ async fn start_layout_search(
     open.search = Some(RunningSearch { round, budget, best, copies: wanted, is_cancelled: false });
     let profile = name.to_owned();
     farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
-        lower_thread_priority();
+        lower_thread_priority(ARRIVAL_NICENESS);
         request.run_search(&meshes, None)
     });
     Ok(())
+}
+
+/// Time of a search for an arrival, seconds.
+pub(super) fn arrival_search_secs(profile: &MachineProfile, copies: usize) -> f64 {
+    profile.search.arrival_secs.max(SECS_PER_COPY * copies as f64)
 }
 
 /// Takes in the result of a search for an open build.
@@ -273,6 +283,7 @@ pub(super) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchL
 /// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
 async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    machine.open.end_night();
     let (copies, layout) = machine.open.taken_by(by, wanted);
     if copies.is_empty() {
         return Ok(());
@@ -287,14 +298,19 @@ async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTree
     commands::answer_commands(&farm.ledger, &flush, &CommandAnswer::BuildFired(build, copies.len())).await
 }
 
-/// Whether another search may run beside the running ones. An overdue search does not count: a build that takes
-/// long to prove or prepare must not block other machines.
+/// Whether another search may run beside the running ones. Those that go on while a build waits do not count: they give
+/// way.
 pub(super) fn has_free_slot(farm: &Farm) -> bool {
+    count_searches(farm) < farm.nesting.slots
+}
+
+/// Number of running searches for arrivals and fired builds. An overdue search does not count: a build that takes long to
+/// prove or prepare must not block other machines.
+pub(super) fn count_searches(farm: &Farm) -> usize {
     let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
     let improving = farm.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
         is_due(farm.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
     });
     let finals = farm.nesting.final_searches.values().filter(|search| is_due(Some(&search.budget)));
-    let searches = improving.count() + finals.count();
-    searches < farm.nesting.slots
+    improving.count() + finals.count()
 }

@@ -17,7 +17,9 @@ use super::{
     jobs::LoopEvent,
     lane_job, lease_renewal,
     ledger_changes::LedgerFingerprint,
-    ledger_service, machine_setup, nest, open, publish, revisions, second_copies,
+    ledger_service, machine_setup, nest,
+    night_search::{self, NightSearchJob},
+    open, publish, revisions, second_copies,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -97,6 +99,8 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     if may_have_work(farm).await {
         run_ledger_steps(farm).await;
     }
+    // What only uses time that nobody needs comes after everything that may need it.
+    farm.run_step("lowering open builds", night_search::search_waiting_builds).await;
     for task in farm.schedule.tasks.due_tasks(now) {
         run_timed_task(farm, task, now).await;
     }
@@ -141,7 +145,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
 
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
 async fn may_have_work(farm: &mut Farm) -> bool {
-    let is_busy = !farm.jobs.is_idle() || !farm.nesting.just_fired.is_empty();
+    let is_busy = !farm.jobs.runs_only::<NightSearchJob>() || !farm.nesting.just_fired.is_empty();
     let is_settled = farm.machines.values().all(|machine| machine.pacing.is_idle && machine.pending_flushes.is_empty());
     let (now, mark) = (farm.now(), LedgerFingerprint::take(&farm.ledger).await);
     let news = farm.schedule.ledger_changes.has_changed(mark, now);
@@ -170,6 +174,7 @@ pub(super) async fn shut_down(farm: &mut Farm) {
     farm.nesting.final_searches.values().for_each(|search| search.budget.cancel());
     farm.nesting.lanes.values().for_each(SearchBudget::cancel);
     farm.machines.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
+    farm.machines.values().for_each(|machine| machine.open.night.stop());
     job_events::wait_for_jobs(farm, deadline).await;
     if farm.lifecycle.is_halted {
         status::write_stopped_status(farm).await;

@@ -168,6 +168,11 @@ impl<O: 'static> JobRunner<O> {
         self.running.iter().filter(|key| key.kind == J::KIND).map(|key| key.subject.as_str())
     }
 
+    /// Whether no job but those of one kind is running.
+    pub fn runs_only<J: BackgroundJob<O>>(&self) -> bool {
+        self.running.iter().all(|key| key.kind == J::KIND)
+    }
+
     /// Whether no job is running.
     pub fn is_idle(&self) -> bool {
         self.running.is_empty()

@@ -139,17 +139,24 @@ impl NestingBatch {
 
     /// Converts a solution of [`NestingBatch::instance`] to parts and copies.
     pub fn layout_from_solution(&self, instance: &NestingInstance, solution: &NestingSolution) -> BatchLayout {
-        let name = |item: usize, copy: u32| (self.parts[item].part.id, self.parts[item].copies[copy as usize]);
         BatchLayout {
-            placed: (solution.placements.iter())
-                .map(|p| LayoutPlacement { copy: name(p.item, p.copy), pose: p.pose })
-                .collect(),
-            unplaced: solution.unplaced.iter().map(|&(item, copy)| name(item, copy)).collect(),
+            placed: self.layout_placements(&solution.placements),
+            unplaced: solution.unplaced.iter().map(|&(item, copy)| self.copy_id(item, copy)).collect(),
             height_mm: solution.height_mm,
             density: solution.density(instance),
             part_volume_mm3: solution.part_volume_mm3(instance),
             evaluations: solution.evaluations,
         }
+    }
+
+    /// Placements of [`NestingBatch::create_instance`] as those of parts and copies.
+    pub fn layout_placements(&self, placements: &[ItemPlacement]) -> Vec<LayoutPlacement> {
+        let named = |p: &ItemPlacement| LayoutPlacement { copy: self.copy_id(p.item, p.copy), pose: p.pose };
+        placements.iter().map(named).collect()
+    }
+
+    fn copy_id(&self, item: usize, copy: u32) -> CopyId {
+        (self.parts[item].part.id, self.parts[item].copies[copy as usize])
     }
 
     /// The batch without the copies that a layout leaves out.
@@ -195,16 +202,37 @@ struct StoredPlacement(i64, u32, [f64; 4], [f64; 3]);
 impl BatchLayout {
     /// The placed copies as JSON, so that the search continues from them after a restart.
     pub fn to_json(&self) -> String {
-        let stored: Vec<StoredPlacement> = (self.placed.iter())
-            .map(|p| StoredPlacement(p.copy.0.0, p.copy.1, p.pose.rotation.to_array(), p.pose.translation.to_array()))
-            .collect();
-        serde_json::to_string(&stored).unwrap_or_default()
+        serde_json::to_string(&stored_placements(&self.placed)).unwrap_or_default()
     }
+}
+
+/// Several layouts as JSON, so that the search continues from them after a restart.
+pub fn layouts_to_json(layouts: &[Vec<LayoutPlacement>]) -> String {
+    let stored: Vec<Vec<StoredPlacement>> = layouts.iter().map(|placed| stored_placements(placed)).collect();
+    serde_json::to_string(&stored).unwrap_or_default()
+}
+
+/// Stored layouts.
+///
+/// # Errors
+/// They cannot be read.
+pub fn layouts_from_json(json: &str) -> serde_json::Result<Vec<Vec<LayoutPlacement>>> {
+    let stored: Vec<Vec<StoredPlacement>> = serde_json::from_str(json)?;
+    Ok(stored.into_iter().map(read_placements).collect())
 }
 
 /// The placed copies of a stored layout; an unreadable layout counts as empty.
 pub fn placed_from_json(json: &str) -> Vec<LayoutPlacement> {
-    let stored: Vec<StoredPlacement> = serde_json::from_str(json).unwrap_or_default();
+    read_placements(serde_json::from_str(json).unwrap_or_default())
+}
+
+fn stored_placements(placed: &[LayoutPlacement]) -> Vec<StoredPlacement> {
+    (placed.iter())
+        .map(|p| StoredPlacement(p.copy.0.0, p.copy.1, p.pose.rotation.to_array(), p.pose.translation.to_array()))
+        .collect()
+}
+
+fn read_placements(stored: Vec<StoredPlacement>) -> Vec<LayoutPlacement> {
     (stored.into_iter())
         .map(|StoredPlacement(part, copy, rotation, translation)| LayoutPlacement {
             copy: (PartId(part), copy),
@@ -236,5 +264,8 @@ mod tests {
         assert!((back[0].pose.translation - pose.translation).length() == 0.0);
         assert!(back[0].pose.rotation.angle_between(pose.rotation) < 1e-7);
         assert!(placed_from_json("no json").is_empty());
+        let both = [layout.placed, back];
+        assert_eq!(layouts_from_json(&layouts_to_json(&both)).unwrap()[0][0].pose, both[1][0].pose);
+        assert!(layouts_from_json("[[[7, 3]]]").is_err() && layouts_from_json("[]").unwrap().is_empty());
     }
 }

@@ -20,6 +20,7 @@ use super::{
     left_out::LeftOutNotices,
     nesting_search::SharedBestLayout,
     obeyed_controls::ObeyedControls,
+    open_night::OpenNight,
     time_source::TimeSource,
     time_text::written_stamp,
     trigger::{DueFacts, FireTrigger, TriggerFacts},
@@ -130,6 +131,8 @@ pub struct OpenBuildState {
     pub standing: BTreeSet<CopyId>,
     /// The running search.
     pub search: Option<RunningSearch>,
+    /// The search that goes on while the build waits, after the one for the last arrival.
+    pub night: OpenNight,
     /// Number of searches started.
     pub rounds: u64,
     /// The waiting copies at their last change, and the time of that change.
@@ -302,6 +305,24 @@ impl OpenBuildState {
         running.unwrap_or_else(|| self.layout.placed.clone())
     }
 
+    /// Ends the search that goes on while the build waits, since something else is wanted of it, and takes its best layout.
+    pub fn end_night(&mut self) {
+        if let Some(found) = self.night.end() {
+            self.take_lower_layout(found);
+        }
+    }
+
+    /// Takes a layout if it places the same copies and is lower. Returns whether it does.
+    pub fn take_lower_layout(&mut self, found: BatchLayout) -> bool {
+        let copies = |layout: &BatchLayout| layout.placed.iter().map(|placed| placed.copy).collect::<BTreeSet<_>>();
+        let is_lower = found.height_mm < self.layout.height_mm && copies(&found) == copies(&self.layout);
+        if is_lower {
+            let unplaced = std::mem::take(&mut self.layout.unplaced);
+            self.layout = BatchLayout { unplaced, ..found };
+        }
+        is_lower
+    }
+
     /// The waiting copies in order of precedence, by where they stand now.
     pub fn rank_queue(&self, waiting: Vec<WaitingPart>) -> Vec<WaitingPart> {
         rank_waiting_copies(waiting, |part, copy| self.standing.contains(&(part, copy)))
@@ -324,6 +345,7 @@ impl OpenBuildState {
         if let Some(search) = &self.search {
             search.budget.cancel();
         }
+        self.night.stop();
         *self = Self { rounds: self.rounds, ..Self::default() };
     }
 }

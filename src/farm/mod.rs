@@ -2,7 +2,7 @@
 //!
 //! `farm` and `state` hold what the steps share. A step is a file of functions that take what they need: the ledger, the
 //! settings, the machines, the alerts or the jobs; or the whole farm. What a step decides is a function without a farm
-//! (`trigger`, `batch_decision`, `nest_decision`, `publish_decision`, `tick_tasks`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
+//! (`trigger`, `batch_decision`, `nest_decision`, `night_decision`, `publish_decision`, `tick_tasks`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
 //! and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
 //! writes and proves, `publish` publishes, `commands` carries out commands of operators. Only `event_loop` knows all
 //! steps.
@@ -77,9 +77,13 @@ mod nest;
 mod nest_decision;
 mod nesting_search;
 mod newer_decisions;
+mod night_decision;
+mod night_search;
+mod night_text;
 mod node_content;
 mod obeyed_controls;
 mod open;
+mod open_night;
 mod own_machines;
 mod part_changes;
 mod part_questions;
@@ -138,6 +142,7 @@ pub use known_folders::is_known_folder;
 pub use ledger_copy::copy_ledger;
 pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unknown_to_ledger};
 pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
+pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
 pub use part_questions::PartQuestion;
 pub use reconcile_report::ReconcileReport;

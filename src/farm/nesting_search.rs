@@ -89,7 +89,8 @@ impl NestingRequest {
         })
     }
 
-    fn load_batch(&self, meshes: &MeshSource) -> Result<NestingBatch> {
+    /// The parts with their meshes.
+    pub(super) fn load_batch(&self, meshes: &MeshSource) -> Result<NestingBatch> {
         let part = |(part, copies): &(PartRow, Vec<u32>)| -> Result<NestingPart> {
             let mesh = meshes.load_mesh(&self.profile, part)?;
             Ok(NestingPart { part: part.clone(), mesh, copies: copies.clone() })

@@ -24,6 +24,7 @@ use super::{
     layout::BatchLayout,
     lost_ledger, machine_availability,
     machine_state::MachineState,
+    night_text::night_text,
     part_questions, status_alerts, systemd,
     tick_tasks::TimedTask,
     time_text::floor_to_minute,
@@ -226,6 +227,9 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
             "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
             100.0 * height_mm / volume_z_mm
         ));
+        if let Some(night) = row.open.as_ref().and_then(night_text) {
+            lines.push(format!("While it waits: {night}."));
+        }
     }
     if let Some(fires) = forecast_fire(profile, row) {
         lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
@@ -292,6 +296,9 @@ fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value
             "density": open.density,
             "copies": open.placed.len(),
             "height_share": open.height_mm / machine.profile.build_volume().size_mm.z,
+            "night": row.open.as_ref().and_then(|open| open.night),
+            "night_cpu_secs": row.open.as_ref().and_then(|open| open.night_cpu_secs),
+            "night_gain_mm": row.open.as_ref().and_then(|open| open.night_gain_mm),
         },
         "fires_at": fires.map(|fires| fires.at.to_string()),
         "fires_at_latest": fires.map(|fires| fires.latest.to_string()),

@@ -1,4 +1,4 @@
-//! The search for an open build runs at low priority, since nothing waits for it.
+//! Searches for an open build run at low priority, since nothing waits for them.
 
 use rustix::{
     process::{Pid, setpriority_process},
@@ -6,14 +6,16 @@ use rustix::{
 };
 use tracing::debug;
 
-/// Niceness of work that is not urgent.
-const LOW_PRIORITY_NICENESS: i32 = 15;
+/// Niceness of the search for an arrival.
+pub const ARRIVAL_NICENESS: i32 = 15;
+/// Niceness of what only uses time that nobody needs: the lowest priority.
+pub const NIGHT_NICENESS: i32 = 19;
 
 /// Lowers the priority of this thread and of the threads that it will start. On Linux, each thread has its own
 /// niceness.
-pub fn lower_thread_priority() {
+pub fn lower_thread_priority(niceness: i32) {
     let this: Pid = gettid();
-    if let Err(error) = setpriority_process(Some(this), LOW_PRIORITY_NICENESS) {
+    if let Err(error) = setpriority_process(Some(this), niceness) {
         debug!("The search for an open build runs at full priority: {error}.");
     }
 }
@@ -29,12 +31,12 @@ mod tests {
         let before = getpriority_process(Some(gettid())).expect("is known");
         let nice = || getpriority_process(Some(gettid())).expect("is known");
         let (own, child) = std::thread::spawn(move || {
-            lower_thread_priority();
+            lower_thread_priority(ARRIVAL_NICENESS);
             (nice(), std::thread::spawn(nice).join().expect("ends"))
         })
         .join()
         .expect("ends");
-        assert_eq!((own, child), (LOW_PRIORITY_NICENESS, LOW_PRIORITY_NICENESS));
+        assert_eq!((own, child), (ARRIVAL_NICENESS, ARRIVAL_NICENESS));
         assert_eq!(nice(), before);
     }
 }

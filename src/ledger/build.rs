@@ -41,6 +41,9 @@ impl Ledger {
         .bind(profile)
         .execute(change.db())
         .await?;
+        let searched =
+            "DELETE FROM night_search WHERE build_id IN (SELECT id FROM build WHERE profile = $1 AND state = 'open')";
+        sql::query(searched).bind(profile).execute(change.db()).await?;
         let drop = sql::query("DELETE FROM build WHERE profile = $1 AND state = 'open'").bind(profile);
         drop.execute(change.db()).await?;
         change.commit().await

@@ -157,6 +157,21 @@ pub fn verified(build: BuildId, copies: u32) -> Verified {
     }
 }
 
+/// How far the search for an open build that waits has come, after 64 CPU seconds.
+pub fn night_search(state: NightState) -> NightSearchRow {
+    NightSearchRow {
+        problem: "ab".repeat(32),
+        state,
+        round: 2,
+        round_cpu_secs: 3.5,
+        round_height_mm: 31.0,
+        cpu_secs: 63.5,
+        first_height_mm: 32.5,
+        starts: 1,
+        pool: "[[]]".to_owned(),
+    }
+}
+
 pub fn placed(copies: &[(PartId, u32)]) -> Vec<ProvedPlacement> {
     let pose = |(at, &(part, copy)): (usize, &(PartId, u32))| ProvedPlacement {
         part,

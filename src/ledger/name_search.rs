@@ -126,15 +126,13 @@ impl Ledger {
 
     /// The part with this number, with its names.
     pub async fn named_part(&self, id: PartId) -> Result<Option<NamedPartRow>> {
-        let query =
-            sql::select_as("FROM part WHERE id = $1");
+        let query = sql::select_as("FROM part WHERE id = $1");
         Ok(query.bind(id).fetch_optional(self.reader()?).await?)
     }
 
     /// The build with this number, with its names.
     pub async fn named_build(&self, id: BuildId) -> Result<Option<NamedBuildRow>> {
-        let query =
-            sql::select_as("FROM build WHERE id = $1");
+        let query = sql::select_as("FROM build WHERE id = $1");
         Ok(query.bind(id).fetch_optional(self.reader()?).await?)
     }
 }

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    BuildId, BuildState, Ledger, PauseCause, UtcTimestamp,
+    BuildId, BuildState, Ledger, NightState, PauseCause, UtcTimestamp,
     error::Result,
     sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
 };
@@ -72,9 +72,15 @@ pub struct OpenBuildForecast {
     pub density: Option<f64>,
     /// Copies in its layout so far.
     pub copies: Option<u32>,
+    /// Whether its layout is lowered further while it waits; `None` = that has not begun, or is switched off.
+    pub night: Option<NightState>,
+    /// CPU seconds of that since the last arrival.
+    pub night_cpu_secs: Option<f64>,
+    /// What that has gained since the last arrival, mm.
+    pub night_gain_mm: Option<f64>,
 }
 
-sql_row!(OpenBuildForecast { build, height_mm, density, copies });
+sql_row!(OpenBuildForecast { build, height_mm, density, copies, night, night_cpu_secs, night_gain_mm });
 
 /// A build that has been started and is not published.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -196,7 +202,10 @@ const DUE_ARRIVALS: &str = "SELECT profile, due_at, arrived_at, due_of FROM (\
     WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
     AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY profile, due_at";
 
-const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
+const OPEN: &str = "SELECT b.profile, b.id AS build, b.height_mm, b.density, b.copies, n.state AS night, \
+    n.cpu_secs AS night_cpu_secs, \
+    CASE WHEN n.first_height_mm > b.height_mm THEN n.first_height_mm - b.height_mm \
+    WHEN n.first_height_mm IS NOT NULL THEN 0.0 END AS night_gain_mm FROM build b LEFT JOIN night_search n ON n.build_id = b.id WHERE b.state = 'open'";
 
 const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
@@ -257,7 +266,15 @@ impl Ledger {
             let is_of_now = row.copies.unwrap_or(0) <= status.waiting_copies;
             status.open = Some(match is_of_now {
                 true => row,
-                false => OpenBuildForecast { height_mm: None, density: None, copies: None, ..row },
+                false => OpenBuildForecast {
+                    height_mm: None,
+                    density: None,
+                    copies: None,
+                    night: None,
+                    night_cpu_secs: None,
+                    night_gain_mm: None,
+                    ..row
+                },
             });
         }
         for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {

@@ -105,6 +105,16 @@ impl GaugeSnapshot<'_> {
             "Part volume over box volume of the open build's layout so far",
             |s, _| s?.open.as_ref()?.density,
         );
+        self.register_profile_gauge(
+            "open_build_night_cpu_seconds",
+            "CPU time since the last arrival that lowered the open build while it waited",
+            |s, _| s?.open.as_ref()?.night_cpu_secs,
+        );
+        self.register_profile_gauge(
+            "open_build_night_gain_meters",
+            "What that time gained in height since the last arrival",
+            |s, _| Some(s?.open.as_ref()?.night_gain_mm? / 1000.0),
+        );
         self.register_profile_gauge("paused", "1 while nothing is fired", |s, _| {
             Some(gauge_from_bool(s.is_some_and(|s| s.paused.is_some())))
         });

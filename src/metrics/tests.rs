@@ -10,7 +10,10 @@ use std::{
 
 use super::*;
 use crate::{
-    ledger::{EventKind, NewPartRow, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures},
+    ledger::{
+        EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
+        fixtures,
+    },
     settings::{self, Settings, SharedSettings},
 };
 
@@ -50,6 +53,7 @@ async fn lively() -> fixtures::TestLedger {
         OpenLayout { layout: "[]".to_owned(), height_mm: 10.0, density: 0.1, copies: 6, part_volume_mm3: 6000.0 };
     let open = ledger.open_build("cube").await.unwrap().id;
     ledger.save_layout(open, &layout).await.unwrap();
+    ledger.save_night_search(open, &fixtures::night_search(NightState::GoesOn)).await.unwrap();
     ledger
 }
 
@@ -142,6 +146,8 @@ async fn every_number_has_help_and_counts_what_the_ledger_counts() {
     is("nestd_available{profile=\"idle\"}", 1.0);
     is("nestd_paused{profile=\"cube\"}", 0.0);
     is("nestd_open_build_height_meters{profile=\"cube\"}", 0.01);
+    is("nestd_open_build_night_cpu_seconds{profile=\"cube\"}", 63.5);
+    is("nestd_open_build_night_gain_meters{profile=\"cube\"}", 0.0225);
     is("nestd_daemon_up", 1.0);
     assert!(samples["nestd_disk_free_bytes"] > 0.0 && samples["nestd_disk_size_bytes"] > 0.0);
     let now = jiff::Timestamp::now().as_second() as f64;

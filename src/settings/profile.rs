@@ -163,6 +163,8 @@ pub struct SearchRules {
     pub final_secs: f64,
     /// Search time for the open build after each new part, seconds.
     pub arrival_secs: f64,
+    /// CPU time after that for lowering the layout of an open build that waits, since the last arrival, seconds; 0 = none.
+    pub improve_secs: f64,
     /// Number of nesting attempts before the build fails.
     pub max_attempts: u32,
 }

@@ -90,6 +90,7 @@ option_group! {
     SearchInputs {
         final_secs: DurationSecs = DurationSecs(60.0),
         arrival_secs: DurationSecs = DurationSecs(20.0),
+        improve_secs: DurationSecs = DurationSecs(3600.0),
         max_attempts: u32 = 3,
         nest: NestingConfig = NestingConfig::default(),
     }

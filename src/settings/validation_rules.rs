@@ -159,6 +159,7 @@ pub(super) fn validate_profile(
             nest: search.nest,
             final_secs: search.final_secs.0,
             arrival_secs: search.arrival_secs.0,
+            improve_secs: search.improve_secs.0,
             max_attempts: search.max_attempts,
         },
         output: OutputRules {
@@ -343,6 +344,7 @@ fn parse_times(texts: &[String], validator: &mut ConfigValidator) -> Vec<Time> {
 fn validate_search(search: &SearchInputs, validator: &mut ConfigValidator) {
     validator.require_within("final_secs", search.final_secs.0, 0.0..=MAX_SEARCH_SECS);
     validator.require_within("arrival_secs", search.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
+    validator.require_within("improve_secs", search.improve_secs.0, 0.0..=MAX_SEARCH_SECS);
     validator.require_within("max_attempts", search.max_attempts, 1..=100);
     let (config, paper) = (&search.nest, &search.nest.paper);
     validator.require_within("nest.threads", config.threads, 0..=MAX_THREADS);

@@ -165,6 +165,8 @@ pub const WAITING: FieldDefinition = FieldDefinition::whole("Waiting");
 pub const OLDEST: FieldDefinition = FieldDefinition::text("Oldest");
 /// The forecast of the next build.
 pub const NEXT_BUILD: FieldDefinition = FieldDefinition::text("Next build");
+/// What the search for an open build has gained and cost since the last arrival.
+pub const WHILE_IT_WAITS: FieldDefinition = FieldDefinition::text("While it waits");
 /// When the next build fires.
 pub const FIRES: FieldDefinition = FieldDefinition::text("Fires");
 /// Name of a node: a daemon among those that share one ledger.

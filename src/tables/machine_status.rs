@@ -12,7 +12,7 @@ use super::{
     time_view::{GivenDate, TimeView},
 };
 use crate::{
-    farm::{FireTrigger, forecast_fire},
+    farm::{FireTrigger, forecast_fire, night_gain_text},
     ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
 };
@@ -87,17 +87,18 @@ impl MachineForecast {
         self.status.oldest_at.and_then(|at| at.age_text(now))
     }
 
-    /// `55.61 mm, 11 copies, by 2026-11-20 06:00:00 CET (max_wait)`; where parts are gathered for a due date, also when it
+    /// `55.61 mm, 1.24 mm lower after 350 CPU s, 11 copies, by 2026-11-20 06:00:00 CET (max_wait)`; where parts are gathered for a due date, also when it
     /// fires if nothing more arrives.
     fn next_build(&self, view: &TimeView) -> String {
         let open = self.forecast_build();
         let height = open.and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
+        let night = open.and_then(night_gain_text);
         let copies = open.map(|open| format_count(open.copies.unwrap_or(0), "copy", "copies"));
         let time = |at: Timestamp| view.time_text(UtcTimestamp(at));
         let gathers = self.fires_at.filter(|at| Some(*at) < self.fires_at_latest);
         let gathers = gathers.map(|at| format!("at {} if nothing more arrives", time(at)));
         let fires = self.fires_at_latest.zip(self.fires_by).map(|(at, by)| format!("by {} ({by})", time(at)));
-        joined([height, copies, gathers, fires], ", ")
+        joined([height, night, copies, gathers, fires], ", ")
     }
 
     /// `build 3, 87.50 mm, 2026-11-20 04:49:00 CET`.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    ledger::OpenLayout,
+    ledger::{NightState, OpenLayout},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, ORDER_COLUMNS, PART_COLUMNS, TableColumn, for_people},
     web::openapi::described,
 };
@@ -231,4 +231,11 @@ async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_t
         "no dashes where nothing is known yet: {facts}"
     );
     assert!(dashboard.get("/builds/1/pick").await.text.contains("A forecast"));
+    assert!(!dashboard.get("/").await.text.contains("While it waits"));
+    dashboard.ledger.save_night_search(build, &fixtures::night_search(NightState::GoesOn)).await.unwrap();
+    let card = dashboard.get("/").await.text;
+    assert!(card.contains("2.50 mm lower after 64 CPU s since the last arrival, goes on"), "{card}");
+    let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
+    let text = farm.to_string();
+    assert!(text.contains("\"night\":\"goes-on\"") && text.contains("\"night_gain_mm\":2.5"), "{text}");
 }

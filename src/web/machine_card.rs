@@ -8,7 +8,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::forecast_fire,
+    farm::{forecast_fire, night_text},
     ledger::{
         BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
         UtcTimestamp,
@@ -203,6 +203,7 @@ fn waiting_facts(machine: &MachineForecast, fires: Option<String>, view: &TimeVi
         fields::OLDEST.fact(view.now().and_then(|now| machine.oldest(now))),
         view.due_fact(fields::DUE, GivenDate::new(status.due_at, &status.due_text)),
         fields::FIRES.fact(fires),
+        fields::WHILE_IT_WAITS.fact(machine.forecast_build().and_then(night_text)),
         (status.claimed_parts > 0).then(|| fields::BEING_READ.fact_of(count(status.claimed_parts, "file", "files"))),
     ];
     lines.into_iter().flatten().collect()

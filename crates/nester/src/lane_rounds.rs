@@ -38,6 +38,7 @@ impl NestingRun<'_> {
             let mut ends = self.run_round(&starts.collect::<Vec<_>>(), shares, rounds);
             // The sort is stable: of equally high layouts that of the lowest lane comes first.
             ends.sort_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
+            self.other_ends = ends.iter().flat_map(|end| end.others.iter().chain([&end.items])).cloned().collect();
             let continued = |lane: u32| &ends[continued_rank(lane, lanes)];
             goes_on = (0..lanes).map(continued).map(|end| (vec![end.items.clone()], end.pace)).collect();
         }

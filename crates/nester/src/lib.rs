@@ -16,6 +16,7 @@ mod first_rotations;
 mod fit_check;
 mod height_bound;
 mod hull_penetration;
+mod improvement;
 mod insert;
 mod instance;
 mod instance_serde;
@@ -76,6 +77,7 @@ pub use config::{InterlockRule, NestingConfig, NestingMethod};
 pub use disassembly::removal_gap_mm;
 pub use fit_check::{FitFailure, find_fitting_rotation};
 pub use height_bound::lower_bound_mm;
+pub use improvement::{ImprovedLayouts, improve_layouts};
 pub use insert::insert_copies;
 pub use instance::{InstanceError, NestingInstance, NestingItem};
 pub use instance_serde::NamedMeshInstance;
@@ -102,6 +104,8 @@ pub use search_control::{ProgressListener, StopCondition};
 pub use solution::NestingSolution;
 pub use tilt::{FaceNotDown, MAX_TILTS, TiltLimit, TiltLimitError, write_tilts};
 
+#[cfg(test)]
+mod improvement_tests;
 #[cfg(test)]
 mod interlock_tests;
 #[cfg(test)]

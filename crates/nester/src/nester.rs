@@ -167,7 +167,7 @@ impl NestingRun<'_> {
     }
 
     /// Improves what counts after the height, and the order of precedence.
-    fn finish_layout(&mut self, task: &PreparedInstance) {
+    pub(super) fn finish_layout(&mut self, task: &PreparedInstance) {
         self.improve_tie_breaks(task);
         // Whatever moved since may have made room.
         self.enforce_precedence(task, InsertionEffort::Rebuild);
@@ -190,7 +190,7 @@ impl NestingRun<'_> {
 
     /// Returns the task with finer collision proxies, as fine as [`FINER_SHARE`] of the budget allows. The first
     /// preparation took the share `prepared`.
-    fn with_finer_proxies(&self, mut task: PreparedInstance, prepared: f64) -> PreparedInstance {
+    pub(super) fn with_finer_proxies(&self, mut task: PreparedInstance, prepared: f64) -> PreparedInstance {
         let finer = (FINER_SHARE / prepared.max(1e-6)) as usize * COARSE_NODES;
         let distinct = task.prepared_items.iter().flatten().count().max(1);
         let most = finer.min((MAX_TOTAL_NODES / distinct).clamp(50_000, 300_000));
@@ -212,7 +212,7 @@ impl NestingRun<'_> {
     }
 
     /// Offers a first layout, and keeps it as a starting point unless a first layout of the same height exists.
-    fn offer_first_layout(&mut self, pieces: Vec<PlacedItem>) {
+    pub(super) fn offer_first_layout(&mut self, pieces: Vec<PlacedItem>) {
         let height = height_mm(&pieces);
         if self.first_layouts.iter().all(|known| height_mm(known) != height) {
             let at = self.first_layouts.partition_point(|known| height_mm(known) <= height);

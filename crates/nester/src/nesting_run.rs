@@ -33,6 +33,8 @@ pub(super) struct NestingRun<'a> {
     pub(super) best_items: Vec<PlacedItem>,
     /// First layouts, the lowest first.
     pub(super) first_layouts: Vec<Vec<PlacedItem>>,
+    /// Where the descents of the last round ended.
+    pub(super) other_ends: Vec<Vec<PlacedItem>>,
     /// Layouts for which no room was found by insertion, by hash.
     pub(super) failed_insertions: BTreeSet<u64>,
     pub(super) evaluations: u64,
@@ -58,6 +60,7 @@ impl<'a> NestingRun<'a> {
             listener,
             best_items: Vec::new(),
             first_layouts: Vec::new(),
+            other_ends: Vec::new(),
             failed_insertions: BTreeSet::new(),
             evaluations: 0,
         }

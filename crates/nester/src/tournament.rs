@@ -33,6 +33,8 @@ pub(crate) struct DescentStart<'a> {
 pub(crate) struct DescentEnd {
     /// The lowest layout.
     pub(crate) items: Vec<PlacedItem>,
+    /// Where the runs ended that did not go on.
+    pub(crate) others: Vec<Vec<PlacedItem>>,
     pub(crate) pace: DescentPace,
     /// Evaluations made.
     pub(crate) made: u64,
@@ -54,7 +56,7 @@ pub(crate) fn run_descent(
     let mut descent = CompressionRun::new(start.prepared, &start.layouts[0], run_rng(start.seed, 0));
     descent.pace = start.pace;
     descent.run(&CompressionBudget { spent_share_at: spent, until, lower_bound_mm: start.floor_mm }, found);
-    DescentEnd { pace: descent.pace, made: descent.evaluations(), items: descent.items }
+    DescentEnd { pace: descent.pace, made: descent.evaluations(), items: descent.items, others: Vec::new() }
 }
 
 /// Lowers layouts until `spent` (share of the budget after a number of evaluations) reaches 1. Every layout lower than
@@ -87,15 +89,15 @@ pub(crate) fn run_tournament(
     let affordable = descents[0].evaluations() as f64 / FIRST_RUN_SHARE / prepared.copies.len().max(1) as f64;
     let count = 1 << EVALUATIONS_TO_DOUBLE.iter().filter(|&&worth| affordable >= worth).count();
     descents.extend((1..count).map(begin));
-    let rounds = (count as f64).log2();
+    let (rounds, mut others) = ((count as f64).log2(), Vec::new());
     while descents.len() > 1 {
         let share = TOURNAMENT_SHARE / rounds / descents.len() as f64;
         descents.iter_mut().for_each(|descent| run(descent, share));
         descents.sort_by(|a, b| a.height_mm.total_cmp(&b.height_mm));
-        descents.truncate(descents.len() / 2);
+        others.extend(descents.split_off(descents.len() / 2).into_iter().map(|descent| descent.items));
     }
     run(&mut descents[0], 1.0);
-    DescentEnd { items: lowest, pace: descents[0].pace, made }
+    DescentEnd { items: lowest, others, pace: descents[0].pace, made }
 }
 
 #[cfg(test)]

@@ -37,11 +37,15 @@ pub use farm_files::{block, stl};
 pub const PROFILE: &str = "test";
 /// The default profile of the tests: small volume, quick settling, short searches.
 pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.05\n\
-                         arrival_secs = 0.05\nmax_attempts = 50\n";
+                         arrival_secs = 0.05\nimprove_secs = 0\nmax_attempts = 50\n";
 /// Time by which the clocks advance between two ticks.
 const STEP: Duration = Duration::from_millis(250);
 /// Maximum number of ticks to wait for a condition.
 const MOST_TICKS: usize = 480;
+/// Real time that jobs have between two ticks while they are not waited for.
+const MOMENT: Duration = Duration::from_millis(50);
+/// Maximum number of these.
+const MOST_MOMENTS: usize = 2400;
 /// Maximum real time to wait for jobs. No job takes as long as a second.
 const JOBS_END_WITHIN: Duration = Duration::from_secs(120);
 
@@ -128,6 +132,25 @@ impl HandDrivenFarm {
         }
     }
 
+    /// Advances the clocks a little and runs a tick. Jobs that take longer than a moment go on.
+    fn pass_moment(&mut self) {
+        self.hands.pass(STEP);
+        self.begin_tick();
+        let farm = self.farm.as_mut().unwrap();
+        self.runtime.block_on(job_events::wait_for_jobs(farm, Instant::now() + MOMENT));
+    }
+
+    /// Advances the clocks until a condition holds, while long jobs go on. Panics after some minutes.
+    pub fn pass_moments_until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
+        for _ in 0..MOST_MOMENTS {
+            if holds(self) {
+                return;
+            }
+            self.pass_moment();
+        }
+        panic!("it does not come to pass that {what}");
+    }
+
     /// Advances the clocks at once by a long time, and then runs ticks, a second apart, until no file is read and no build
     /// is made.
     pub fn jump(&mut self, time: Duration) {
@@ -200,6 +223,13 @@ impl HandDrivenFarm {
         fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
     }
 
+    /// Sets the number of threads for nesting, which takes effect at the start.
+    pub fn write_threads(&self, threads: usize) {
+        let file = self.root().join("config/nestd.toml");
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(file, format!("threads = {threads}\n{text}")).unwrap();
+    }
+
     /// Sets the time zone of the farm, which takes effect at the start or a reload.
     pub fn write_time_zone(&self, name: &str) {
         let file = self.root().join("config/nestd.toml");
@@ -255,6 +285,22 @@ impl HandDrivenFarm {
     /// The copies that stand in the open build.
     pub fn open_copies(&self) -> BTreeSet<CopyId> {
         self.farm.as_ref().unwrap().machines[PROFILE].open.standing.clone()
+    }
+
+    /// Whether a search lowers the open build of a machine now.
+    pub fn is_lowering(&self, profile: &str) -> bool {
+        self.farm.as_ref().unwrap().machines[profile].open.night.is_running()
+    }
+
+    /// Whether a final search runs, and is within its time.
+    pub fn is_nesting(&self) -> bool {
+        let searches = &self.farm.as_ref().unwrap().nesting.final_searches;
+        searches.values().any(|search| search.budget.secs_over() == 0.0)
+    }
+
+    /// The farm asks the ledger again how far the search for an open build is.
+    pub fn forget_night(&mut self, profile: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
     }
 
     /// What `STATUS.txt` says next.

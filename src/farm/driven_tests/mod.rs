@@ -7,6 +7,7 @@ mod kept_builds;
 mod late;
 mod life;
 mod lists;
+mod night;
 mod open_build;
 mod orders;
 mod precedence;

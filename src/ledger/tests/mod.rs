@@ -4,6 +4,7 @@ mod backup;
 mod lanes;
 mod lifecycle;
 mod migrations;
+mod night_search;
 mod nodes;
 #[cfg(feature = "postgres")]
 mod on_postgres;

@@ -1,0 +1,41 @@
+//! What the search that lowers an open build while it waits has cost and gained, in words.
+
+use crate::ledger::{NightState, OpenBuildForecast};
+
+/// `1.24 mm lower after 350 CPU s since the last arrival, goes on`; `None` = it is switched off, or has not begun.
+pub fn night_text(open: &OpenBuildForecast) -> Option<String> {
+    let state = match open.night? {
+        NightState::GoesOn => "goes on",
+        NightState::StandsStill => "rests: more time gains too little",
+        NightState::UsedUp => "rests: its time is used up",
+        NightState::GivenUp => "given up",
+    };
+    Some(format!("{} since the last arrival, {state}", night_gain_text(open)?))
+}
+
+/// `1.24 mm lower after 350 CPU s`; `None` = it is switched off, or has not begun.
+pub fn night_gain_text(open: &OpenBuildForecast) -> Option<String> {
+    Some(format!("{:.2} mm lower after {:.0} CPU s", open.night_gain_mm?, open.night_cpu_secs?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::BuildId;
+
+    #[test]
+    fn cost_and_gain_are_told_unless_there_are_none() {
+        let open = |night| OpenBuildForecast {
+            build: BuildId(1),
+            height_mm: Some(50.0),
+            density: None,
+            copies: Some(3),
+            night,
+            night_cpu_secs: night.map(|_| 349.6),
+            night_gain_mm: night.map(|_| 1.236),
+        };
+        let told = night_text(&open(Some(NightState::GoesOn)));
+        assert_eq!(told.as_deref(), Some("1.24 mm lower after 350 CPU s since the last arrival, goes on"));
+        assert_eq!(night_text(&open(None)), None);
+    }
+}

@@ -64,6 +64,7 @@ fn a_farm_on_a_server_takes_prints_and_tells() {
     farm.stop();
     // A restart finds everything.
     start(&mut farm);
+    wait_until_or("it is open again", 60.0, || farm.log(), || farm.log().matches("The farm is open").count() == 2);
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
 }

@@ -19,7 +19,7 @@ const CUSTOMER_MARK: &str = "customer: ";
 pub struct FoundRows<T> {
     /// The first rows.
     pub rows: Vec<T>,
-    /// How many there are, up to [`MAX_COUNTED`].
+    /// How many there are, up to `MAX_COUNTED`.
     pub total: usize,
 }
 

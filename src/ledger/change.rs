@@ -1,7 +1,7 @@
 //! A change of the ledger: one short immediate transaction. Every state transition of a row goes through this type,
 //! together with its event.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{
     BuildId, BuildState, CommandId, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
@@ -30,6 +30,17 @@ pub enum ChangeOrigin {
     /// On a server. A daemon's changes are counted.
     #[cfg(feature = "postgres")]
     Server(Option<super::postgres::CountedChange>),
+}
+
+impl ChangeOrigin {
+    /// The file of the ledger.
+    fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            #[cfg(feature = "postgres")]
+            Self::Server(_) => None,
+        }
+    }
 }
 
 impl LedgerChange {
@@ -64,7 +75,7 @@ impl LedgerChange {
             SqlTransaction::Sqlite(mut transaction) => {
                 let changes = health::count_change(&mut transaction).await?;
                 transaction.commit().await?;
-                if let ChangeOrigin::File(file) = &self.origin {
+                if let Some(file) = self.origin.file() {
                     health::note_changes(file, changes);
                 }
             }

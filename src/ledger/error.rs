@@ -323,10 +323,10 @@ fn copies_text(copies: u32) -> String {
 }
 
 fn edit_remedy(part: PartId, state: super::PartState) -> String {
-    match state {
-        super::PartState::Rejected => format!("`nestd retry {part}` takes it back first"),
-        _ => format!("`nestd edit {part} --copies N` orders more of it"),
+    if state == super::PartState::Rejected {
+        return format!("`nestd retry {part}` takes it back first");
     }
+    format!("`nestd edit {part} --copies N` orders more of it")
 }
 
 impl LedgerError {

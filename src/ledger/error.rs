@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::{BuildId, CommandId, IllegalMove, PartId, ServerError};
+use super::{
+    BuildId, CommandId, IllegalMove, PartId, ServerError,
+    sqlite_code::{SQLITE_CORRUPT, SQLITE_FULL, SQLITE_IOERR, SQLITE_NOTADB, SQLITE_READONLY, sqlite_code},
+};
 
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
 #[derive(Debug, Error)]
@@ -376,25 +379,6 @@ fn query_failure(error: &sqlx::Error) -> String {
         Some(SQLITE_FULL) => "the disk is full. Free some room on the disk of the state folder".to_owned(),
         _ => error.to_string(),
     }
-}
-
-/// Another connection holds the lock.
-pub(super) const SQLITE_BUSY: i64 = 5;
-/// The disk failed, or is full.
-const SQLITE_IOERR: i64 = 10;
-const SQLITE_FULL: i64 = 13;
-/// The file or the connection cannot be written.
-const SQLITE_READONLY: i64 = 8;
-/// A page has invalid content.
-const SQLITE_CORRUPT: i64 = 11;
-/// The file is no database at all.
-const SQLITE_NOTADB: i64 = 26;
-
-/// SQLite's primary result code of an error, whatever its extended form.
-pub(super) fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
-    // Those of PostgreSQL have five characters, also where all are digits.
-    let code = error.as_database_error()?.code().filter(|code| code.len() < 5)?;
-    Some(code.parse::<i64>().ok()? & 0xff)
 }
 
 /// Result of an operation of the ledger.

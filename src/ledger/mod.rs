@@ -57,6 +57,7 @@ mod schema;
 mod server_error;
 mod service;
 mod sql;
+mod sqlite_code;
 mod sqlite_store;
 mod state;
 mod status;

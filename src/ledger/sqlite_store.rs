@@ -13,10 +13,11 @@ use sqlx::{
 
 use super::{
     LedgerError,
-    error::{Result, SQLITE_BUSY, sqlite_code},
+    error::Result,
     file_guard::LedgerFileGuard,
     health, location, schema,
     sql::SqlExecutor,
+    sqlite_code::{SQLITE_BUSY, sqlite_code},
 };
 
 /// Time that a writer waits for another process before it gives up. Changes take milliseconds.

@@ -1,0 +1,21 @@
+//! The result codes of SQLite that tell one failure from another.
+
+/// Another connection holds the lock.
+pub const SQLITE_BUSY: i64 = 5;
+/// The disk failed.
+pub const SQLITE_IOERR: i64 = 10;
+/// The disk is full.
+pub const SQLITE_FULL: i64 = 13;
+/// The file or the connection cannot be written.
+pub const SQLITE_READONLY: i64 = 8;
+/// A page has invalid content.
+pub const SQLITE_CORRUPT: i64 = 11;
+/// The file is no database at all.
+pub const SQLITE_NOTADB: i64 = 26;
+
+/// SQLite's primary result code of an error, whatever its extended form.
+pub fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
+    // Those of PostgreSQL have five characters, also where all are digits.
+    let code = error.as_database_error()?.code().filter(|code| code.len() < 5)?;
+    Some(code.parse::<i64>().ok()? & 0xff)
+}

@@ -66,9 +66,7 @@ pub async fn repair_ledger(settings: &Settings, new_folders: &[PathBuf]) -> Resu
 /// Records what the folders of this node hold in the ledger that all nodes share: each finding in a change of its own. What is left by
 /// one that is ended before its end is found by the next.
 async fn repair_on_server(settings: &Settings, new_folders: &[PathBuf]) -> Result<ReconcileReport> {
-    access::create_private_folders(&settings.state_dir)
-        .with_context(|| format!("creating {}", settings.state_dir.display()))?;
-    let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
+    let _lock = lock_state_dir(settings)?;
     let right = ServingRight::RepairedNode(settings.node.name.clone());
     let ledger = Ledger::open_to_serve(&settings.ledger, &serving_node(settings, right)).await?;
     let repair = async {
@@ -86,14 +84,19 @@ async fn repair_on_server(settings: &Settings, new_folders: &[PathBuf]) -> Resul
     repaired
 }
 
+/// Keeps a daemon of this state folder out.
+fn lock_state_dir(settings: &Settings) -> Result<StateDirLock> {
+    access::create_private_folders(&settings.state_dir)
+        .with_context(|| format!("creating {}", settings.state_dir.display()))?;
+    StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())
+}
+
 async fn rebuild_ledger(
     settings: &Settings,
     begin: LedgerSource<'_>,
     new_folders: &[PathBuf],
 ) -> Result<RestoreOutcome> {
-    access::create_private_folders(&settings.state_dir)
-        .with_context(|| format!("creating {}", settings.state_dir.display()))?;
-    let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
+    let _lock = lock_state_dir(settings)?;
     let base = working_path(settings);
     ledger::clear_unfinished(&base)?;
     // A daemon, on any host, is refused as long as this is open.

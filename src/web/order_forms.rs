@@ -36,9 +36,13 @@ pub(super) struct OrderButtonForm {
     profile: String,
 }
 
+fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
+    lines.iter().filter(|line| line.state == PartState::Waiting)
+}
+
 /// The forms that change what waits of an order.
 pub(super) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
-    let waiting = lines.iter().filter(|line| line.state == PartState::Waiting).count() as u32;
+    let waiting = waiting_lines(lines).count() as u32;
     let settings = web.current_settings();
     let address = order_address(name);
     let parts = count(waiting, "waiting part", "waiting parts");
@@ -94,7 +98,7 @@ async fn command_lines(
     command: impl Fn(&OrderLine) -> NewCommand,
 ) -> HandlerResult<Response> {
     let lines = web.ledger.order_lines(name).await?;
-    let commands: Vec<NewCommand> = lines.iter().filter(|line| line.state == PartState::Waiting).map(command).collect();
+    let commands: Vec<NewCommand> = waiting_lines(&lines).map(command).collect();
     if commands.is_empty() {
         return Err(HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned()));
     }
@@ -148,7 +152,7 @@ pub(super) async fn post_move(
 /// The buttons that concern the whole order. Each is folded away, so that nobody presses it by mistake.
 pub(super) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
     let printed = lines.iter().any(|line| line.copies.printed + line.copies.good > 0);
-    let waiting = lines.iter().filter(|line| line.state == PartState::Waiting).count() as u32;
+    let waiting = waiting_lines(lines).count() as u32;
     let address = order_address(name);
     html! {
         @if web.orders && printed {

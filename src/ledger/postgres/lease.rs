@@ -82,8 +82,7 @@ impl HeldLease {
 
     /// Tells that a statement has failed because the server could not be reached: until a renewal succeeds, the state is unsure.
     pub fn doubt(&self, why: &str) {
-        *self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) =
-            Some(ServiceState::Unsure { why: why.to_owned() });
+        self.shared.set_trouble(Some(ServiceState::Unsure { why: why.to_owned() }));
         self.shared.doubt.notify_one();
     }
 
@@ -162,10 +161,8 @@ impl LeaseShared {
         self.change_watch(|watch| watch.compare(found, committed))
     }
 
-    /// What is read after a change failed says so at once.
-    fn wait_for_repair(&self, nodes: &str) {
-        let trouble = ServiceState::RepairDue { nodes: nodes.to_owned() };
-        *self.trouble.lock().unwrap_or_else(PoisonError::into_inner) = Some(trouble);
+    fn set_trouble(&self, trouble: Option<ServiceState>) {
+        *self.trouble.lock().unwrap_or_else(PoisonError::into_inner) = trouble;
     }
 
     /// Fails if the database has lost changes of another node. The node that is repaired, and whoever has the whole ledger, go on.
@@ -178,7 +175,7 @@ impl LeaseShared {
             true => Ok(()),
             false => {
                 let nodes = due.join(", ");
-                self.wait_for_repair(&nodes);
+                self.set_trouble(Some(ServiceState::RepairDue { nodes: nodes.clone() }));
                 Err(ServerError::RepairDue { nodes }.into())
             }
         }
@@ -237,7 +234,7 @@ async fn keep_renewing(shared: Arc<LeaseShared>) {
             Err(error) => Some(ServiceState::Unsure { why: error.to_string() }),
         };
         pause = if trouble.is_none() { regular } else { hasty };
-        *shared.trouble.lock().unwrap_or_else(PoisonError::into_inner) = trouble;
+        shared.set_trouble(trouble);
     }
     if let (true, ServingRight::Node(node)) = (shared.watch().is_behind(), &shared.node.right) {
         // Until a person ends this process: the next standby may not have the mark.

@@ -52,7 +52,7 @@ Architecture: $arch
 Maintainer: nestd developers <nestd@users.noreply.github.com>
 Section: misc
 Priority: optional
-Depends: libc6 (>= ${glibc:-2.36}), libgcc-s1, systemd (>= 250) | systemd-standalone-sysusers
+Depends: libc6 (>= ${glibc:-2.36}), libgcc-s1, libstdc++6, systemd (>= 250) | systemd-standalone-sysusers
 Installed-Size: $(du -sk --exclude=DEBIAN "$tree" | cut -f1)
 Homepage: https://github.com/nestd/nestd
 Description: daemon that runs a powder-bed print farm

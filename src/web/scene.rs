@@ -27,8 +27,8 @@ use crate::farm::{CakeContents, CakeCopy, CakePart};
 
 /// Approximate limit of the triangles in a view.
 const MAX_TRIANGLES: usize = 700_000;
-/// Lower and upper limit of the triangles of one mesh.
-const TRIANGLES_PER_MESH: (usize, usize) = (150, 20_000);
+/// Lower and upper limit of the triangles of one mesh; it may keep twice as many, which have fewer than 65,536 vertices.
+const TRIANGLES_PER_MESH: (usize, usize) = (150, 10_000);
 /// Scenes in the cache.
 pub(super) const CACHED_SCENES: usize = 8;
 
@@ -52,6 +52,8 @@ struct SceneMesh {
     due: String,
     vertices: usize,
     triangles: usize,
+    /// Whether its file has more triangles than are drawn.
+    is_simplified: bool,
     /// The lowest coordinates, and the length of a step, mm.
     low_mm: [f32; 3],
     step_mm: f32,
@@ -106,6 +108,7 @@ pub(super) fn pack_scene(
             due: part.due.clone(),
             vertices: reduced.vertices.len(),
             triangles: reduced.triangles.len(),
+            is_simplified: reduced.triangles.len() < mesh.triangles().len(),
             low_mm,
             step_mm,
             copies: scene_copies(part, mesh),
@@ -114,7 +117,6 @@ pub(super) fn pack_scene(
             let steps = |v: &[f32; 3]| ((v[axis] - low_mm[axis]) / step_mm).round() as u16;
             push_differences(&mut bytes, reduced.vertices.iter().map(steps));
         }
-        // A mesh has far fewer than 65,536 vertices: at most three for each of its triangles.
         push_differences(&mut bytes, reduced.triangles.iter().flatten().map(|&corner| corner as u16));
     }
     let gone = cake.parts.iter().filter(|part| part.mesh.is_none());

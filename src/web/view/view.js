@@ -113,7 +113,7 @@ function show(data) {
   };
   let hot = null;
   const tell = (found) => {
-    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}` : HINT;
+    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}${found.mesh.is_simplified ? " (drawn simplified)" : ""}` : HINT;
     hot?.classList.remove("hot");
     hot = found ? entries.find((entry) => Number(entry.dataset.part) === found.mesh.part) : null;
     hot?.classList.add("hot");

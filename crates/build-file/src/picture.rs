@@ -259,6 +259,9 @@ fn encode_png(rgb: &[u8], width: usize, height: usize) -> Vec<u8> {
     let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    // Areas of one colour compress best as they are.
+    encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header().expect("writing to memory does not fail");
     writer.write_image_data(rgb).expect("there are as many bytes as the header says");
     writer.finish().expect("writing to memory does not fail");

@@ -84,6 +84,9 @@ pub(super) fn body_of(tag: u32) -> Option<usize> {
     (tag >= FIRST_BODY && tag != NOTHING).then(|| (tag >> 8) as usize - 1)
 }
 
+/// Bodies and edges have colours in steps of this, of 255: pixels that look alike become equal, which halves the file.
+const COLOUR_STEP: f32 = 8.0;
+
 /// Averages `fine` x `fine` samples into each pixel's RGB. `colours` are those of the bodies.
 pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: PictureScheme, fine: usize) -> Vec<u8> {
     let (width, height) = (canvas.width / fine, canvas.height / fine);
@@ -101,6 +104,8 @@ pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: Pic
             sum += shader.sample_colour(x * fine + dx, y * fine + dy);
         }
         let mean = sum / (fine * fine) as f32;
+        let is_fixed = [fixed.background, fixed.floor, fixed.wire, fixed.ink].contains(&mean);
+        let mean = if is_fixed { mean } else { (mean / COLOUR_STEP).round() * COLOUR_STEP };
         pixels.extend(mean.to_array().map(|c| c.round().clamp(0.0, 255.0) as u8));
     }
     pixels

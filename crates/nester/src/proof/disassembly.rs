@@ -59,7 +59,7 @@ impl LayoutProver<'_> {
     }
 }
 
-/// The first of [`all_ways`] that points downwards.
+/// The first of [`removal_directions`] that points downwards.
 const FIRST_FALLING: usize = 17;
 
 /// All directions: upward ones first, straight up before all others, then horizontal ones, then downward ones; simple
@@ -100,9 +100,9 @@ impl<'a> DisassemblyProver<'a> {
 
     /// The next body that can be removed, as its index among the remaining bodies, and its direction.
     fn next_removal(&mut self) -> Option<(usize, usize)> {
-        // Prefer straight up; otherwise the highest body that has a direction which is not downwards. The cake lies on
-        // a floor: bodies that can only move down wait until the cake is lifted.
-        [0..1, 1..FIRST_FALLING, FIRST_FALLING..self.directions.len()]
+        // The highest body that has a direction which is not downwards, so that whoever unpacks works from the top down. The
+        // cake lies on a floor: bodies that can only move down wait until the cake is lifted.
+        [0..FIRST_FALLING, FIRST_FALLING..self.directions.len()]
             .into_iter()
             .find_map(|directions| self.next_removal_along(directions))
     }

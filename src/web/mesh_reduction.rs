@@ -9,9 +9,13 @@ use solids::Mesh;
 pub(super) struct ReducedMesh {
     pub(super) vertices: Vec<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Whether it may be seen that it has fewer triangles than its file.
+    pub(super) is_simplified: bool,
 }
 
-/// Largest error of a reduced surface, as a share of the mesh's longest side: less than anybody sees.
+/// Largest error of the surface of any mesh, as a share of its longest side: no pixel of a screen.
+const LEAST_ERROR: f32 = 0.0005;
+/// Largest error of a mesh with too many triangles: less than anybody sees.
 const UNSEEN_ERROR: f32 = 0.005;
 /// Any error.
 const ANY_ERROR: f32 = 1.0;
@@ -21,15 +25,20 @@ const ANY_ERROR: f32 = 1.0;
 pub(super) fn reduce_mesh(mesh: &Mesh, max_triangles: usize) -> ReducedMesh {
     let vertices: Vec<[f32; 3]> = mesh.vertices().iter().map(|v| v.as_vec3().to_array()).collect();
     let mut corners = mesh.triangles().as_flattened().to_vec();
-    for (most, error) in [(max_triangles, UNSEEN_ERROR), (max_triangles.saturating_mul(2), ANY_ERROR)] {
+    let mut reduce_to = |most: usize, error: f32| {
         let most = most.saturating_mul(3);
-        if corners.len() > most {
+        let is_more = corners.len() > most;
+        if is_more {
             corners = meshopt::simplify_decoder(&corners, &vertices, most, error, SimplifyOptions::Prune, None);
         }
-    }
+        is_more
+    };
+    reduce_to(0, LEAST_ERROR);
+    let is_simplified = reduce_to(max_triangles, UNSEEN_ERROR);
+    reduce_to(max_triangles.saturating_mul(2), ANY_ERROR);
     let mut corners = meshopt::optimize_vertex_cache(&corners, vertices.len());
     let vertices = meshopt::optimize_vertex_fetch(&mut corners, &vertices);
-    ReducedMesh { vertices, triangles: corners.as_chunks().0.to_vec() }
+    ReducedMesh { vertices, triangles: corners.as_chunks().0.to_vec(), is_simplified }
 }
 
 #[cfg(test)]
@@ -47,7 +56,8 @@ mod tests {
     #[test]
     fn a_reduced_part_keeps_its_bounds_and_its_volume_and_has_few_triangles() {
         for sample in sample_parts::all_samples() {
-            let whole = reduce_mesh(&sample.mesh, usize::MAX);
+            let vertices = sample.mesh.vertices().iter().map(|v| v.as_vec3().to_array()).collect();
+            let whole = ReducedMesh { vertices, triangles: sample.mesh.triangles().to_vec(), is_simplified: false };
             let reduced = reduce_mesh(&sample.mesh, 1000);
             assert!(reduced.triangles.len() <= 2000, "{}: {}", sample.name, reduced.triangles.len());
             assert!(reduced.triangles.iter().flatten().all(|&v| (v as usize) < reduced.vertices.len()));

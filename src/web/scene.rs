@@ -52,7 +52,7 @@ struct SceneMesh {
     due: String,
     vertices: usize,
     triangles: usize,
-    /// Whether its file has more triangles than are drawn.
+    /// Whether it may be seen that its file has more triangles.
     is_simplified: bool,
     /// The lowest coordinates, and the length of a step, mm.
     low_mm: [f32; 3],
@@ -81,7 +81,7 @@ pub(super) async fn get_scene(
     let kept = CacheLocation { cache: |web| &web.caches.scenes, key: layout_version(&build), only: None };
     let facts = (build.id.0, build.measures.height_mm, profile.space.layer_mm);
     let pack = move |cake: &CakeContents| {
-        Ok(CompressedBody::new(&pack_scene(cake, facts, MAX_TRIANGLES)?, Compression::fast())?)
+        Ok(CompressedBody::new(&pack_scene(cake, facts, MAX_TRIANGLES)?, Compression::default())?)
     };
     let body = render_cached(&web, &build, &profile, kept, pack).await?;
     Ok(body.answer(&headers, "application/octet-stream", "private, no-cache").context("sending a scene")?)
@@ -108,7 +108,7 @@ pub(super) fn pack_scene(
             due: part.due.clone(),
             vertices: reduced.vertices.len(),
             triangles: reduced.triangles.len(),
-            is_simplified: reduced.triangles.len() < mesh.triangles().len(),
+            is_simplified: reduced.is_simplified,
             low_mm,
             step_mm,
             copies: scene_copies(part, mesh),

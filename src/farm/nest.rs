@@ -312,7 +312,11 @@ fn nest_write_and_prove(
     meshes: &MeshSource,
     lanes: Option<&LaneSearch>,
 ) -> Result<WrittenBuild> {
-    let nested = request.run_search(meshes, lanes)?;
+    let mut nested = request.run_search(meshes, lanes)?;
+    // A build that is issued once more stays as it is.
+    if write.build.search.repeats.is_none() {
+        nested.set_look_alikes_apart(&write.profile)?;
+    }
     ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;

@@ -49,6 +49,17 @@ pub struct NestingResult {
     pub curve: Vec<(f64, f64)>,
 }
 
+impl NestingResult {
+    /// Exchanges the places of copies that an eye confuses, so that those of each part stand together.
+    pub(super) fn set_look_alikes_apart(&mut self, profile: &MachineProfile) -> Result<()> {
+        let instance = self.batch.create_instance(profile)?;
+        let mut placements = self.batch.matching_placements(&self.layout.placed);
+        nester::set_look_alikes_apart(&instance, &mut placements);
+        self.layout.placed = self.batch.layout_placements(&placements);
+        Ok(())
+    }
+}
+
 impl NestingRequest {
     /// Runs the search, with `lanes` on several nodes; returns when the budget is spent or cancelled.
     pub fn run_search(&self, meshes: &MeshSource, lanes: Option<&LaneSearch>) -> Result<NestingResult> {

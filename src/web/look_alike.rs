@@ -2,36 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use solids::Mesh;
+use nester::LookMeasures;
 
 use crate::farm::CakePart;
 
-/// Greatest difference of sizes and volumes that an eye does not see, as a share.
-const UNSEEN_SHARE: f64 = 0.02;
-
-/// Edge lengths of the bounds in ascending order, and the edge length of a cube with its volume, mm.
-fn measures_of(mesh: &Mesh) -> [f64; 4] {
-    let mut size = mesh.bounds().size().to_array();
-    size.sort_by(f64::total_cmp);
-    let [a, b, c] = size;
-    [a, b, c, mesh.volume_mm3().abs().cbrt()]
-}
-
-/// Whether two parts look the same: each length differs by [`UNSEEN_SHARE`] of the longest at most.
-fn look_alike(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    let unseen_mm = UNSEEN_SHARE * a[2].max(b[2]);
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= unseen_mm)
-}
-
 /// The parts that look like others, by number, with the names of those others and of their orders.
 pub(super) fn look_alikes(parts: &[CakePart]) -> BTreeMap<i64, Vec<String>> {
-    let measured: Vec<_> = parts.iter().filter_map(|part| Some((part, measures_of(part.mesh.as_ref()?)))).collect();
+    let measured: Vec<_> =
+        parts.iter().filter_map(|part| Some((part, LookMeasures::of_mesh(part.mesh.as_ref()?)))).collect();
     let name = |part: &CakePart| match part.order.as_str() {
         "" => part.name.clone(),
         order => format!("{} (order {order})", part.name),
     };
-    let others = |(part, measures): &(&CakePart, [f64; 4])| {
-        let alike = measured.iter().filter(|(other, m)| other.part != part.part && look_alike(measures, m));
+    let others = |(part, measures): &(&CakePart, LookMeasures)| {
+        let alike = measured.iter().filter(|(other, m)| other.part != part.part && measures.looks_like(m));
         (part.part, alike.map(|(other, _)| name(other)).collect::<Vec<_>>())
     };
     measured.iter().map(others).filter(|(_, names)| !names.is_empty()).collect()

@@ -12,6 +12,8 @@ use crate::{
 
 /// Greatest difference of sizes and volumes that an eye does not see, as a share.
 const UNSEEN_SHARE: f64 = 0.02;
+/// Groups of different meshes that are tried by themselves, at most.
+const MAX_SINGLE_TRIES: usize = 3;
 /// Heights that differ by less are equal, mm.
 const SAME_HEIGHT_MM: f64 = 1e-6;
 
@@ -74,13 +76,17 @@ pub fn set_look_alikes_apart(instance: &NestingInstance, placements: &mut Vec<It
     }
     let looks: Vec<_> = items.iter().map(|item| LookMeasures::of_mesh(&item.mesh)).collect();
     let is_alike = |a: usize, b: usize| looks[a].looks_like(&looks[b]) && is_asked_alike(&items[a], &items[b]);
-    for group in groups_of(items.len(), is_alike) {
-        if group.iter().all(|&item| Arc::ptr_eq(&items[item].mesh, &items[group[0]].mesh)) {
-            continue;
-        }
+    let mut groups = groups_of(items.len(), is_alike);
+    groups.retain(|group| group.iter().any(|&item| !Arc::ptr_eq(&items[item].mesh, &items[group[0]].mesh)));
+    // All at once, or else the first ones by themselves: each try costs a proof.
+    let all = std::iter::once(groups.as_slice());
+    for tried_groups in all.chain(groups.chunks(1).take(MAX_SINGLE_TRIES)) {
         let mut tried = placements.clone();
-        if exchange_within(items, &[group], &mut tried) && is_as_good(instance, placements, &tried) {
+        if exchange_within(items, tried_groups, &mut tried) && is_as_good(instance, placements, &tried) {
             *placements = tried;
+            if tried_groups.len() == groups.len() {
+                return;
+            }
         }
     }
 }

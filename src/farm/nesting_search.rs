@@ -1,6 +1,9 @@
 //! A search turns a batch of parts into a layout. Runs on a job's thread.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use anyhow::Result;
 use nester::{NestingSolution, SearchBudget};
@@ -50,11 +53,14 @@ pub struct NestingResult {
 }
 
 impl NestingResult {
-    /// Exchanges the places of copies that an eye confuses, so that those of each part stand together.
+    /// Exchanges the places of copies that an eye confuses, so that those of each order stand together.
     pub(super) fn set_look_alikes_apart(&mut self, profile: &MachineProfile) -> Result<()> {
         let instance = self.batch.create_instance(profile)?;
         let mut placements = self.batch.matching_placements(&self.layout.placed);
-        nester::set_look_alikes_apart(&instance, &mut placements);
+        let kind = |part: &NestingPart| (part.part.terms.order_name.clone(), Arc::as_ptr(&part.mesh));
+        let known: BTreeSet<_> = self.batch.parts.iter().map(kind).collect();
+        let kinds: Vec<usize> = self.batch.parts.iter().map(|part| known.range(..kind(part)).count()).collect();
+        nester::set_look_alikes_apart(&instance, &kinds, &mut placements);
         self.layout.placed = self.batch.layout_placements(&placements);
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Parts that an eye confuses are set apart: whoever breaks out a build finds the copies of each together.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::DVec3;
 use solids::{Mesh, Pose};
@@ -42,8 +42,9 @@ impl LookMeasures {
     }
 }
 
-/// Exchanges the places of copies so that those of each item stand together where several items look alike: equal meshes
-/// always, others where the layout is still proved, comes apart and is no higher. The layout stays as it is otherwise.
+/// Exchanges the places of copies that look alike so that those of each kind stand together: equal meshes always, others
+/// where the layout is still proved, comes apart and is no higher. The layout stays as it is otherwise. `kinds` tells the
+/// kind of each item: copies of one kind, such as those of one order, need not be told apart.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -57,11 +58,11 @@ impl LookMeasures {
 /// let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(80.0) }, 2.0, items.to_vec())?;
 /// let at = |item, copy, x| ItemPlacement { item, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
 /// let mut placements = vec![at(0, 0, 0.0), at(1, 0, 20.0), at(0, 1, 40.0), at(1, 1, 60.0)];
-/// set_look_alikes_apart(&instance, &mut placements);
+/// set_look_alikes_apart(&instance, &[0, 1], &mut placements);
 /// assert_eq!(placements.iter().map(|placed| placed.item).collect::<Vec<_>>(), [0, 0, 1, 1]);
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
-pub fn set_look_alikes_apart(instance: &NestingInstance, placements: &mut Vec<ItemPlacement>) {
+pub fn set_look_alikes_apart(instance: &NestingInstance, kinds: &[usize], placements: &mut Vec<ItemPlacement>) {
     // Pinned copies stay what they are.
     if !instance.pinned().is_empty() {
         return;
@@ -69,7 +70,7 @@ pub fn set_look_alikes_apart(instance: &NestingInstance, placements: &mut Vec<It
     let items = instance.items();
     let is_equal =
         |a: usize, b: usize| Arc::ptr_eq(&items[a].mesh, &items[b].mesh) && is_asked_alike(&items[a], &items[b]);
-    exchange_within(items, &groups_of(items.len(), is_equal), placements);
+    exchange_within(items, kinds, &groups_of(items.len(), is_equal), placements);
     // Other meshes at the same places change how full the layers are.
     if instance.layer_cap().cap_mm2().is_some() {
         return;
@@ -82,7 +83,7 @@ pub fn set_look_alikes_apart(instance: &NestingInstance, placements: &mut Vec<It
     let all = std::iter::once(groups.as_slice());
     for tried_groups in all.chain(groups.chunks(1).take(MAX_SINGLE_TRIES)) {
         let mut tried = placements.clone();
-        if exchange_within(items, tried_groups, &mut tried) && is_as_good(instance, placements, &tried) {
+        if exchange_within(items, kinds, tried_groups, &mut tried) && is_as_good(instance, placements, &tried) {
             *placements = tried;
             if tried_groups.len() == groups.len() {
                 return;
@@ -109,9 +110,14 @@ fn groups_of(items: usize, is_alike: impl Fn(usize, usize) -> bool) -> Vec<Vec<u
     groups
 }
 
-/// Gives the places of each group to its items in turn, along the axis on which the places reach farthest. Returns whether
+/// Gives the places of each group to its kinds in turn, along the axis on which the places reach farthest. Returns whether
 /// anything changed.
-fn exchange_within(items: &[NestingItem], groups: &[Vec<usize>], placements: &mut [ItemPlacement]) -> bool {
+fn exchange_within(
+    items: &[NestingItem],
+    kinds: &[usize],
+    groups: &[Vec<usize>],
+    placements: &mut [ItemPlacement],
+) -> bool {
     let before = placements.to_vec();
     let centre = |placed: &ItemPlacement| placed.pose.transform_point(items[placed.item].mesh.bounds().center());
     for group in groups {
@@ -121,14 +127,15 @@ fn exchange_within(items: &[NestingItem], groups: &[Vec<usize>], placements: &mu
         let (Some(low), Some(high)) = (low, high) else { continue };
         let axis = (high - low).max_position();
         places.sort_by(|&a, &b| centre(&before[a])[axis].total_cmp(&centre(&before[b])[axis]));
-        // The items in the order in which they stand now, so that little changes.
-        let mean = |item: usize| {
-            let own = places.iter().filter(|&&at| before[at].item == item);
-            let (sum, count) = own.fold((0.0, 0.0), |(sum, count), &at| (sum + centre(&before[at])[axis], count + 1.0));
-            sum / f64::max(count, 1.0)
-        };
+        // The kinds in the order in which they stand now, so that little changes.
+        let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        for &at in &places {
+            let (sum, count) = sums.entry(kinds[before[at].item]).or_default();
+            (*sum, *count) = (*sum + centre(&before[at])[axis], *count + 1.0);
+        }
+        let mean = |copy: &ItemPlacement| sums.get(&kinds[copy.item]).map_or(0.0, |(sum, count)| sum / count);
         let mut copies: Vec<&ItemPlacement> = places.iter().map(|&at| &before[at]).collect();
-        copies.sort_by(|a, b| mean(a.item).total_cmp(&mean(b.item)).then(a.item.cmp(&b.item)));
+        copies.sort_by(|a, b| mean(a).total_cmp(&mean(b)).then(kinds[a.item].cmp(&kinds[b.item])));
         for (&at, copy) in places.iter().zip(copies) {
             if copy.item != before[at].item {
                 let pose = pose_at(&before[at], &items[before[at].item].mesh, &items[copy.item].mesh);
@@ -194,7 +201,7 @@ mod tests {
     #[test]
     fn parts_of_nearly_one_size_change_places_where_there_is_room() {
         let (instance, mut placements) = in_turns(25.0, 0.3);
-        set_look_alikes_apart(&instance, &mut placements);
+        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
         assert_eq!(items_of(&placements), [0, 0, 0, 1, 1, 1]);
         assert!(prove_all(&instance, &placements));
         let mut copies: Vec<_> = placements.iter().map(|placed| (placed.item, placed.copy)).collect();
@@ -211,7 +218,7 @@ mod tests {
         }
         let before = placements.clone();
         assert!(prove_all(&instance, &before));
-        set_look_alikes_apart(&instance, &mut placements);
+        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
         assert_eq!(placements, before);
     }
 
@@ -219,12 +226,12 @@ mod tests {
     fn parts_that_differ_or_were_asked_differently_stay() {
         let (instance, mut placements) = in_turns(30.0, 4.0);
         let before = placements.clone();
-        set_look_alikes_apart(&instance, &mut placements);
+        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
         assert_eq!(placements, before);
         let mut items = in_turns(30.0, 0.0).0.items().to_vec();
         items[1] = items[1].clone().with_clearance(3.0);
         let asked = NestingInstance::new(instance.volume(), 2.0, items).unwrap();
-        set_look_alikes_apart(&asked, &mut placements);
+        set_look_alikes_apart(&asked, &[0, 1], &mut placements);
         assert_eq!(placements, before);
     }
 

@@ -37,8 +37,8 @@ pub(crate) struct LayoutBuilder<'t> {
     rasters: BTreeMap<usize, Vec<PartRaster>>,
     /// Whether a position counts only if the part can be removed from there again.
     must_be_removable: bool,
-    /// Placement tests made.
-    pub(crate) tests: u64,
+    /// Work done: columns of voxels compared, and what costs about as much.
+    pub(crate) steps: u64,
 }
 
 /// A layout that is being built.
@@ -67,7 +67,7 @@ impl<'t> LayoutBuilder<'t> {
             max_rotations: turns,
             rasters: BTreeMap::new(),
             must_be_removable: prepared.must_be_separable,
-            tests: 0,
+            steps: 0,
         }
     }
 
@@ -153,7 +153,7 @@ impl<'t> LayoutBuilder<'t> {
     ) -> Option<Vec<PlacedItem>> {
         let mut stack = self.start_layout(standing);
         for &copy in order {
-            if enough(self.tests) {
+            if enough(self.steps) {
                 return None;
             }
             let placed = self.place_copy(recipe, copy, &mut stack);
@@ -201,7 +201,9 @@ impl<'t> LayoutBuilder<'t> {
             turns
                 .into_iter()
                 .map(|turn| {
-                    PartRaster::new(shape, turn, prepared.max_clearance_mm, pitch, GROWTH_VOXELS).extended_upwards(lift)
+                    let fineness = (pitch, GROWTH_VOXELS);
+                    PartRaster::new(shape, turn, prepared.max_clearance_mm, fineness, &mut self.steps)
+                        .extended_upwards(lift)
                 })
                 .collect()
         });
@@ -210,7 +212,7 @@ impl<'t> LayoutBuilder<'t> {
         let mut found = None;
         let (mut failed, mut held, mut raises) = (0, 0, 0);
         while failed < MAX_FAILED_PLACES && held < MAX_LOCKED_PLACES && raises < MAX_LAYER_RAISES {
-            let lowest = floors.lowest_scored_position(recipe, &stack.occupancy, rasters, &mut self.tests);
+            let lowest = floors.lowest_scored_position(recipe, &stack.occupancy, rasters, &mut self.steps);
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
             let piece = prepared.place_item(copy, raster.rotation, stack.occupancy.center_at(raster, node));

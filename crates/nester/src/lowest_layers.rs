@@ -66,13 +66,13 @@ impl LowestLayers {
         (0..floor.row_minima.len()).for_each(|x| floor.update_row_minimum(x));
     }
 
-    /// The raster and lattice position with the least score.
+    /// The raster and lattice position with the least score. Adds the columns compared to `steps`.
     pub(crate) fn lowest_scored_position(
         &mut self,
         recipe: &PlacementRecipe,
         occupancy: &OccupancyGrid,
         rasters: &[PartRaster],
-        tests: &mut u64,
+        steps: &mut u64,
     ) -> Option<(usize, [usize; 3])> {
         let scores: Vec<f64> = rasters.iter().map(|r| recipe.top_share * r.size.z / occupancy.pitch).collect();
         let bound = |floor: &RasterLowestLayers, at: usize, x: usize| {
@@ -101,8 +101,7 @@ impl LowestLayers {
                 if usize::from(*layer) >= end {
                     continue;
                 }
-                *tests += 1;
-                let found = occupancy.lowest_free_layer(&rasters[at], [x, y], usize::from(*layer), end);
+                let found = occupancy.lowest_free_layer(&rasters[at], [x, y], usize::from(*layer)..end, steps);
                 *layer = found.unwrap_or(end) as u16;
                 if let Some(z) = found {
                     let score = z as f64 + scores[at] + pull;

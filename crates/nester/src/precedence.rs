@@ -19,7 +19,7 @@ use super::{
     disassembly::can_be_removed,
     interlock_check::split_separable,
     layout_builder::{LayoutBuilder, PartialLayout},
-    nesting_run::{NestingRun, TESTS_PER_EVALUATION},
+    nesting_run::NestingRun,
     outline::OutlinedItem,
     prepared_instance::{PlacedItem, PreparedInstance},
     recipe::PlacementRecipe,
@@ -153,10 +153,10 @@ impl NestingRun<'_> {
         };
         let before = round.stack.clone();
         let placed = round.builder.place_copy(&PlacementRecipe::FIRST[0], copy, &mut round.stack);
-        self.count_tests(round.builder);
+        self.count_steps(round.builder);
         if placed {
             round.spare_those_behind(copy, before);
-            self.count_tests(round.builder);
+            self.count_steps(round.builder);
             return true;
         }
         match self.rearrange_before(round.task, round.builder, &round.stack.items, copy, effort) {
@@ -246,18 +246,12 @@ impl NestingRun<'_> {
             }
             let is_over = |_: u64| stop.spent_share_at(0) >= 1.0;
             let built = builder.build_separable(&recipe, &order, &pinned, f64::INFINITY, is_over);
-            self.count_tests(builder);
+            self.count_steps(builder);
             if let Some(built) = built.filter(|built| built.len() == pieces.len()) {
                 return Some(built);
             }
         }
         None
-    }
-
-    /// Counts the placement tests of a builder as evaluations.
-    fn count_tests(&mut self, builder: &mut LayoutBuilder<'_>) {
-        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
-        builder.tests %= TESTS_PER_EVALUATION;
     }
 }
 

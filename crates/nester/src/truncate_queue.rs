@@ -5,7 +5,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use super::{
     NestingInstance,
     layout_builder::{LayoutBuilder, PartialLayout},
-    nesting_run::{NestingRun, TESTS_PER_EVALUATION},
+    nesting_run::NestingRun,
     prepared_instance::{PlacedItem, PreparedInstance},
     recipe::PlacementRecipe,
 };
@@ -81,8 +81,7 @@ impl NestingRun<'_> {
         // Only a clock may end this loop: which copies are kept must not depend on the evaluation budget.
         let all =
             order.iter().all(|&copy| self.stop.spent_share_at(0) < 1.0 && builder.place_copy(recipe, copy, stack));
-        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
-        builder.tests %= TESTS_PER_EVALUATION;
+        self.count_steps(builder);
         all
     }
 

@@ -1,9 +1,14 @@
 //! A voxel volume in bit columns: finds the lowest free position of a grown part, for all positions on a lattice.
 
+use std::ops::Range;
+
 use glam::{DMat3, DQuat, DVec3};
 use solids::{Bounds, Pose};
 
 use super::shape::PreparedShape;
+
+/// Work of one lookup in a distance field, in columns compared.
+const LOOKUP_STEPS: u64 = 3;
 
 /// A part at one rotation, grown by half its clearance, as columns of bits.
 #[derive(Debug, Clone)]
@@ -31,8 +36,15 @@ struct BitColumn {
 }
 
 impl PartRaster {
-    /// Sets every voxel whose centre is nearer to the solid than half the clearance plus `grow` voxels.
-    pub(crate) fn new(shape: &PreparedShape, turn: DQuat, clearance_mm: f64, pitch: f64, grow: f64) -> Self {
+    /// Sets every voxel whose centre is nearer to the solid than half the clearance plus `grow` voxels. Adds the work to
+    /// `steps`.
+    pub(crate) fn new(
+        shape: &PreparedShape,
+        turn: DQuat,
+        clearance_mm: f64,
+        (pitch, grow): (f64, f64),
+        steps: &mut u64,
+    ) -> Self {
         let bounds = shape.tree.bounds_at(&Pose::new(turn, DVec3::ZERO));
         let corner_to_center = turn * shape.center - bounds.min;
         let cells = ((bounds.size() + clearance_mm) / pitch).ceil().as_ivec3().max(glam::IVec3::ONE);
@@ -55,6 +67,7 @@ impl PartRaster {
                 let line = first + along_x * f64::from(x) + along_y * f64::from(y);
                 let mut z = 0;
                 while z < cells.z {
+                    *steps += LOOKUP_STEPS;
                     let distance = shape.distance_field.distance((line + along_z * f64::from(z)).as_vec3());
                     if distance < reach {
                         bits[z as usize / 64] |= 1 << (z % 64);
@@ -172,17 +185,19 @@ impl OccupancyGrid {
         if shift == 0 { low } else { low >> shift | high << (64 - shift) }
     }
 
-    /// The lowest layer, from `from` and below `end`, at which the raster is free at (x, y).
+    /// The lowest of `layers` at which the raster is free at (x, y). Adds the columns compared to `steps`.
     pub(crate) fn lowest_free_layer(
         &self,
         raster: &PartRaster,
         [x, y]: [usize; 2],
-        from: usize,
-        end: usize,
+        layers: Range<usize>,
+        steps: &mut u64,
     ) -> Option<usize> {
-        let mut layer = from;
+        let mut layer = layers.start;
         let (mut clear, mut at) = (0, 0);
-        while layer < end {
+        *steps += 1;
+        while layer < layers.end {
+            *steps += 1;
             if clear == raster.columns.len() || layer >= self.top {
                 return Some(layer);
             }
@@ -311,7 +326,7 @@ mod tests {
             }
             for end in [120, 400] {
                 prop_assert_eq!(
-                    grid.lowest_free_layer(&raster, [0, 0], 0, end),
+                    grid.lowest_free_layer(&raster, [0, 0], 0..end, &mut 0),
                     lowest_layer_by_testing_all(&grid, &columns, [0, 0], end)
                 );
             }

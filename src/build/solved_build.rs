@@ -128,7 +128,7 @@ impl SolvedBuild {
             },
             separable: summary.separable,
             placed: self.placed.len(),
-            unplaced: unplaced.iter().map(|&(part, copy)| UnplacedPart { part: name(part), copy }).collect(),
+            unplaced: UnplacedPart::name_copies(unplaced, &summary.left_out, name),
             search: SearchCost {
                 seed: summary.seed,
                 evaluations,

@@ -7,10 +7,10 @@ mod paths;
 mod progress;
 mod setup;
 
-use std::{io::IsTerminal, sync::Arc};
+use std::{collections::BTreeMap, io::IsTerminal, sync::Arc};
 
 use anyhow::Result;
-use nester::{NestingInstance, NestingSolution, PreparedMeshCache, PreparedMeshes, SearchBudget};
+use nester::{LeftOutFit, NestingInstance, NestingSolution, PreparedMeshCache, PreparedMeshes, SearchBudget};
 
 use super::{CommandExit, CommonArgs, UsageError, table::print_to_stderr};
 use crate::{build::BuildPart, farm::DiskPreparationCache};
@@ -34,8 +34,9 @@ pub fn run(common: &CommonArgs, args: &NestArgs) -> Result<CommandExit> {
     let mut progress =
         SearchProgress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
     let solution = nester::nest_with_cache(&instance, &setup.config, &[], &prepared, &budget, &mut progress);
-    let summary = progress.finish(setup.config.seed);
-    report_unplaced(&instance, &solution);
+    let mut summary = progress.finish(setup.config.seed);
+    summary.left_out = nester::examine_left_out(&instance, &setup.config, &solution, &prepared);
+    report_unplaced(&instance, &solution, &summary.left_out);
     let report = output::write_outputs(args, &setup, parts, &instance, &solution, summary)?;
     if std::io::stdout().is_terminal() {
         println!(
@@ -59,16 +60,14 @@ fn open_cache(args: &NestArgs) -> Result<Option<Arc<dyn PreparedMeshCache + Send
         .map_err(|error| UsageError(format!("--cache {}: {error}", dir.display())).into())
 }
 
-/// Reports the copies that found no place, and the reason where it is known.
-fn report_unplaced(instance: &NestingInstance, solution: &NestingSolution) {
-    for (at, item) in instance.items().iter().enumerate() {
-        let left_out = solution.unplaced.iter().filter(|(of, _)| *of == at).count();
-        if left_out == 0 {
-            continue;
-        }
-        match nester::find_fitting_rotation(&item.mesh, &item.orientation, &instance.volume()) {
-            Ok(_) => print_to_stderr(&format!("{}: {left_out} of {} copies found no place", item.name, item.copies)),
-            Err(misfit) => print_to_stderr(&format!("{}: {}", item.name, misfit.reason(&instance.volume()))),
-        }
+/// Reports the copies that found no place, and where they would fit.
+fn report_unplaced(instance: &NestingInstance, solution: &NestingSolution, fits: &BTreeMap<usize, LeftOutFit>) {
+    for (&item, fit) in fits {
+        let count = solution.unplaced.iter().filter(|(of, _)| *of == item).count();
+        let item = &instance.items()[item];
+        print_to_stderr(&match fit.alone {
+            true => format!("{}: {count} of {} copies found no place: {}", item.name, item.copies, fit.reason),
+            false => format!("{}: {}", item.name, fit.reason),
+        });
     }
 }

@@ -206,6 +206,7 @@ fn report_json(
         cpu_secs: nested.cpu_secs,
         wall_secs: nested.wall_secs,
         curve: height_curve(request, nested),
+        ..SearchSummary::default()
     };
     // Copies without a place go into the next build.
     let report = build.to_report(nested.lower_bound_mm, nested.layout.evaluations, &[], course);

@@ -126,3 +126,20 @@ fn rules_that_clash_are_reported_and_nothing_is_written() {
         nestd(&["nest", part.to_str().unwrap(), "-o", "x.3mf", "--volume", "9x9x9", "--keep-up", "0,0,0:30"]);
     assert!(code == 2 && text.contains("not all 0"), "{text}");
 }
+
+#[test]
+fn what_finds_no_place_is_told_with_where_it_would_fit() {
+    let dir = tempfile::tempdir().unwrap();
+    let part = format!("{}=3", wedge(dir.path(), "part.stl", DVec3::splat(20.0)).display());
+    let long = wedge(dir.path(), "long.stl", DVec3::new(90.0, 5.0, 5.0));
+    let [out, report] = ["a.build.3mf", "a.json"].map(|name| dir.path().join(name).to_str().unwrap().to_owned());
+    let words = ["--volume", "45x22x22", "--clearance", "2", "--evaluations", "500", "-o", &out, "--report", &report];
+    let (code, text) = nestd(&[&["nest", &part, long.to_str().unwrap()], &words[..]].concat());
+    let fits = "one of them would fit alone, and beside the first 1 of the 2 placed copies (50 % of their volume)";
+    assert!(code == 1 && text.contains(&format!("part.stl: 1 of 3 copies found no place: {fits}")), "{text}");
+    assert!(text.contains("long.stl: needs "), "{text}");
+    let report: nester::NestingReport = serde_json::from_slice(&std::fs::read(report).unwrap()).unwrap();
+    let told: Vec<_> = report.unplaced.into_iter().map(|left| (left.part, left.copy, left.fits.unwrap())).collect();
+    assert_eq!((told[0].1, told[0].2.alone, told[0].2.beside, told[0].2.reason.as_str()), (2, true, Some(1), fits));
+    assert_eq!((told[1].0.as_str(), told[1].2.alone, told[1].2.beside), ("long.stl", false, None));
+}

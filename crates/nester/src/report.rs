@@ -1,12 +1,14 @@
 //! The report on a finished nesting, for people and programs.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
-    Disassembly, InterlockRule, LayerAreaCap, LayerAreas, LayoutProver, NestingInstance, NestingSolution, PlacedSolid,
-    lower_bound_mm, removal_gap_mm, tie_break::packing_measures,
+    Disassembly, InterlockRule, LayerAreaCap, LayerAreas, LayoutProver, LeftOutFit, NestingInstance, NestingSolution,
+    PlacedSolid, lower_bound_mm, removal_gap_mm, tie_break::packing_measures,
 };
 
 /// The pose of one copy.
@@ -21,12 +23,15 @@ pub struct PlacedPart {
 }
 
 /// A copy that could not be placed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnplacedPart {
     /// Name of the item.
     pub part: String,
     /// Copy number, from 0.
     pub copy: u32,
+    /// Where it would fit, if that was examined: see [`examine_left_out`](crate::examine_left_out).
+    #[serde(default)]
+    pub fits: Option<LeftOutFit>,
 }
 
 /// A locked copy.
@@ -125,6 +130,8 @@ pub struct SearchSummary {
     pub clearance_proved_mm: Option<f64>,
     /// Disassembly of the written file; `None` when interlocking was not checked.
     pub separable: Option<Separability>,
+    /// Where copies of the items would fit that found no place, if that was examined; the keys are indices of items.
+    pub left_out: BTreeMap<usize, LeftOutFit>,
     /// Seed of the search.
     pub seed: u64,
     /// CPU seconds of the whole process.
@@ -133,6 +140,18 @@ pub struct SearchSummary {
     pub wall_secs: f64,
     /// (wall seconds, build height in mm) of every improvement.
     pub curve: Vec<(f64, f64)>,
+}
+
+impl UnplacedPart {
+    /// The copies that a solution lacks; `name` returns the name of an item.
+    pub fn name_copies(
+        unplaced: &[(usize, u32)],
+        fits: &BTreeMap<usize, LeftOutFit>,
+        name: impl Fn(usize) -> String,
+    ) -> Vec<Self> {
+        let named = |&(item, copy): &(usize, u32)| Self { part: name(item), copy, fits: fits.get(&item).cloned() };
+        unplaced.iter().map(named).collect()
+    }
 }
 
 /// The report on one build. In JSON, its groups are one flat object.
@@ -232,7 +251,7 @@ impl NestingReport {
             },
             separable: summary.separable,
             placed: solution.placements.len(),
-            unplaced: (solution.unplaced.iter()).map(|&(i, copy)| UnplacedPart { part: name(i), copy }).collect(),
+            unplaced: UnplacedPart::name_copies(&solution.unplaced, &summary.left_out, name),
             search: SearchCost {
                 seed: summary.seed,
                 evaluations: solution.evaluations,

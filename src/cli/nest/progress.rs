@@ -88,12 +88,11 @@ impl SearchProgress {
             let _ = printer.join();
         }
         SearchSummary {
-            clearance_proved_mm: None,
-            separable: None,
             seed,
             cpu_secs: process_cpu_secs() - self.cpu_before_secs,
             wall_secs: self.budget.elapsed_secs(),
             curve: self.curve,
+            ..SearchSummary::default()
         }
     }
 }

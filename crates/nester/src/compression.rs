@@ -149,8 +149,8 @@ impl<'t> CompressionRun<'t> {
             self.layout.load_poses(&poses);
             swap_similar_parts(&mut self.layout, &mut self.rng);
         } else {
-            let poses = squeezed_poses(&self.layout, &self.best_poses, self.height_mm - height_limit_mm, &mut self.rng);
-            self.layout.load_poses(&poses);
+            // Only what stands above the limit moves. To lower others with it costs more overlaps than it makes room.
+            self.layout.load_poses(&self.best_poses);
         }
         again
     }
@@ -191,18 +191,6 @@ impl<'t> CompressionRun<'t> {
         }
         None
     }
-}
-
-/// Poses below a lower height limit: everything above a random height moves down by the height to be gained.
-fn squeezed_poses(
-    layout: &WorkingLayout<'_>,
-    poses: &[CenterPose],
-    gain_mm: f64,
-    rng: &mut ChaCha8Rng,
-) -> Vec<CenterPose> {
-    let cut = rng.random_range(0.2..1.0) * layout.height_limit_mm;
-    let lower = |pose: &CenterPose| CenterPose { center: pose.center.with_z(pose.center.z - gain_mm), ..*pose };
-    poses.iter().map(|pose| if pose.center.z > cut { lower(pose) } else { *pose }).collect()
 }
 
 /// Gives every part a random pose: a restart may succeed where the old arrangement is stuck. Fixed parts stay.

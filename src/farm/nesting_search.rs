@@ -1,7 +1,7 @@
 //! A search turns a batch of parts into a layout. Runs on a job's thread.
 
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     sync::{Arc, Mutex, PoisonError},
 };
 
@@ -57,10 +57,13 @@ impl NestingResult {
     pub(super) fn set_look_alikes_apart(&mut self, profile: &MachineProfile) -> Result<()> {
         let instance = self.batch.create_instance(profile)?;
         let mut placements = self.batch.matching_placements(&self.layout.placed);
-        let kind = |part: &NestingPart| (part.part.terms.order_name.clone(), Arc::as_ptr(&part.mesh));
-        let known: BTreeSet<_> = self.batch.parts.iter().map(kind).collect();
-        let kinds: Vec<usize> = self.batch.parts.iter().map(|part| known.range(..kind(part)).count()).collect();
-        nester::set_look_alikes_apart(&instance, &kinds, &mut placements);
+        let mut known = BTreeMap::new();
+        let kinds = self.batch.parts.iter().map(|NestingPart { part, .. }| {
+            let next = known.len();
+            *known.entry((&part.terms.order_name, &part.file.content_hash, part.solid.object_index)).or_insert(next)
+        });
+        let kinds: Vec<usize> = kinds.collect();
+        nester::set_look_alikes_apart(&instance, &profile.search.nest, &kinds, &mut placements);
         self.layout.placed = self.batch.layout_placements(&placements);
         Ok(())
     }

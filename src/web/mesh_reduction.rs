@@ -25,17 +25,24 @@ const ANY_ERROR: f32 = 1.0;
 pub(super) fn reduce_mesh(mesh: &Mesh, max_triangles: usize) -> ReducedMesh {
     let vertices: Vec<[f32; 3]> = mesh.vertices().iter().map(|v| v.as_vec3().to_array()).collect();
     let mut corners = mesh.triangles().as_flattened().to_vec();
-    let mut reduce_to = |most: usize, error: f32| {
-        let most = most.saturating_mul(3);
+    let mut reduce_to = |max: usize, error: f32, options: SimplifyOptions| {
+        let most = max.saturating_mul(3);
         let is_more = corners.len() > most;
         if is_more {
-            corners = meshopt::simplify_decoder(&corners, &vertices, most, error, SimplifyOptions::Prune, None);
+            corners = meshopt::simplify_decoder(&corners, &vertices, most, error, options, None);
         }
         is_more
     };
-    reduce_to(0, LEAST_ERROR);
-    let is_simplified = reduce_to(max_triangles, UNSEEN_ERROR);
-    reduce_to(max_triangles.saturating_mul(2), ANY_ERROR);
+    // Bodies that nobody sees are left out.
+    reduce_to(0, LEAST_ERROR, SimplifyOptions::Prune);
+    let is_simplified = reduce_to(max_triangles, UNSEEN_ERROR, SimplifyOptions::Prune);
+    let most = max_triangles.saturating_mul(2);
+    reduce_to(most, ANY_ERROR, SimplifyOptions::None);
+    // Many small bodies cannot become few triangles each by themselves.
+    if corners.len() > 3 * most {
+        let sloppy = meshopt::simplify_sloppy_decoder(&corners, &vertices, 3 * most, ANY_ERROR, None);
+        if sloppy.is_empty() { corners.truncate(3 * most) } else { corners = sloppy }
+    }
     let mut corners = meshopt::optimize_vertex_cache(&corners, vertices.len());
     let vertices = meshopt::optimize_vertex_fetch(&mut corners, &vertices);
     ReducedMesh { vertices, triangles: corners.as_chunks().0.to_vec(), is_simplified }
@@ -77,6 +84,23 @@ mod tests {
             let share =
                 volume_mm3(&reduced.vertices, &reduced.triangles) / volume_mm3(&whole.vertices, &whole.triangles);
             assert!((share - 1.0).abs() < 0.1, "{}: {share} of its volume", sample.name);
+        }
+    }
+
+    #[test]
+    fn a_part_of_many_bodies_stays_in_the_view_with_few_triangles() {
+        let cube = sample_parts::cuboid(DVec3::splat(2.0));
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for at in 0..3000 {
+            let (first, place) = (vertices.len() as u32, DVec3::new(f64::from(at % 60), f64::from(at / 60), 0.0) * 3.0);
+            vertices.extend(cube.vertices().iter().map(|&vertex| vertex + place));
+            triangles.extend(cube.triangles().iter().map(|t| t.map(|corner| first + corner)));
+        }
+        let many = Mesh::new(vertices, triangles).unwrap();
+        for max in [150, 10_000] {
+            let reduced = reduce_mesh(&many, max);
+            assert!((1..=2 * max).contains(&reduced.triangles.len()), "{max}: {}", reduced.triangles.len());
+            assert!(reduced.is_simplified && reduced.vertices.len() < 1 << 16);
         }
     }
 }

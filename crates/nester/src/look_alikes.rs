@@ -6,7 +6,7 @@ use glam::DVec3;
 use solids::{Mesh, Pose};
 
 use crate::{
-    ItemPlacement, NestingInstance, NestingItem,
+    InterlockRule, ItemPlacement, NestingConfig, NestingInstance, NestingItem,
     proof::{LayoutProver, PlacedSolid},
 };
 
@@ -43,13 +43,16 @@ impl LookMeasures {
 }
 
 /// Exchanges the places of copies that look alike so that those of each kind stand together: equal meshes always, others
-/// where the layout is still proved, comes apart and is no higher. The layout stays as it is otherwise. `kinds` tells the
-/// kind of each item: copies of one kind, such as those of one order, need not be told apart.
+/// where the layout is still proved, comes apart if `config` demands that, and is exactly as high. The layout stays as it is
+/// otherwise. `kinds` tells the kind of each item: copies of one kind, such as those of one order, need not be told apart.
+///
+/// # Panics
+/// If there are not as many kinds as items.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
-/// use nester::{BuildVolume, ItemPlacement, NestingInstance, NestingItem, set_look_alikes_apart};
+/// use nester::{BuildVolume, ItemPlacement, NestingConfig, NestingInstance, NestingItem, set_look_alikes_apart};
 /// use solids::Pose;
 ///
 /// // Two orders of the same cube, which stand in turns.
@@ -58,18 +61,24 @@ impl LookMeasures {
 /// let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(80.0) }, 2.0, items.to_vec())?;
 /// let at = |item, copy, x| ItemPlacement { item, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
 /// let mut placements = vec![at(0, 0, 0.0), at(1, 0, 20.0), at(0, 1, 40.0), at(1, 1, 60.0)];
-/// set_look_alikes_apart(&instance, &[0, 1], &mut placements);
+/// set_look_alikes_apart(&instance, &NestingConfig::default(), &[0, 1], &mut placements);
 /// assert_eq!(placements.iter().map(|placed| placed.item).collect::<Vec<_>>(), [0, 0, 1, 1]);
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
-pub fn set_look_alikes_apart(instance: &NestingInstance, kinds: &[usize], placements: &mut Vec<ItemPlacement>) {
+pub fn set_look_alikes_apart(
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    kinds: &[usize],
+    placements: &mut Vec<ItemPlacement>,
+) {
+    assert_eq!(kinds.len(), instance.items().len(), "each item has a kind");
     // Pinned copies stay what they are.
     if !instance.pinned().is_empty() {
         return;
     }
     let items = instance.items();
     let is_equal =
-        |a: usize, b: usize| Arc::ptr_eq(&items[a].mesh, &items[b].mesh) && is_asked_alike(&items[a], &items[b]);
+        |a: usize, b: usize| is_same_mesh(&items[a].mesh, &items[b].mesh) && is_asked_alike(&items[a], &items[b]);
     exchange_within(items, kinds, &groups_of(items.len(), is_equal), placements);
     // Other meshes at the same places change how full the layers are.
     if instance.layer_cap().cap_mm2().is_some() {
@@ -78,18 +87,23 @@ pub fn set_look_alikes_apart(instance: &NestingInstance, kinds: &[usize], placem
     let looks: Vec<_> = items.iter().map(|item| LookMeasures::of_mesh(&item.mesh)).collect();
     let is_alike = |a: usize, b: usize| looks[a].looks_like(&looks[b]) && is_asked_alike(&items[a], &items[b]);
     let mut groups = groups_of(items.len(), is_alike);
-    groups.retain(|group| group.iter().any(|&item| !Arc::ptr_eq(&items[item].mesh, &items[group[0]].mesh)));
+    groups.retain(|group| group.iter().any(|&item| !is_same_mesh(&items[item].mesh, &items[group[0]].mesh)));
     // All at once, or else the first ones by themselves: each try costs a proof.
     let all = std::iter::once(groups.as_slice());
     for tried_groups in all.chain(groups.chunks(1).take(MAX_SINGLE_TRIES)) {
         let mut tried = placements.clone();
-        if exchange_within(items, kinds, tried_groups, &mut tried) && is_as_good(instance, placements, &tried) {
+        if exchange_within(items, kinds, tried_groups, &mut tried) && is_as_good(instance, config, placements, &tried) {
             *placements = tried;
             if tried_groups.len() == groups.len() {
                 return;
             }
         }
     }
+}
+
+/// Whether two meshes are equal, wherever they are in memory.
+fn is_same_mesh(a: &Arc<Mesh>, b: &Arc<Mesh>) -> bool {
+    Arc::ptr_eq(a, b) || a.vertices() == b.vertices() && a.triangles() == b.triangles()
 }
 
 /// Whether copies of two items may have the same rotations and distances.
@@ -150,24 +164,29 @@ fn exchange_within(
 
 /// The pose of another mesh in the place of a copy: turned as that is, with the same middle.
 fn pose_at(placed: &ItemPlacement, standing: &Arc<Mesh>, moving: &Arc<Mesh>) -> Pose {
-    if Arc::ptr_eq(standing, moving) {
+    if is_same_mesh(standing, moving) {
         return placed.pose;
     }
     let offset = standing.bounds().center() - moving.bounds().center();
     Pose::new(placed.pose.rotation, placed.pose.translation + placed.pose.rotation * offset)
 }
 
-/// Whether a layout is proved, comes apart and is as high as before.
-fn is_as_good(instance: &NestingInstance, before: &[ItemPlacement], after: &[ItemPlacement]) -> bool {
+/// Whether a layout is proved, comes apart if it must, and is as high as before.
+fn is_as_good(
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    before: &[ItemPlacement],
+    after: &[ItemPlacement],
+) -> bool {
     let bodies = PlacedSolid::of_layout(instance, after);
-    let prover = LayoutProver::new(&bodies, 1);
+    let prover = LayoutProver::new(&bodies, config.threads);
     let old = PlacedSolid::of_layout(instance, before);
     let top = |bodies: &[PlacedSolid]| bodies.iter().map(top_mm).fold(0.0, f64::max);
-    top(&bodies) <= top(&old) + SAME_HEIGHT_MM
+    (top(&bodies) - top(&old)).abs() <= SAME_HEIGHT_MM
         && prover
             .prove_layout(instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
             .is_proved()
-        && prover.find_removal_order().locked.is_empty()
+        && (config.effective_interlock() != InterlockRule::Forbid || prover.find_removal_order().locked.is_empty())
 }
 
 /// The highest point of a body, mm.
@@ -201,7 +220,7 @@ mod tests {
     #[test]
     fn parts_of_nearly_one_size_change_places_where_there_is_room() {
         let (instance, mut placements) = in_turns(25.0, 0.3);
-        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
+        set_look_alikes_apart(&instance, &NestingConfig::default(), &[0, 1], &mut placements);
         assert_eq!(items_of(&placements), [0, 0, 0, 1, 1, 1]);
         assert!(prove_all(&instance, &placements));
         let mut copies: Vec<_> = placements.iter().map(|placed| (placed.item, placed.copy)).collect();
@@ -218,7 +237,7 @@ mod tests {
         }
         let before = placements.clone();
         assert!(prove_all(&instance, &before));
-        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
+        set_look_alikes_apart(&instance, &NestingConfig::default(), &[0, 1], &mut placements);
         assert_eq!(placements, before);
     }
 
@@ -226,12 +245,12 @@ mod tests {
     fn parts_that_differ_or_were_asked_differently_stay() {
         let (instance, mut placements) = in_turns(30.0, 4.0);
         let before = placements.clone();
-        set_look_alikes_apart(&instance, &[0, 1], &mut placements);
+        set_look_alikes_apart(&instance, &NestingConfig::default(), &[0, 1], &mut placements);
         assert_eq!(placements, before);
         let mut items = in_turns(30.0, 0.0).0.items().to_vec();
         items[1] = items[1].clone().with_clearance(3.0);
         let asked = NestingInstance::new(instance.volume(), 2.0, items).unwrap();
-        set_look_alikes_apart(&asked, &[0, 1], &mut placements);
+        set_look_alikes_apart(&asked, &NestingConfig::default(), &[0, 1], &mut placements);
         assert_eq!(placements, before);
     }
 

@@ -124,6 +124,8 @@ fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
 #[test]
 fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
     let Some((mut farm, disk)) = farm_with_small_state() else { return };
+    let shows = || String::from_utf8_lossy(&farm.nestd(&["status"]).stdout).into_owned();
+    wait_until_or("the daemon has said that it runs", 20.0, || farm.log(), || shows().contains("The daemon runs"));
     disk.fill();
     // Longer than a heartbeat stays valid.
     let until = std::time::Instant::now() + Duration::from_secs(20);

@@ -189,9 +189,14 @@ impl TestFarm {
         out.into_owned()
     }
 
-    /// Runs `nestd flush`. On a busy machine the answer may come later; a refusal fails the test.
+    /// Flushes the machine of the farm.
     pub fn flush(&self) {
-        let output = self.nestd(&["flush", &self.machine]);
+        self.flush_machine(&self.machine);
+    }
+
+    /// Runs `nestd flush`. On a busy machine the answer may come later; a refusal fails the test.
+    pub fn flush_machine(&self, machine: &str) {
+        let output = self.nestd(&["flush", machine]);
         let output_text =
             String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() != Some(2) && !output_text.contains("Refused"), "{output_text}\n{}", self.log());

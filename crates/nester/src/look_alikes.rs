@@ -115,10 +115,10 @@ fn is_asked_alike(a: &NestingItem, b: &NestingItem) -> bool {
 fn groups_of(items: usize, is_alike: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for item in 0..items {
-        let (mut own, others): (Vec<_>, Vec<_>) =
+        let (own, others): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.iter().any(|&member| is_alike(member, item)));
         groups = others;
-        groups.push(own.drain(..).flatten().chain([item]).collect());
+        groups.push(own.into_iter().flatten().chain([item]).collect());
     }
     groups.retain(|group| group.len() > 1);
     groups
@@ -151,12 +151,8 @@ fn exchange_within(
         let mut copies: Vec<&ItemPlacement> = places.iter().map(|&at| &before[at]).collect();
         copies.sort_by(|a, b| mean(a).total_cmp(&mean(b)).then(kinds[a.item].cmp(&kinds[b.item])));
         for (&at, copy) in places.iter().zip(copies) {
-            if copy.item != before[at].item {
-                let pose = pose_at(&before[at], &items[before[at].item].mesh, &items[copy.item].mesh);
-                placements[at] = ItemPlacement { item: copy.item, copy: copy.copy, pose };
-            } else {
-                placements[at] = ItemPlacement { pose: before[at].pose, ..*copy };
-            }
+            let pose = pose_at(&before[at], &items[before[at].item].mesh, &items[copy.item].mesh);
+            placements[at] = ItemPlacement { pose, ..*copy };
         }
     }
     placements != before
@@ -178,20 +174,15 @@ fn is_as_good(
     before: &[ItemPlacement],
     after: &[ItemPlacement],
 ) -> bool {
+    let top_mm = |placed: &ItemPlacement| instance.items()[placed.item].mesh.bounds_at(&placed.pose).max.z;
+    let height_mm = |placements: &[ItemPlacement]| placements.iter().map(top_mm).fold(0.0, f64::max);
+    if (height_mm(after) - height_mm(before)).abs() > SAME_HEIGHT_MM {
+        return false;
+    }
     let bodies = PlacedSolid::of_layout(instance, after);
     let prover = LayoutProver::new(&bodies, config.threads);
-    let old = PlacedSolid::of_layout(instance, before);
-    let top = |bodies: &[PlacedSolid]| bodies.iter().map(top_mm).fold(0.0, f64::max);
-    (top(&bodies) - top(&old)).abs() <= SAME_HEIGHT_MM
-        && prover
-            .prove_layout(instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
-            .is_proved()
+    prover.prove_layout(instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out()).is_proved()
         && (config.effective_interlock() != InterlockRule::Forbid || prover.find_removal_order().locked.is_empty())
-}
-
-/// The highest point of a body, mm.
-fn top_mm(body: &PlacedSolid) -> f64 {
-    body.mesh.vertices().iter().map(|&vertex| body.pose.transform_point(vertex).z).fold(f64::MIN, f64::max)
 }
 
 #[cfg(test)]

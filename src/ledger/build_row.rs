@@ -31,6 +31,9 @@ pub struct BuildRow {
     /// Its file.
     #[serde(flatten)]
     pub staged: StagedFile,
+    /// The printer that it is for.
+    #[serde(flatten)]
+    pub place: PrinterPlace,
     /// Its measurements.
     #[serde(flatten)]
     pub measures: BuildMeasures,
@@ -42,7 +45,7 @@ pub struct BuildRow {
     pub kept: BuildDocuments,
 }
 
-sql_row!(BuildRow { id, profile, state, reason, fired_by, attempts, searches; times, staged, measures, search, kept });
+sql_row!(BuildRow { id, profile, state, reason, fired_by, attempts, searches; times, staged, place, measures, search, kept });
 
 /// Times at which a build entered its states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -77,6 +80,26 @@ pub struct StagedFile {
 }
 
 sql_row!(StagedFile { file_name, queue_id, file_hash, file_bytes, publishing_at });
+
+/// The printer of a build, what is known of the way of its file, and whether a person has released it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
+pub struct PrinterPlace {
+    /// The printer in whose queue folder its file is, or was; `None` = the only one of its machine, or not decided.
+    pub printer: Option<String>,
+    /// When its file was first seen to be gone from the queue folder.
+    pub taken_at: Option<UtcTimestamp>,
+    /// The printer that its published file is being moved to.
+    pub move_to: Option<String>,
+    /// Marker of the queue folder where all of the moved file is: from then on it may be visible there.
+    #[serde(skip)]
+    pub move_queue_id: Option<String>,
+    /// When a person said that it may be published.
+    pub released_at: Option<UtcTimestamp>,
+    /// Who said so.
+    pub released_by: Option<String>,
+}
+
+sql_row!(PrinterPlace { printer, taken_at, move_to, move_queue_id, released_at, released_by });
 
 /// Measurements of a build.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(super) const TABLES: [CopiedTable; 18] = [
+pub(super) const TABLES: [CopiedTable; 19] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -50,6 +50,7 @@ pub(super) const TABLES: [CopiedTable; 18] = [
     keyed("lane_search", None),
     keyed("lane", None),
     keyed("night_search", None),
+    keyed("printer_down", None),
 ];
 /// All views.
 pub(super) const VIEWS: [&str; 5] =

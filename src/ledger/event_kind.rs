@@ -87,6 +87,14 @@ pub enum EventKind {
     Seen,
     /// A build was issued once more.
     Requeued,
+    /// A person took a printer out of use.
+    PrinterDown,
+    /// A person put a printer into use again.
+    PrinterUp,
+    /// The file of a published build was moved to another printer.
+    Relocated,
+    /// A person said that a proved build may be published.
+    Released,
     /// Every copy of an order was printed well.
     OrderComplete,
     /// An order ended with fewer copies than were wanted.

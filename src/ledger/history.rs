@@ -57,6 +57,8 @@ pub struct HistoryRow {
     pub build: BuildId,
     /// Machine profile.
     pub profile: String,
+    /// The printer in whose queue folder its file is, or was; `None` = its machine has only one.
+    pub printer: Option<String>,
     /// Current state.
     pub state: BuildState,
     /// When it was published, or else when it entered its current state.
@@ -85,6 +87,7 @@ impl FromSqlRow for HistoryRow {
         Ok(Self {
             build: row.column("build")?,
             profile: row.column("profile")?,
+            printer: row.column("printer")?,
             state: row.column("state")?,
             at: row.column("at")?,
             published_at: row.column("published_at")?,
@@ -154,7 +157,7 @@ impl HeightSummary {
 }
 
 /// Columns of the history query.
-const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
+const COLUMNS: &str = "b.id AS build, b.profile, nullif(b.printer, b.profile) AS printer, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
     b.height_mm, \
     b.profile_snapshot, \
     b.density, b.lower_bound_mm, b.layers, \

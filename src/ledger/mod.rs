@@ -33,6 +33,7 @@ mod ledger;
 mod location;
 mod machine;
 mod month;
+mod move_build;
 mod name_search;
 mod nesting;
 mod night_search;
@@ -47,6 +48,7 @@ mod placement;
 #[cfg(feature = "postgres")]
 mod postgres;
 mod precedence;
+mod printer;
 mod publish;
 mod put_back;
 mod receiver;
@@ -71,8 +73,8 @@ pub use address::{LedgerAddress, ServerAddress};
 pub use backup::prove_backup;
 pub use build_record::ImportOutcome;
 pub use build_row::{
-    BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, ProvedFile, ProvedMeasures,
-    SearchEffort, StagedFile, Verified,
+    BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, PrinterPlace, ProvedFile,
+    ProvedMeasures, SearchEffort, StagedFile, Verified,
 };
 pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
 pub use consistency::RuleScope;
@@ -104,6 +106,7 @@ pub use part_row::{
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use precedence::compare_precedence;
+pub use printer::{DownPrinter, OccupyingBuild, ToldPrint};
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;

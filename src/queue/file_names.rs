@@ -10,6 +10,8 @@ pub(super) const SIDECARS: [&str; 4] = [".report.json", ".parts.csv", ".png", ".
 pub(super) const STAGED: &str = ".part";
 /// End of the dot-name of a file that is still being written.
 pub(super) const HALF: &str = ".half";
+/// End of the dot-name of a file that was taken back.
+pub(super) const MOVING: &str = ".moving";
 /// Printers and their file systems need short names.
 const MAX_NAME_BYTES: usize = 100;
 

@@ -8,9 +8,13 @@
 mod error;
 mod file_names;
 mod marker;
+#[cfg(test)]
+mod move_tests;
 mod queue_folder;
 #[cfg(test)]
 mod tests;
+mod withdrawal;
 
 pub use error::QueueError;
 pub use queue_folder::{PublishOutcome, QueueFolder, StagedState};
+pub use withdrawal::Withdrawal;

@@ -45,7 +45,7 @@ pub enum PublishOutcome {
     AlreadyPublished,
 }
 
-fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> QueueError + 'a {
+pub(super) fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> QueueError + 'a {
     move |source| QueueError::Io { what, path: path.to_owned(), source }
 }
 
@@ -230,12 +230,12 @@ impl QueueFolder {
         }
     }
 
-    fn sync_folder(&self) -> Result<(), QueueError> {
+    pub(super) fn sync_folder(&self) -> Result<(), QueueError> {
         File::open(&self.dir).and_then(|dir| dir.sync_all()).map_err(io_error("fsync", &self.dir))
     }
 }
 
-fn path_exists(path: &Path) -> Result<bool, QueueError> {
+pub(super) fn path_exists(path: &Path) -> Result<bool, QueueError> {
     match fs::symlink_metadata(path) {
         Ok(_) => Ok(true),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
@@ -243,7 +243,7 @@ fn path_exists(path: &Path) -> Result<bool, QueueError> {
     }
 }
 
-fn remove_if_exists(path: &Path) -> Result<(), QueueError> {
+pub(super) fn remove_if_exists(path: &Path) -> Result<(), QueueError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error("remove", path)(error)),
         _ => Ok(()),
@@ -253,7 +253,7 @@ fn remove_if_exists(path: &Path) -> Result<(), QueueError> {
 /// A rename that overwrites nothing. Where the file system does not support that (NFS, old kernels), the target is
 /// checked first and then renamed. Link and unlink are not used: if the printer takes the file and nestd crashes
 /// between them, the build would be published twice.
-fn rename_noreplace(from: &Path, to: &Path) -> io::Result<()> {
+pub(super) fn rename_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     match renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE) {
         Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => match fs::symlink_metadata(to) {
             Ok(_) => Err(io::ErrorKind::AlreadyExists.into()),

@@ -159,6 +159,21 @@ pub const OUTCOME: FieldDefinition = FieldDefinition::text("Outcome");
 /// Who recorded the outcome.
 pub const OUTCOME_BY: FieldDefinition = FieldDefinition::text("By");
 
+/// Name of a printer.
+pub const PRINTER: FieldDefinition = FieldDefinition::text("Printer");
+/// When the next print of a printer can begin.
+pub const FREE: FieldDefinition = FieldDefinition::time("Free from");
+/// Since when something is so.
+pub const SINCE: FieldDefinition = FieldDefinition::time("Since");
+/// Who said something.
+pub const TOLD_BY: FieldDefinition = FieldDefinition::text("By");
+/// How long prints take.
+pub const PRINT_TIMES: FieldDefinition = FieldDefinition::text("Print times");
+/// When the file of a build was taken from its queue folder.
+pub const TAKEN: FieldDefinition = FieldDefinition::time("Taken");
+/// When a person said that a build may be published.
+pub const RELEASED: FieldDefinition = FieldDefinition::text("Released");
+
 /// Number of waiting parts.
 pub const WAITING: FieldDefinition = FieldDefinition::whole("Waiting");
 /// Waiting time of the oldest part.

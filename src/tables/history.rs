@@ -8,6 +8,7 @@ use crate::ledger::{HeightSummary, HistoryRow};
 pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::new("build", fields::BUILD, |row| row.build.into()),
     TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
     TableColumn::new("state", fields::STATE, |row| row.state.into()),
     TableColumn::new("at", fields::TIME, |row| row.at.into()),
     TableColumn::for_programs("published_at", fields::PUBLISHED, |row| row.published_at.into()),

@@ -11,6 +11,7 @@ mod on_postgres;
 mod opening;
 mod orders;
 mod pick;
+mod printers;
 mod queries;
 mod query_plans;
 mod random_walks;

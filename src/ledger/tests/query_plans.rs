@@ -62,6 +62,7 @@ fn walks<'a>(plan: &'a [String], aliases: &[(String, String)]) -> Vec<&'a String
             "part_in_question",
             "part_by_replacement",
             "build_unseen",
+            "build_moving",
         ]
         .iter()
         .any(|index| rest.ends_with(index));

@@ -1,0 +1,71 @@
+//! The way of a published file from the queue folder of one printer to that of another. The build stays published
+//! meanwhile. Each step is recorded before the disk is changed, so that after a crash the files show what happened:
+//!
+//! 1. `begin_move`. The file is taken back by one rename; if it is not there, its printer took it (`end_move`).
+//! 2. It is copied under a dot-name into the other folder. `record_move`: from now on, it may be visible there.
+//! 3. What was taken back is removed, then the dot-file is renamed. `finish_move`.
+
+use super::{BuildId, BuildRow, BuildState, EventKind, Ledger, change::LedgerChange, error::Result, sql};
+
+impl Ledger {
+    /// The builds whose files are being moved, or lie in the queue of a printer that is down.
+    pub async fn builds_to_move(&self, profile: &str) -> Result<Vec<BuildRow>> {
+        let moving = sql::select_as("FROM build WHERE move_to IS NOT NULL AND profile = $1 ORDER BY id").bind(profile);
+        let mut builds: Vec<BuildRow> = moving.fetch_all(self.reader()?).await?;
+        let left = sql::select_as(
+            "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
+             AND move_to IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
+        );
+        builds.extend(left.bind(profile).fetch_all(self.reader()?).await?);
+        Ok(builds)
+    }
+
+    /// The file of a published build is about to be taken back, for another printer.
+    pub async fn begin_move(&self, build: BuildId, to: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Published]).await?;
+        // Another printer may be chosen as long as the file may not be visible at the one that was chosen.
+        let set =
+            sql::query("UPDATE build SET move_to = $1 WHERE id = $2 AND taken_at IS NULL AND move_queue_id IS NULL");
+        set.bind(to).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The file that was taken back is complete in the queue folder with this marker: from now on it may be visible there.
+    pub async fn record_move(&self, build: BuildId, queue_id: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Published]).await?;
+        let set = sql::query("UPDATE build SET move_queue_id = $1 WHERE id = $2 AND move_to IS NOT NULL");
+        set.bind(queue_id).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The file is visible in the other queue folder, or was.
+    pub async fn finish_move(&self, build: BuildId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let (profile, from, to) = printers_of(&mut change, build).await?;
+        let set = "UPDATE build SET printer = move_to, queue_id = move_queue_id, move_to = NULL, move_queue_id = NULL \
+            WHERE id = $1 AND move_queue_id IS NOT NULL";
+        if sql::query(set).bind(build).execute(change.db()).await? > 0 {
+            let detail = format!("from {} to {}", from.unwrap_or_default(), to.unwrap_or_default());
+            change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+        }
+        change.commit().await
+    }
+
+    /// The file is not moved after all: its printer took it, or it is not wanted any more.
+    pub async fn end_move(&self, build: BuildId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let now = change.now;
+        let set =
+            "UPDATE build SET taken_at = coalesce(taken_at, $1), move_to = NULL, move_queue_id = NULL WHERE id = $2";
+        sql::query(set).bind(now).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+}
+
+/// The machine of a build, its printer, and the one that it is moved to.
+async fn printers_of(change: &mut LedgerChange, build: BuildId) -> Result<(String, Option<String>, Option<String>)> {
+    let query = sql::query_as("SELECT profile, printer, move_to FROM build WHERE id = $1").bind(build);
+    Ok(query.fetch_one(change.db()).await?)
+}

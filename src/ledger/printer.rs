@@ -1,0 +1,172 @@
+//! Printers that a person has taken out of use, and the builds that lie at a printer.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{
+    BuildId, BuildRow, BuildState, EventKind, Ledger, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+};
+
+/// A printer that takes no builds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct DownPrinter {
+    /// Its name.
+    pub printer: String,
+    /// Its machine.
+    pub profile: String,
+    /// Why, as a person said; "" = not said.
+    pub reason: String,
+    /// user@host.
+    pub told_by: String,
+    /// Since when.
+    pub down_at: UtcTimestamp,
+}
+
+sql_row!(DownPrinter { printer, profile, reason, told_by, down_at });
+
+/// A build that occupies a printer, or will.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OccupyingBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// The printer; `None` = the only one of its machine, or not decided.
+    pub printer: Option<String>,
+    /// Its state: nesting, verified, published or printing.
+    pub state: BuildState,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// When its file was put into the queue.
+    pub published_at: Option<UtcTimestamp>,
+    /// When its print began, as far as is known: it was told, or the file was taken.
+    pub begun_at: Option<UtcTimestamp>,
+}
+
+sql_row!(OccupyingBuild { build, printer, state, height_mm, published_at, begun_at });
+
+/// A print whose end a person has told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToldPrint {
+    /// The printer; `None` = the only one of its machine.
+    pub printer: Option<String>,
+    /// Build height, mm.
+    pub height_mm: f64,
+    /// When it began: that was told, or its file was taken.
+    pub begun_at: UtcTimestamp,
+    /// When a person told that it was complete.
+    pub told_at: UtcTimestamp,
+}
+
+sql_row!(ToldPrint { printer, height_mm, begun_at, told_at });
+
+/// When the print of a build began.
+const BEGUN_AT: &str =
+    "coalesce((SELECT min(o.told_at) FROM outcome o WHERE o.build_id = build.id AND o.outcome = 'printing'), taken_at)";
+
+impl Ledger {
+    /// The printers that are down, by machine and name.
+    pub async fn down_printers(&self) -> Result<Vec<DownPrinter>> {
+        Ok(sql::select_as("FROM printer_down ORDER BY profile, printer").fetch_all(self.reader()?).await?)
+    }
+
+    /// Takes a printer out of use; says its reason anew if it is down already.
+    pub async fn take_printer_down(&self, printer: &str, profile: &str, by: &str, reason: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let now = change.now;
+        let insert = "INSERT INTO printer_down (printer, profile, reason, told_by, down_at) VALUES ($1, $2, $3, $4, $5) \
+            ON CONFLICT (profile, printer) DO UPDATE SET reason = excluded.reason, told_by = excluded.told_by";
+        let insert = sql::query(insert).bind(printer).bind(profile).bind(reason).bind(by).bind(now);
+        insert.execute(change.db()).await?;
+        let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
+        change.write_event(EventKind::PrinterDown, profile, None, None, &format!("{printer} by {by}{why}")).await?;
+        change.commit().await
+    }
+
+    /// Puts a printer into use again. Returns `false` if it was not down.
+    pub async fn bring_printer_up(&self, printer: &str, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let lift =
+            sql::query("DELETE FROM printer_down WHERE profile = $1 AND printer = $2").bind(profile).bind(printer);
+        if lift.execute(change.db()).await? == 0 {
+            return Ok(false);
+        }
+        change.write_event(EventKind::PrinterUp, profile, None, None, &format!("{printer} by {by}")).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// Writes down for which printer a build is made.
+    pub async fn assign_printer(&self, build: BuildId, printer: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Nesting]).await?;
+        let set = sql::query("UPDATE build SET printer = $1 WHERE id = $2 AND printer IS DISTINCT FROM $1");
+        set.bind(printer).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The published builds of a machine whose files were in the queue folder when they were last looked for, the oldest first.
+    pub async fn builds_in_queue(&self, profile: &str) -> Result<Vec<BuildRow>> {
+        let query = sql::select_as(
+            "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
+             AND move_to IS NULL ORDER BY id",
+        );
+        Ok(query.bind(profile).fetch_all(self.reader()?).await?)
+    }
+
+    /// Records that the file of a published build is gone from the queue folder with this marker: the printer, or a person, took
+    /// it. Nothing is recorded if it was moved to another folder since.
+    pub async fn record_taken(&self, build: BuildId, queue_id: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let now = change.now;
+        let set =
+            "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2 AND move_to IS NULL AND queue_id = $3";
+        sql::query(set).bind(now).bind(build).bind(queue_id).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The builds of a machine that occupy its printers: those that are made, and those published since `since` whose end was
+    /// not told, in the order of their publication.
+    pub async fn occupying_builds(&self, profile: &str, since: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
+        let columns =
+            format!("SELECT id AS build, printer, state, height_mm, published_at, {BEGUN_AT} AS begun_at FROM build");
+        let published = format!(
+            "{columns} WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND state IN ('published', 'printing') \
+             AND coalesce(published_at, state_at) >= $2 ORDER BY coalesce(published_at, state_at), id"
+        );
+        let made = format!("{columns} WHERE profile = $1 AND state IN ('nesting', 'verified') ORDER BY id");
+        let published = sql::query_as(sqlx::AssertSqlSafe(published)).bind(profile).bind(since);
+        let mut builds: Vec<OccupyingBuild> = published.fetch_all(self.reader()?).await?;
+        let made = sql::query_as(sqlx::AssertSqlSafe(made)).bind(profile);
+        builds.extend(made.fetch_all(self.reader()?).await?);
+        Ok(builds)
+    }
+
+    /// The last prints of a machine that ended well, of which the begin is known, the newest first.
+    pub async fn told_prints(&self, profile: &str, limit: u32) -> Result<Vec<ToldPrint>> {
+        let query = format!(
+            "SELECT printer, height_mm, begun_at, told_at FROM (SELECT printer, height_mm, {BEGUN_AT} AS begun_at, \
+             state_at AS told_at FROM build WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND state = 'complete' \
+             AND height_mm IS NOT NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2) AS newest \
+             WHERE begun_at IS NOT NULL AND begun_at < told_at"
+        );
+        let query = sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).bind(limit);
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
+    /// A person said that a proved build may be published. Returns `false` if that was said before.
+    ///
+    /// `WrongState` unless it is proved and not published.
+    pub async fn release_build(&self, build: BuildId, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let profile = change.ensure_build_state(build, &[BuildState::Verified]).await?;
+        let now = change.now;
+        let set = "UPDATE build SET released_at = $1, released_by = $2 WHERE id = $3 AND released_at IS NULL";
+        if sql::query(set).bind(now).bind(by).bind(build).execute(change.db()).await? == 0 {
+            return Ok(false);
+        }
+        change.write_event(EventKind::Released, &profile, None, Some(build), &format!("by {by}")).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+}

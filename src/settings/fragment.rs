@@ -110,15 +110,24 @@ fn remove_entry_at(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<Strin
     for (name, value) in table.iter_mut() {
         let at_value = match value.get_ref() {
             DeValue::Table(_) => value.span() == *span,
+            // An error in one of its tables is that of the entry there.
+            DeValue::Array(items) if items.iter().any(|item| item.get_ref().is_table()) => false,
             _ => value.span().contains(&span.start),
         };
         if name.span() == *span || at_value {
             found = Some(name.get_ref().to_string());
             break;
         }
-        if let DeValue::Table(inner) = value.get_mut()
-            && let Some(key) = remove_entry_at(inner, span)
-        {
+        let inner = match value.get_mut() {
+            DeValue::Table(inner) => remove_entry_at(inner, span),
+            // The tables of a list, as `[[printer]]` begins each.
+            DeValue::Array(items) => items.iter_mut().find_map(|item| match item.get_mut() {
+                DeValue::Table(inner) => remove_entry_at(inner, span),
+                _ => None,
+            }),
+            _ => None,
+        };
+        if let Some(key) = inner {
             return Some(format!("{}.{key}", name.get_ref()));
         }
     }

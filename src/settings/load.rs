@@ -11,12 +11,13 @@ use thiserror::Error;
 use toml::{Table, Value};
 
 use super::{
-    ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, ResourceSettings, Settings,
-    farm_zone,
+    ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, PrinterRules, ResourceSettings,
+    Settings, farm_zone,
     folder_conflicts::{self, FolderClaim},
     folders,
     fragment::{ConfigFragment, read_config_text},
     inputs::FarmInputs,
+    printer,
     profile_inputs::ProfileInputs,
     validation_rules,
     validator::ConfigValidator,
@@ -129,20 +130,22 @@ fn read_settings(
     problems.append(&mut validator.problems);
 
     let mut profiles = BTreeMap::new();
-    let mut claims = Vec::new();
+    let (mut claims, mut places) = (Vec::new(), BTreeMap::new());
     for (name, own) in machines {
         let Some(own) = own else { continue };
         let validator = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
         let profile = build_profile(name, &own, &farm, &root, &inputs, validator);
         if let Some(mut profile) = profile {
             profile.time_zone = time_zone.clone();
-            claims.extend(folder_claims(name, &profile.folders, validator));
+            claims.extend(folder_claims(&profile, validator));
+            places.insert(name.to_owned(), validator.locate_key("printer"));
             profiles.insert(name.to_owned(), profile);
         }
         // An invalid default affects every profile but is reported only once.
         validator.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut validator.problems);
     }
+    problems.extend(printer::find_same_names(&profiles, &places));
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
     let ledger = folders::ledger_address(&inputs.folders, &state_dir);
     problems.extend((!has_machines && problems.is_empty() && ledger.file().is_some()).then(|| missing_machine(file)));
@@ -233,11 +236,14 @@ fn build_profile(
     };
     merge_tables(&mut merged, own.to_table());
     let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
-    let folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
+    let mut folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
+    let queue = (root, farm_inputs.folders.queue.as_path(), folders.queue.as_path());
+    let printers = printer::validate_printers(name, &inputs, queue, validator);
+    folders.queue = printers.first().map(|first| first.queue.clone()).unwrap_or_default();
     if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported
     }
-    Some(validation_rules::validate_profile(name, inputs, folders, validator))
+    Some(validation_rules::validate_profile(name, inputs, folders, printers, validator))
 }
 
 /// Merges `over` into `base`, table by table. Values of `over` take precedence.
@@ -267,18 +273,22 @@ fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec
         .ok()
 }
 
-fn folder_claims(name: &str, folders: &MachineFolders, validator: &ConfigValidator) -> Vec<FolderClaim> {
-    let MachineFolders { inbox, queue, error, archive } = folders;
-    [
-        ("inbox", "inbox", inbox),
-        ("queue folder", "queue", queue),
-        ("error folder", "error", error),
-        ("archive", "archive", archive),
-    ]
-    .map(|(what, key, folder)| FolderClaim {
-        folder: folder.clone(),
-        description: format!("the {what} of {name}"),
-        location: validator.locate_key(&format!("folders.{key}")),
-    })
-    .into()
+fn folder_claims(profile: &MachineProfile, validator: &ConfigValidator) -> Vec<FolderClaim> {
+    let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
+    let claim = |folder: &Path, description: String, key: &str| FolderClaim {
+        folder: folder.to_owned(),
+        description,
+        location: validator.locate_key(key),
+    };
+    let name = &profile.name;
+    let queue = |printer: &PrinterRules| match printer.name == *name {
+        true => claim(&printer.queue, format!("the queue folder of {name}"), "folders.queue"),
+        false => claim(&printer.queue, format!("the queue folder of the printer {}", printer.name), "printer"),
+    };
+    let others = [
+        claim(inbox, format!("the inbox of {name}"), "folders.inbox"),
+        claim(error, format!("the error folder of {name}"), "folders.error"),
+        claim(archive, format!("the archive of {name}"), "folders.archive"),
+    ];
+    others.into_iter().chain(profile.printers.iter().map(queue)).collect()
 }

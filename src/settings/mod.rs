@@ -16,6 +16,7 @@ mod notification_kind;
 mod notify;
 mod option_group;
 mod optional;
+mod printer;
 mod problem;
 mod problem_text;
 mod profile;
@@ -25,6 +26,7 @@ mod settings;
 mod validation_rules;
 mod validator;
 mod web;
+mod work_calendar;
 
 pub use duration::parse_secs;
 pub use farm_zone::FarmZone;
@@ -35,6 +37,7 @@ pub use metrics::MetricsFile;
 pub use node::NodeSettings;
 pub use notification_kind::NotificationKind;
 pub use notify::{NotifySettings, WebhookSettings};
+pub use printer::{ApprovalPolicy, PrinterRules, PrintingRules};
 pub use problem::ConfigProblem;
 pub use profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,
@@ -43,6 +46,7 @@ pub use profile::{
 pub use settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
 pub use validation_rules::is_profile_name;
 pub use web::{ListenAddress, WebSettings};
+pub use work_calendar::WorkCalendar;
 
 #[cfg(test)]
 mod tests;

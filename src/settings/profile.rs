@@ -6,7 +6,7 @@ use build_file::LengthUnit;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{FarmZone, KeepOutZone};
+use super::{FarmZone, KeepOutZone, PrinterRules, PrintingRules};
 use crate::{build::MachineSpec, intake::UnlistedPolicy};
 
 /// The folders of a machine profile.
@@ -14,7 +14,7 @@ use crate::{build::MachineSpec, intake::UnlistedPolicy};
 pub struct MachineFolders {
     /// The hot folder, where parts are dropped.
     pub inbox: PathBuf,
-    /// Finished build files, for the printer to take.
+    /// Finished build files, for the printer to take; of a machine with several printers, that of the first.
     pub queue: PathBuf,
     /// Refused files, each with its reason.
     pub error: PathBuf,
@@ -73,6 +73,9 @@ pub struct MachineProfile {
     pub name: String,
     /// Its folders.
     pub folders: MachineFolders,
+    /// Its printers, all alike; at least one.
+    #[serde(skip)]
+    pub printers: Vec<PrinterRules>,
     /// The time zone of the farm: of its due dates and times of day.
     #[serde(skip)]
     pub time_zone: FarmZone,
@@ -93,6 +96,9 @@ pub struct MachineProfile {
     /// The rules for output files.
     #[serde(flatten)]
     pub output: OutputRules,
+    /// The rules of its prints.
+    #[serde(flatten)]
+    pub printing: PrintingRules,
 }
 
 /// The space that a machine builds in, with the rules for distances and layers.

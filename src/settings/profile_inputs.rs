@@ -9,10 +9,11 @@ use nester::{FaceNotDown, NestingConfig, OrientationRule, TiltLimit};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    DuplicatePolicy, KeepOutZone, MeshErrorPolicy,
+    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy,
     duration::DurationSecs,
     option_group::{option_group, read_option_table, read_options},
     optional::OptionalValue,
+    printer::PrinterInputs,
 };
 use crate::intake::UnlistedPolicy;
 
@@ -29,13 +30,19 @@ pub(super) struct ProfileInputs {
     pub search: SearchInputs,
     #[serde(flatten)]
     pub output: OutputInputs,
+    #[serde(flatten)]
+    pub printing: PrintingInputs,
     pub folders: ProfileFolders,
     pub trigger: TriggerInputs,
+    /// Only in the file of a machine.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub printer: Vec<PrinterInputs>,
 }
 
 read_options!(
-    ProfileInputs: folders trigger,
+    ProfileInputs: folders trigger printer,
     groups space: SpaceInputs turning: TurningInputs intake: IntakeInputs search: SearchInputs output: OutputInputs
+    printing: PrintingInputs
 );
 
 impl<'de> Deserialize<'de> for ProfileInputs {
@@ -104,6 +111,17 @@ option_group! {
         stl_output: bool = false,
         archive_days: u32 = 90,
         archive_builds_days: OptionalValue<u32> = OptionalValue::OFF,
+    }
+}
+
+option_group! {
+    /// How the printers are used.
+    PrintingInputs {
+        cool_down_hours: f64 = 0.0,
+        hours: String = "always".to_owned(),
+        days_off: Vec<String> = Vec::new(),
+        approve: ApprovalPolicy = ApprovalPolicy::default(),
+        thin: f64 = 0.5,
     }
 }
 

@@ -1,12 +1,14 @@
 //! Restores the machine profile that a build was made with. Machines are changed and sold, but their builds must remain
 //! viewable.
 
+use std::path::Path;
+
 use build_file::LengthUnit;
 use glam::DVec3;
 use serde::Deserialize;
 
 use super::{
-    BuildSpace, MachineFolders, MachineProfile, profile_inputs::ProfileInputs, validation_rules,
+    BuildSpace, MachineFolders, MachineProfile, printer, profile_inputs::ProfileInputs, validation_rules,
     validator::ConfigValidator,
 };
 
@@ -31,7 +33,7 @@ impl MachineProfile {
         let stored: ProfileSnapshot = snapshot.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
         let mut profile = match now {
             Some(now) => now.clone(),
-            None => Self { folders: stored.folders.unwrap_or_default(), ..Self::with_name_only(name) },
+            None => Self::with_name_only(name, stored.folders.unwrap_or_default()),
         };
         profile.space.volume_mm = stored.volume_mm.unwrap_or(profile.space.volume_mm);
         profile.space.wall_margin_mm = stored.wall_margin_mm.unwrap_or(profile.space.wall_margin_mm);
@@ -43,10 +45,12 @@ impl MachineProfile {
     }
 
     /// Creates a profile of which only the name is known.
-    fn with_name_only(name: &str) -> Self {
+    fn with_name_only(name: &str, folders: MachineFolders) -> Self {
         let mut unused = ConfigValidator::new(Vec::new());
-        let bare =
-            validation_rules::validate_profile(name, ProfileInputs::default(), MachineFolders::default(), &mut unused);
+        let inputs = ProfileInputs::default();
+        let no_farm = (Path::new(""), Path::new(""), folders.queue.as_path());
+        let printers = printer::validate_printers(name, &inputs, no_farm, &mut unused);
+        let bare = validation_rules::validate_profile(name, inputs, folders, printers, &mut unused);
         Self { space: BuildSpace { volume_mm: DVec3::ZERO, ..bare.space }, ..bare }
     }
 }
@@ -57,13 +61,13 @@ mod tests {
 
     #[test]
     fn a_build_keeps_the_volume_and_the_layer_that_it_was_made_with() {
-        let mut was = MachineProfile::with_name_only("m");
+        let mut was = MachineProfile::with_name_only("m", MachineFolders::default());
         (was.space.volume_mm, was.space.layer_mm) = (DVec3::new(200.0, 160.0, 220.0), 0.08);
         was.folders = MachineFolders { archive: "/farm/archive/m".into(), ..MachineFolders::default() };
         let snapshot = serde_json::to_string(&was).unwrap();
         let sold = MachineProfile::from_snapshot("m", Some(&snapshot), None);
         assert_eq!(sold, was);
-        let mut now = MachineProfile::with_name_only("m");
+        let mut now = MachineProfile::with_name_only("m", MachineFolders::default());
         (now.space.volume_mm, now.space.layer_mm, now.output.archive_days) = (DVec3::splat(300.0), 0.1, 7);
         let changed = MachineProfile::from_snapshot("m", Some(&snapshot), Some(&now));
         assert_eq!(

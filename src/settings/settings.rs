@@ -83,8 +83,8 @@ impl Settings {
     /// Every folder of the farm: those of all profiles, and the state directory.
     pub fn all_folders(&self) -> Vec<PathBuf> {
         let of_profiles = self.profiles.values().flat_map(|profile| {
-            let MachineFolders { inbox, queue, error, archive } = &profile.folders;
-            [inbox, queue, error, archive]
+            let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
+            [inbox, error, archive].into_iter().chain(profile.queue_folders())
         });
         of_profiles.chain([&self.state_dir]).cloned().collect()
     }

@@ -8,6 +8,7 @@ use std::{
 use super::{inputs::FarmInputs, profile_inputs::ProfileInputs, *};
 
 mod folders;
+mod printers;
 
 /// A configuration in its own folder.
 struct TestConfig {

@@ -10,6 +10,7 @@ use super::{
     TurningRules,
     inputs::{FarmFolders, FarmInputs, FileInputs},
     logging::parse_log_filter,
+    printer::{PrinterRules, validate_calendar, validate_printing},
     profile_inputs::{
         IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
     },
@@ -107,6 +108,12 @@ pub(super) fn validate_defaults(inputs: &ProfileInputs, validator: &mut ConfigVa
     }
     validate_values(inputs, validator);
     validate_trigger(&inputs.trigger, validator);
+    validate_printing(&inputs.printing, validator);
+    validate_calendar(&inputs.printing, validator);
+    if !inputs.printer.is_empty() {
+        let text = "printers in [defaults] would belong to every machine".to_owned();
+        validator.report_problem("printer", text, "name them in the files of their machines");
+    }
 }
 
 /// Creates a profile from its inputs and reports invalid values.
@@ -114,6 +121,7 @@ pub(super) fn validate_profile(
     name: &str,
     inputs: ProfileInputs,
     folders: MachineFolders,
+    printers: Vec<PrinterRules>,
     validator: &mut ConfigValidator,
 ) -> MachineProfile {
     if !is_profile_name(name) {
@@ -122,10 +130,12 @@ pub(super) fn validate_profile(
     }
     validate_values(&inputs, validator);
     let volume_mm = validate_volume(&inputs.space, validator);
-    let ProfileInputs { space, turning, intake, search, output, folders: _, trigger } = inputs;
+    let ProfileInputs { space, turning, intake, search, output, printing, folders: _, trigger, printer: _ } = inputs;
     MachineProfile {
         name: name.to_owned(),
         folders,
+        printers,
+        printing: validate_printing(&printing, validator),
         time_zone: FarmZone::default(),
         space: BuildSpace {
             volume_mm,

@@ -16,6 +16,7 @@ use crate::{
 
 /// Columns that are left out on a narrow terminal, the first of them first.
 const LEAST_COLUMNS: &[&str] = &[
+    "printer",
     "clearance_proved_mm",
     "cpu_secs",
     "lower_bound_mm",

@@ -27,6 +27,8 @@ mod nodes;
 mod notify;
 mod orders;
 mod outcome;
+mod printer;
+mod release;
 mod render;
 mod report;
 mod run;
@@ -153,6 +155,10 @@ enum CliCommand {
         #[arg(add = candidates::of_profiles())]
         profile: String,
     },
+    /// Show the printers, or take one out of use (down) and into use again (up)
+    Printer(printer::PrinterArgs),
+    /// Say that a proved build may be published, where a machine asks for that; shows what it means
+    Release(release::ReleaseArgs),
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
     Nodes(nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
@@ -232,6 +238,8 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Outcome(args) => outcome::run(common, args),
         CliCommand::Scan => command::run(common, &DaemonCommand::Scan),
         CliCommand::Adopt { profile } => adopt::run(common, profile),
+        CliCommand::Printer(args) => printer::run(common, args),
+        CliCommand::Release(args) => release::run(common, args),
         CliCommand::Nodes(args) => nodes::run(common, args),
         CliCommand::Backup(args) => backup::run(common, args),
         CliCommand::Restore(args) => backup::run_restore(common, args),

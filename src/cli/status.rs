@@ -12,12 +12,13 @@ use super::{
     watch::watch_terminal,
 };
 use crate::{
-    farm::{self, AlertKind, AlertSummary, FarmAlert},
+    farm::{self, AlertKind, AlertSummary, FarmAlert, PrinterView, printer_views},
     intake,
     ledger::{Ledger, NodeRow, PartRow, PartState, ProfileStatus},
     settings::{FarmZone, Settings},
     tables::{
-        FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, TimeView, list_farm_nodes,
+        FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, PRINTER_COLUMNS, TimeView,
+        list_farm_nodes,
     },
 };
 
@@ -71,6 +72,8 @@ struct MachineStatus {
     configured: bool,
     #[serde(flatten)]
     forecast: MachineForecast,
+    /// Its printers; none if it is not configured.
+    printers: Vec<PrinterView>,
 }
 
 /// Runs the command.
@@ -118,6 +121,9 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
         for machine in &mut status.profiles {
             let profile = settings.profiles.get(&machine.forecast.status.profile);
             machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
+            if let Some(profile) = profile {
+                machine.printers = printer_views(ledger, profile, Timestamp::now()).await?;
+            }
         }
         Ok(status)
     })
@@ -129,6 +135,7 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     let machine = |configured: bool, status: ProfileStatus| MachineStatus {
         configured,
         forecast: MachineForecast::new(status, None),
+        printers: Vec::new(),
     };
     let mut profiles: Vec<MachineStatus> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.profile == **name))
@@ -162,6 +169,16 @@ async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
     Ok(parts)
 }
 
+impl MachineStatus {
+    /// Its printers, unless it has only one, which is in use.
+    fn shown_printers(&self) -> &[PrinterView] {
+        match self.printers.as_slice() {
+            [only] if only.down.is_none() => &[],
+            all => all,
+        }
+    }
+}
+
 impl FarmStatus {
     /// The status as text; tables wider than `columns` become lists.
     pub fn to_text(&self, now: Timestamp, zone: &FarmZone, columns: usize) -> String {
@@ -177,6 +194,12 @@ impl FarmStatus {
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text =
             format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_essentials(columns, LEAST_COLUMNS));
+        let printers: Vec<PrinterView> =
+            self.profiles.iter().flat_map(MachineStatus::shown_printers).cloned().collect();
+        if !printers.is_empty() {
+            let table = TextTable::of(PRINTER_COLUMNS, &printers, &view);
+            text += &format!("\n{}", table.fit_essentials(columns, &["times", "told_by", "down_at"]));
+        }
         if self.nodes.len() > 1 {
             text += &format!(
                 "\n{}",

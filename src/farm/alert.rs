@@ -55,6 +55,8 @@ pub enum AlertKind {
     BuildFailed,
     /// A print failed, and nobody has seen to it.
     PrintFailed,
+    /// A proved build waits for a person's yes.
+    ReleaseDue,
     /// Parts wait for a person's yes.
     Question,
     /// A proved build cannot be published.
@@ -98,7 +100,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 34] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -122,6 +124,7 @@ impl AlertKind {
         Self::NestingFails,
         Self::BuildFailed,
         Self::PrintFailed,
+        Self::ReleaseDue,
         Self::Question,
         Self::PublishingFails,
         Self::QueueReplaced,
@@ -168,6 +171,7 @@ impl AlertKind {
             Self::NestingFails => "A build cannot be made now",
             Self::BuildFailed => "A build failed, and its profile is paused",
             Self::PrintFailed => "A print failed, and nobody has seen to it",
+            Self::ReleaseDue => "A proved build waits for a yes before it is published",
             Self::Question => "Parts wait for a yes before they are printed",
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
@@ -262,6 +266,10 @@ impl AlertKind {
                 "Its copies wait again, unless that was declined: `nestd show BUILD` names them. When the machine is ready, \
                  `nestd dismiss BUILD` ends this."
             }
+            Self::ReleaseDue => {
+                "`nestd release BUILD` publishes it; `nestd release BUILD --preview` shows first what is in it, what waits \
+                 beside it and what would be late. `approve` in the machine's file says which builds wait."
+            }
             Self::Question => {
                 "Print them as they are with `nestd confirm PART`, mend what was asked with `nestd edit PART`, or take them out \
                  with `nestd cancel PART`."
@@ -302,6 +310,7 @@ impl AlertKind {
             Self::Refused,
             Self::BuildFailed,
             Self::PrintFailed,
+            Self::ReleaseDue,
             Self::Question,
             Self::ReadingFails,
             Self::FileDamaged,

@@ -115,7 +115,7 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open = machine.trigger_facts(&waiting, &wanted, newest, flush, farm.schedule.clock.is_date_trusted());
-    let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused };
+    let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused || machine.printers.are_all_down() };
     match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
         BatchDecision::AwaitClaims => Ok(()),
         BatchDecision::AnswerFlushes => {

@@ -5,7 +5,7 @@ use tracing::info;
 
 use super::{
     alert::AlertKind, claim_completion, command_answer::CommandAnswer, deferred_refusal, farm::Farm,
-    machine_state::MachineStates, mark_note, part_changes, queues,
+    machine_state::MachineStates, mark_note, part_changes, printers, queues,
 };
 use crate::ledger::{
     CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
@@ -17,6 +17,7 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
     for (name, machine) in &mut farm.machines {
         machine.paused = paused.contains(name);
     }
+    printers::update_down_printers(farm).await?;
     for command in farm.ledger.pending_commands().await? {
         // A command that the disk prevents stays open and does not hold up the others.
         let about = format!("command {}", command.id);
@@ -37,7 +38,7 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
             }
         }
     }
-    if farm.machines.values().any(|s| s.queue.opened.is_none()) {
+    if farm.machines.values().any(|machine| !machine.printers.are_all_open()) {
         queues::open_queues(farm).await?;
     }
     Ok(())

@@ -75,13 +75,14 @@ fn due_date_outlook(farm: &Farm, profile: &str, height_mm: f64) -> DueDateOutloo
         return DueDateOutlook { print_secs: 0.0, margin_secs: f64::INFINITY, hindered };
     };
     let height_mm = if height_mm > 0.0 { height_mm } else { machine.open.layout.height_mm };
-    let is_away = machine_availability::is_unavailable(&farm.alerts, profile);
+    let is_away = machine_availability::is_unavailable(&farm.alerts, profile, machine);
     DueDateOutlook {
         print_secs: height_mm * machine.profile.space.print_hours_per_mm * 3600.0,
         margin_secs: machine.profile.trigger.due_margin_secs.unwrap_or(0.0),
         hindered: match (machine.paused, is_away) {
             (true, _) => Some("its machine is paused"),
             (false, true) => Some("its machine is unavailable"),
+            (false, false) if machine.printers.are_all_down() => Some("no printer of its machine is in use"),
             (false, false) => None,
         },
     }

@@ -9,7 +9,7 @@ use tracing::{info, warn};
 
 use super::{
     alert_registry::ServiceBridge,
-    batch, claim_completion, clock_changes, commands, damaged_files,
+    batch, build_move, claim_completion, clock_changes, commands, damaged_files,
     farm::{Farm, TICK_INTERVAL},
     fetch_originals, folder_comparison,
     intake_jobs::{self, PartReadJob},
@@ -19,7 +19,7 @@ use super::{
     ledger_changes::LedgerFingerprint,
     ledger_service, machine_setup, nest,
     night_search::{self, NightSearchJob},
-    open, publish, revisions, second_copies,
+    open, printers, publish, revisions, second_copies,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -115,6 +115,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
             farm.run_step("machines of other nodes", machine_setup::take_free_machines).await;
             watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
             folder_comparison::start_folder_comparison(farm);
+            farm.run_step("looking at the queues", printers::look_at_queues).await;
             watching::start_watcher(farm);
             tidy::start_misplaced_file_search(&farm.settings, &mut farm.jobs);
         }
@@ -140,6 +141,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
         farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(farm, &name).await).await;
     }
     farm.run_step("publishing", publish::publish_verified_builds).await;
+    farm.run_step("moving builds", build_move::move_builds).await;
     farm.run_step("status", status::update_status).await;
 }
 

@@ -95,7 +95,8 @@ impl FolderExpectations {
     pub fn check_all_available(&self, settings: &Settings) -> Result<(), FolderUnavailableError> {
         for profile in settings.profiles.values() {
             let folders = &profile.folders;
-            for folder in [&folders.archive, &folders.queue, &folders.error, &folders.inbox] {
+            for folder in [&folders.archive, &folders.error, &folders.inbox].into_iter().chain(profile.queue_folders())
+            {
                 self.is_available(folder)?;
             }
         }
@@ -113,7 +114,7 @@ fn unavailable_error(folder: &Path, error: &io::Error) -> FolderUnavailableError
     }
 }
 
-/// The builds in a machine's archive and queue, oldest first.
+/// The builds in a machine's archive and queues, oldest first.
 ///
 /// # Errors
 /// One of the folders cannot be read.
@@ -121,13 +122,16 @@ pub fn list_folder_builds(
     profile: &MachineProfile,
     known: &FolderExpectations,
 ) -> Result<Vec<FolderBuild>, FolderUnavailableError> {
-    let (archive, queue) = (&profile.folders.archive, &profile.folders.queue);
+    let archive = &profile.folders.archive;
     let mut builds = Vec::new();
     if known.is_available(archive)? {
         let records = build_record::list_records(archive).map_err(|error| unavailable_error(archive, &error))?;
         builds.extend(records.into_iter().map(|(name, record)| FolderBuild { name, record: Some(record) }));
     }
-    if known.is_available(queue)? {
+    for queue in profile.queue_folders() {
+        if !known.is_available(queue)? {
+            continue;
+        }
         let seen: HashSet<String> = builds.iter().map(|build| build.name.clone()).collect();
         let names = list_queue_files(queue).map_err(|error| unavailable_error(queue, &error))?;
         builds.extend(

@@ -46,7 +46,7 @@ pub(super) fn start_folder_comparison(farm: &mut Farm) {
         let store = store.clone();
         let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), machine.profile.clone());
         let interruptions = machine.leases.interruption_count();
-        let (before, runtime) = (machine.agreed_folders, tokio::runtime::Handle::current());
+        let (before, runtime) = (machine.agreed_folders.clone(), tokio::runtime::Handle::current());
         farm.jobs.start(FolderComparisonJob { profile: name.clone(), interruptions }, move || {
             runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &profile, before))
         });

@@ -1,5 +1,7 @@
 //! The leases on the folders of a machine, acquired and renewed together.
 
+use std::path::Path;
+
 use super::{
     folder_lease::{FolderLease, LeaseError},
     lease_clock::LeaseTimestamp,
@@ -42,14 +44,14 @@ impl LeaseProblem {
 pub struct FolderLeases {
     /// Lease on the hot folder.
     pub inbox: FolderLease,
-    /// Lease on the queue folder.
-    pub queue: FolderLease,
+    /// Leases on the queue folders, one per printer.
+    pub queues: Vec<FolderLease>,
     /// Lease on the archive.
     pub archive: FolderLease,
     /// Lease on the error folder.
     pub error: FolderLease,
-    /// The problem of each lease.
-    pub errors: [Option<LeaseProblem>; 4],
+    /// The problem of each lease, in the order of [`FolderLeases::all_leases`].
+    pub errors: Vec<Option<LeaseProblem>>,
     /// When the leases were last renewed; `None` = never.
     renewed_at: Option<LeaseTimestamp>,
     /// Claims of this farm that another farm has taken over.
@@ -62,22 +64,35 @@ impl FolderLeases {
     /// Leases that are not acquired yet.
     pub fn new(holder: &LeaseHolder, profile: &MachineProfile) -> Self {
         let lease = |folder| FolderLease::new(holder.clone(), folder);
-        let MachineFolders { inbox, queue, error, archive } = &profile.folders;
+        let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
         Self {
             inbox: lease(inbox),
-            queue: lease(queue),
             archive: lease(archive),
             error: lease(error),
-            errors: Default::default(),
+            queues: profile.queue_folders().map(|queue| lease(queue)).collect(),
+            errors: vec![None; 3 + profile.printers.len()],
             renewed_at: None,
             taken_over: Vec::new(),
             foreign_claims: 0,
         }
     }
 
-    /// All four leases.
-    pub fn all_leases(&mut self) -> [&mut FolderLease; 4] {
-        [&mut self.inbox, &mut self.queue, &mut self.archive, &mut self.error]
+    /// All leases: hot folder, archive, error folder, and the queue folders.
+    pub fn all_leases(&mut self) -> Vec<&mut FolderLease> {
+        [&mut self.inbox, &mut self.archive, &mut self.error].into_iter().chain(&mut self.queues).collect()
+    }
+
+    /// The lease on a queue folder.
+    pub fn queue_lease(&self, folder: &Path) -> Option<&FolderLease> {
+        self.queues.iter().find(|lease| lease.folder_path() == folder)
+    }
+
+    /// Whether these are leases on the same folders.
+    pub fn are_of_same_folders(&self, other: &Self) -> bool {
+        let is_same = |(own, other): (&FolderLease, &FolderLease)| own.is_same_folder(other);
+        self.inbox.is_same_folder(&other.inbox)
+            && self.queues.len() == other.queues.len()
+            && self.queues.iter().zip(&other.queues).all(is_same)
     }
 
     /// Whether the leases were renewed recently, so that no other daemon can have taken them since.
@@ -87,13 +102,15 @@ impl FolderLeases {
 
     /// How often somebody else served one of the folders, or may have, since this process first held them.
     pub fn interruption_count(&self) -> u32 {
-        [&self.inbox, &self.queue, &self.archive, &self.error].iter().map(|lease| lease.interruption_count()).sum()
+        let others = [&self.inbox, &self.archive, &self.error];
+        others.into_iter().chain(&self.queues).map(FolderLease::interruption_count).sum()
     }
 
     /// Renews all leases, and checks what other farms have done in the hot folder.
     pub fn renew_all(&mut self) {
         self.renewed_at = Some(LeaseTimestamp::now());
-        self.errors = self.all_leases().map(|lease| lease.renew().err().as_ref().map(LeaseProblem::new));
+        self.errors =
+            (self.all_leases().into_iter()).map(|lease| lease.renew().err().as_ref().map(LeaseProblem::new)).collect();
         if let Ok(taken_over) = intake::taken_over_claims(self.inbox.folder_path(), self.inbox.farm_id()) {
             self.taken_over = taken_over;
         }
@@ -122,16 +139,17 @@ impl FolderLeases {
         Ok(is_clear)
     }
 
-    /// Whether nothing was wrong with queue and archive when they were last looked at.
-    pub fn can_publish(&self) -> bool {
-        let [_, queue, archive, _] = &self.errors;
-        queue.is_none() && archive.is_none()
+    /// Whether nothing was wrong with a queue folder and the archive when they were last looked at.
+    pub fn can_publish(&self, queue: &Path) -> bool {
+        let (others, queues) = self.errors.split_at(3.min(self.errors.len()));
+        let of_queue = self.queues.iter().zip(queues).find(|(lease, _)| lease.folder_path() == queue);
+        matches!(others, [_, None, _]) && of_queue.is_some_and(|(_, error)| error.is_none())
     }
 
-    /// Checks that this farm still holds queue and archive: a build is published into both.
-    pub fn check_publish_folders(&self) -> Result<(), LeaseError> {
+    /// Checks that this farm still holds a queue folder and the archive: a build is published into both.
+    pub fn check_publish_folders(&self, queue: &Path) -> Result<(), LeaseError> {
         self.archive.check_held()?;
-        self.queue.check_held()
+        self.queue_lease(queue).ok_or_else(|| LeaseError::Replaced(queue.to_owned()))?.check_held()
     }
 
     /// Whether files may be claimed from the hot folder at this moment.

@@ -1,6 +1,6 @@
 //! Renews the leases on the folders of every machine, at the start and at intervals.
 
-use std::time::Duration;
+use std::{path::PathBuf, time::Duration};
 
 use anyhow::Result;
 use tracing::{info, warn};
@@ -16,15 +16,16 @@ use super::{
     jobs::BackgroundJob,
     lease_clock,
     machine_state::MachineStates,
+    printer_state::alert_subject,
     tick_tasks::TimedTask,
 };
+use crate::{queue::QueueFolder, settings::MachineProfile};
 
-/// The alert for each folder, in the order of [`FolderLeases::all_leases`].
-const LEASE_ALERTS: [AlertKind; 4] =
-    [AlertKind::HotFolderAway, AlertKind::QueueAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
+/// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
+const LEASE_ALERTS: [AlertKind; 3] = [AlertKind::HotFolderAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
 
-/// Renews the leases on a profile's folders; returns them with the error of each, and whether its queue folder is still
-/// the one that was opened.
+/// Renews the leases on a profile's folders; returns them with the error of each, and the queue folders that are not those
+/// that were opened.
 #[derive(Clone)]
 pub(super) struct LeaseRenewalJob {
     profile: String,
@@ -32,14 +33,14 @@ pub(super) struct LeaseRenewalJob {
 
 impl BackgroundJob<Farm> for LeaseRenewalJob {
     const KIND: &'static str = "Lease";
-    type Outcome = (Box<FolderLeases>, bool);
+    type Outcome = (Box<FolderLeases>, Vec<PathBuf>);
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, (leases, is_same_queue): Self::Outcome) -> Result<()> {
-        on_leases_renewed(farm, &self.profile, *leases, is_same_queue).await
+    async fn on_done(self, farm: &mut Farm, (leases, replaced): Self::Outcome) -> Result<()> {
+        on_leases_renewed(farm, &self.profile, *leases, &replaced).await
     }
 }
 
@@ -64,7 +65,7 @@ pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut
         std::thread::sleep(Duration::from_secs(1));
     }
     for (name, machine) in machines {
-        update_lease_alerts(alerts, name, &machine.leases);
+        update_lease_alerts(alerts, name, &machine.profile, &machine.leases);
     }
     Ok(())
 }
@@ -78,22 +79,23 @@ pub(super) fn renew_leases(farm: &mut Farm, is_due: bool) {
     }
     for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
         let (profile, mut leases) = (name.clone(), Box::new(machine.leases.clone()));
-        let queue = machine.queue.opened.clone();
+        let queues: Vec<QueueFolder> = machine.printers.0.iter().filter_map(|printer| printer.opened.clone()).collect();
         farm.jobs.start(LeaseRenewalJob { profile }, move || {
             leases.renew_all();
-            let is_same_queue = queue.is_none_or(|queue| queue.check_marker().is_ok());
-            (leases, is_same_queue)
+            let replaced = queues.iter().filter(|queue| queue.check_marker().is_err());
+            let replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
+            (leases, replaced)
         });
     }
 }
 
 /// Takes in the renewed leases.
-async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, is_same_queue: bool) -> Result<()> {
+async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, replaced: &[PathBuf]) -> Result<()> {
     // After a reload the folders may have changed.
-    let Some(machine) = farm.machines.get_mut(name).filter(|s| s.leases.inbox.is_same_folder(&leases.inbox)) else {
+    let Some(machine) = farm.machines.get_mut(name).filter(|s| s.leases.are_of_same_folders(&leases)) else {
         return Ok(());
     };
-    update_lease_alerts(&mut farm.alerts, name, &leases);
+    update_lease_alerts(&mut farm.alerts, name, &machine.profile, &leases);
     let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
     let taken_over = leases.taken_over.clone();
     adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
@@ -106,9 +108,11 @@ async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, is
             // printed before the folders were compared with the ledger again.
             (machine.agreed_folders, machine.may_claim) = (None, false);
         }
-        if !is_same_queue || !leases.can_publish() {
-            // It is opened anew; until then nothing is nested for it.
-            machine.queue.opened = None;
+        for folder in machine.profile.queue_folders() {
+            if replaced.contains(folder) || !leases.can_publish(folder) {
+                // It is opened anew; until then nothing is nested for it.
+                machine.printers.close_queue(folder);
+            }
         }
         machine.leases = leases;
     }
@@ -131,17 +135,20 @@ pub(super) fn release_leases(machines: &mut MachineStates, alerts: &mut AlertReg
     }
 }
 
-fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, leases: &FolderLeases) {
+fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, profile: &MachineProfile, leases: &FolderLeases) {
     let mut held = Vec::new();
-    for (kind, problem) in LEASE_ALERTS.into_iter().zip(&leases.errors) {
+    let queues = profile.printers.iter().map(|printer| (AlertKind::QueueAway, alert_subject(name, &printer.name)));
+    let kinds = LEASE_ALERTS.into_iter().map(|kind| (kind, String::new())).chain(queues);
+    for ((kind, of), problem) in kinds.zip(&leases.errors) {
+        let about = &format!("lease{of}");
         if let Some(LeaseProblem::HeldByOther(why)) = problem {
             held.push(why.as_str());
         }
         match problem {
-            Some(LeaseProblem::Unavailable(why)) => alerts.raise(kind, name, "lease", why),
+            Some(LeaseProblem::Unavailable(why)) => alerts.raise(kind, name, about, why),
             // Within seconds it is clear: nobody needs to act on it.
             Some(LeaseProblem::HolderUnclear(_) | LeaseProblem::HeldByOther(_)) | None => {
-                alerts.clear(kind, name, "lease");
+                alerts.clear(kind, name, about);
             }
         }
     }

@@ -2,7 +2,7 @@
 //! An outdated ledger would cause parts to be printed twice, or never.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeMap, HashMap, HashSet},
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
     time::Duration,
@@ -15,7 +15,7 @@ use super::{
     alert::AlertKind,
     claim_note,
     folder_builds::{FolderExpectations, FolderUnavailableError},
-    newer_decisions,
+    folder_check, newer_decisions,
     own_machines::without_other_nodes,
     reconcile::find_unknown_builds,
 };
@@ -80,7 +80,8 @@ pub async fn find_unknown_build_names(
 ) -> Result<Vec<String>> {
     // Folders of a new machine that were never created hold nothing.
     let folders = &profile.folders;
-    let mut new_folders = vec![folders.archive.clone(), folders.queue.clone()];
+    let mut new_folders = vec![folders.archive.clone()];
+    new_folders.extend(profile.queue_folders().cloned());
     new_folders.retain(|folder| !super::known_folders::is_known_folder(&settings.state_dir, folder));
     let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders };
     let builds = find_unknown_builds(settings, ledger, profile, &known, &mut HashSet::new()).await?;
@@ -132,8 +133,33 @@ pub fn summarize_unknown(unknown: &[String]) -> Option<String> {
     Some(format!("it does not know {first}{more}"))
 }
 
-/// Device and inode of a machine's archive and queue when they were last compared with the ledger.
-pub type FolderIdentities = [(u64, u64); 2];
+/// Device and inode of a machine's archive, and of those of its queue folders that were there, when they were last compared
+/// with the ledger.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FolderIdentities {
+    archive: (u64, u64),
+    queues: BTreeMap<PathBuf, (u64, u64)>,
+}
+
+impl FolderIdentities {
+    /// Looks at the folders; `None` = the archive, or every queue folder, is away. Where one of several printers is away, the others
+    /// go on.
+    fn look_at(settings: &Settings, profile: &MachineProfile) -> Option<Self> {
+        let identity = |folder: &Path| std::fs::metadata(folder).map(|meta| (meta.dev(), meta.ino())).ok();
+        let is_expected = |folder: &Path| {
+            profile.printers.len() == 1 || folder_check::check_readable(&settings.state_dir, folder).is_ok()
+        };
+        let seen = profile.queue_folders().filter(|folder| is_expected(folder));
+        let queues: BTreeMap<PathBuf, (u64, u64)> =
+            seen.filter_map(|folder| Some((folder.clone(), identity(folder)?))).collect();
+        Some(Self { archive: identity(&profile.folders.archive)?, queues }).filter(|seen| !seen.queues.is_empty())
+    }
+
+    /// Whether a queue folder was there.
+    pub fn has_queue(&self, folder: &Path) -> bool {
+        self.queues.contains_key(folder)
+    }
+}
 
 /// Result of comparing a machine's folders with the ledger.
 #[derive(Debug)]
@@ -183,18 +209,15 @@ pub(super) async fn compare_machine_folders(
     profile: &MachineProfile,
     before: Option<FolderIdentities>,
 ) -> FolderComparison {
-    let identity = |folder: &Path| {
-        let meta = std::fs::metadata(folder)?;
-        Ok::<_, std::io::Error>((meta.dev(), meta.ino()))
+    let seen = match FolderIdentities::look_at(settings, profile) {
+        Some(seen) if before.as_ref() == Some(&seen) => return FolderComparison::Unchanged,
+        Some(seen) => seen,
+        None => return FolderComparison::FolderAway,
     };
-    let seen = identity(&profile.folders.archive).and_then(|a| Ok([a, identity(&profile.folders.queue)?]));
-    let seen = match seen {
-        Ok(seen) if before == Some(seen) => return FolderComparison::Unchanged,
-        Ok(seen) => seen,
-        Err(_) => return FolderComparison::FolderAway,
-    };
+    let mut present = profile.clone();
+    present.printers.retain(|printer| seen.has_queue(&printer.queue));
     let unknown = async {
-        let mut unknown = find_unknown_build_names(settings, ledger, profile).await?;
+        let mut unknown = find_unknown_build_names(settings, ledger, &present).await?;
         unknown.extend(store.unknown_of_profile(settings, ledger, &profile.name).await?);
         anyhow::Ok(unknown)
     };

@@ -7,6 +7,7 @@ use super::{
     alert::{AlertKind, FarmAlert},
     alert_registry::AlertRegistry,
     farm::Farm,
+    machine_state::MachineState,
 };
 use crate::ledger::ObservedMachine;
 
@@ -26,29 +27,34 @@ const UNAVAILABLE_KINDS: [AlertKind; 8] = [
 ];
 
 /// Whether a machine cannot claim parts or publish builds at this moment.
-pub(super) fn is_unavailable(alerts: &AlertRegistry, profile: &str) -> bool {
-    alerts.active_alerts().any(|alert| alert.profile == profile && UNAVAILABLE_KINDS.contains(&alert.kind))
+pub(super) fn is_unavailable(alerts: &AlertRegistry, profile: &str, machine: &MachineState) -> bool {
+    alerts.active_alerts().any(|alert| alert.profile == profile && hinders(&alert, machine))
+}
+
+/// Whether an alert keeps its machine from claiming parts or publishing builds. The queue folder of one printer does not, as
+/// long as another printer's is open.
+fn hinders(alert: &FarmAlert, machine: &MachineState) -> bool {
+    let is_spared = alert.kind == AlertKind::QueueAway && machine.printers.has_open_queue();
+    UNAVAILABLE_KINDS.contains(&alert.kind) && !is_spared
 }
 
 /// The current state of every machine.
 pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
     let now = farm.date();
     let machines = farm.machines.iter().map(|(name, machine)| {
-        let alerts: Vec<FarmAlert> = farm
-            .alerts
-            .active_alerts()
-            .filter(|alert| alert.profile == *name && UNAVAILABLE_KINDS.contains(&alert.kind))
-            .collect();
+        let alerts: Vec<FarmAlert> =
+            farm.alerts.active_alerts().filter(|alert| alert.profile == *name && hinders(alert, machine)).collect();
         let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
         let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
         // After a start nothing is known until everything was checked once.
-        let was_checked =
-            machine.inbox.scanned_at.is_some() && machine.queue.opened.is_some() && farm.display.updated_at.is_some();
+        let was_checked = machine.inbox.scanned_at.is_some()
+            && machine.printers.has_open_queue()
+            && farm.display.updated_at.is_some();
         ObservedMachine {
             profile: name.clone(),
             scanned_at: machine.inbox.scanned_at,
             is_inbox_there: machine.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
-            is_queue_writable: machine.queue.opened.is_some() && !is(AlertKind::QueueAway),
+            is_queue_writable: machine.printers.has_open_queue() && !is(AlertKind::QueueAway),
             trouble: match lasts {
                 Some(alert) => Some(alert.alert_text()),
                 None => (was_checked && alerts.is_empty()).then(String::new),

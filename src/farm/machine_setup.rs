@@ -8,7 +8,7 @@ use tracing::info;
 
 use super::{
     alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, folder_comparison, folder_lease::FolderLease,
-    machine_state::MachineState, status, systemd, watching,
+    machine_state::MachineState, printer_state::alert_subject, status, systemd, watching,
 };
 use crate::settings::Settings;
 
@@ -46,6 +46,11 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
                 machine.open.reset();
                 fresh.paused = machine.paused;
                 fresh.pending_flushes = std::mem::take(&mut machine.pending_flushes);
+                for printer in &machine.printers.0 {
+                    let about = alert_subject(&name, &printer.name);
+                    farm.alerts.clear(AlertKind::QueueAway, &name, &about);
+                    farm.alerts.clear(AlertKind::QueueAway, &name, &format!("lease{about}"));
+                }
                 *machine = fresh;
                 info!(profile = %name, "The profile has changed.");
             }

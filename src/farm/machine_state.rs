@@ -21,13 +21,13 @@ use super::{
     nesting_search::SharedBestLayout,
     obeyed_controls::ObeyedControls,
     open_night::OpenNight,
+    printer_state::MachinePrinters,
     time_source::TimeSource,
     time_text::written_stamp,
     trigger::{DueFacts, FireTrigger, TriggerFacts},
 };
 use crate::{
     ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
-    queue::QueueFolder,
     settings::MachineProfile,
 };
 
@@ -53,15 +53,6 @@ pub struct InboxState {
     pub controls: ObeyedControls,
 }
 
-/// The printer queue folder of an active profile.
-#[derive(Debug)]
-pub struct MachineQueue {
-    /// The open folder; `None` until it could be opened.
-    pub opened: Option<QueueFolder>,
-    /// A folder that could not be opened is not tried again before this time.
-    pub open_at: Instant,
-}
-
 /// When the open build of a profile is looked at.
 #[derive(Debug)]
 pub struct BatchPacing {
@@ -84,13 +75,13 @@ pub struct MachineState {
     pub inbox: InboxState,
     /// The leases on its folders.
     pub leases: FolderLeases,
-    /// Identities of its archive and queue when they last agreed with the ledger; `None` = nothing is printed.
+    /// Identities of its archive and queues when they last agreed with the ledger; `None` = nothing is printed.
     pub agreed_folders: Option<FolderIdentities>,
     /// Whether files are claimed and read. This starts after its folders were compared with the ledger, and stops while
     /// they contain something that the ledger does not know. Unavailable folders delay only printing.
     pub may_claim: bool,
-    /// Its printer queue folder.
-    pub queue: MachineQueue,
+    /// Its printers.
+    pub printers: MachinePrinters,
     /// The build that collects waiting parts.
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
@@ -164,10 +155,10 @@ impl MachineState {
                 controls: Default::default(),
             },
             leases: FolderLeases::new(holder, &profile),
+            printers: MachinePrinters::new(&profile, now),
             profile,
             agreed_folders: None,
             may_claim: false,
-            queue: MachineQueue { opened: None, open_at: now },
             open: OpenBuildState {
                 standing: placed.iter().map(|placed| placed.copy).collect(),
                 layout: BatchLayout { placed, ..BatchLayout::default() },

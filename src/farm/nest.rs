@@ -24,7 +24,7 @@ use super::{
     mesh_source::MeshSource,
     nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
-    publish,
+    printers, publish,
     queues::{self, demand_staged},
     state::{NestingState, RunningFinalSearch},
     write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
@@ -90,10 +90,10 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
     if publish::is_build_resting(&farm.nesting, build.id)
         || farm.jobs.is_running::<FinalNestingJob>(build.id)
         || !batch::has_free_slot(farm)
-        || !queues::has_usable_queue(&farm.machines, &build.profile)
     {
         return Ok(());
     }
+    let Some(printer) = printers::choose_for_build(farm, &build).await? else { return Ok(()) };
     let parts = farm.ledger.parts_of_build(build.id).await?;
     if parts.is_empty() {
         // A repair of the ledger has taken its copies out: no fault that a person must mend.
@@ -122,15 +122,19 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
     });
     match decision {
         AttemptDecision::GiveUp => give_up_build(farm, &build, attempts - 1).await,
-        AttemptDecision::Search { secs, seed } => start_final_search(farm, build, secs, seed).await,
+        AttemptDecision::Search { secs, seed } => {
+            farm.ledger.assign_printer(build.id, &printer).await?;
+            start_final_search(farm, build, &printer, (secs, seed)).await
+        }
     }
 }
 
-async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u64) -> Result<()> {
+async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (secs, seed): (f64, u64)) -> Result<()> {
     let wanted = parts_with_copies(&farm.ledger, build.id).await?;
     let machine = &farm.machines[&build.profile];
     let profile = machine.profile.clone();
-    let queue = machine.queue.opened.clone().context("the queue folder is not open")?;
+    let queue = machine.printers.find(printer).and_then(|printer| printer.opened.clone());
+    let queue = queue.context("the queue folder is not open")?;
     // The proved layout of an earlier build is issued once more: there is nothing to search.
     let secs = if build.search.repeats.is_some() { 0.0 } else { secs };
     let budget = SearchBudget::of_secs(secs);

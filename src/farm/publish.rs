@@ -10,7 +10,11 @@ use super::{
     forget,
     forgettable::Forgettable,
     jobs::BackgroundJob,
+    machine_state::MachineState,
+    printers,
     publish_decision::{PublishDecision, PublishFacts, decide_publishing},
+    queues,
+    release_preview::awaits_release,
     staged_build::{PublishStep, QueueReplacedError, StagedBuild},
     state::NestingState,
 };
@@ -58,14 +62,14 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         let id = build.id;
         // The alert on a machine that is not configured covers this.
         let Some(machine) = farm.machines.get(&build.profile) else { continue };
-        let decision = decide_publishing(&PublishFacts {
-            is_resting: is_build_resting(&farm.nesting, id),
-            is_running: farm.jobs.is_running::<PublishBuildJob>(id),
-            is_machine_served: machine.agreed_folders.is_some() && machine.leases.are_fresh(),
-            is_queue_open: machine.queue.opened.is_some(),
-            is_recorded: build.staged.publishing_at.is_some(),
-        });
-        let (PublishDecision::Check | PublishDecision::Rename, Some(queue)) = (decision, machine.queue.opened.clone())
+        let printer = machine.printers.of_build(&build);
+        let decision = decide_publishing(&publish_facts(farm, machine, &build));
+        if decision == PublishDecision::MakeForAnother {
+            make_for_another_printer(farm, &build).await?;
+            continue;
+        }
+        let (PublishDecision::Check | PublishDecision::Rename, Some(queue)) =
+            (decision, printer.and_then(|printer| printer.opened.clone()))
         else {
             continue;
         };
@@ -73,13 +77,44 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
         let (leases, ledger) = (machine.leases.clone(), farm.ledger.clone());
         let staged = StagedBuild { queue, build, archive, leases, ledger };
-        farm.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
+        farm.jobs.start(PublishBuildJob { build: id }, move || match staged.check_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),
             Ok(()) if decision == PublishDecision::Rename => staged.try_publish(&record, is_first),
             Ok(()) => staged.check_before_publishing(),
         });
     }
+    Ok(())
+}
+
+/// What is known of a verified build and its machine.
+fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow) -> PublishFacts {
+    let printer = machine.printers.of_build(build);
+    let is_printer_down = printer.is_some_and(|printer| printer.down.is_some());
+    let is_agreed = match (&machine.agreed_folders, printer) {
+        (Some(agreed), Some(printer)) => printer.opened.is_none() || agreed.has_queue(&printer.folder),
+        (agreed, _) => agreed.is_some(),
+    };
+    PublishFacts {
+        is_resting: is_build_resting(&farm.nesting, build.id),
+        is_running: farm.jobs.is_running::<PublishBuildJob>(build.id),
+        is_machine_served: is_agreed && machine.leases.are_fresh(),
+        is_queue_open: printer.is_some_and(|printer| printer.opened.is_some()),
+        is_printer_down,
+        has_better_printer: is_printer_down && !printers::usable_printers(machine).is_empty(),
+        awaits_release: awaits_release(&machine.profile, build),
+        is_recorded: build.staged.publishing_at.is_some(),
+    }
+}
+
+/// verified -> nesting: its printer went down before anything was published.
+async fn make_for_another_printer(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+    let printer = build.place.printer.as_deref().unwrap_or(&build.profile);
+    info!(build.id = %build.id, profile = %build.profile, "Build {} is made for another printer: {printer} is down.", build.id);
+    queues::discard_staged(&farm.machines, &mut farm.jobs, build);
+    farm.ledger.reopen_verified_build(build.id, &format!("the printer {printer} is down")).await?;
+    // No attempt has failed.
+    farm.nesting.just_fired.insert(build.id);
     Ok(())
 }
 

@@ -11,6 +11,12 @@ pub(super) struct PublishFacts {
     pub(super) is_machine_served: bool,
     /// The queue folder is open.
     pub(super) is_queue_open: bool,
+    /// A person took its printer out of use.
+    pub(super) is_printer_down: bool,
+    /// Its printer is down, and another one of the machine can be given builds.
+    pub(super) has_better_printer: bool,
+    /// A person must release it and has not.
+    pub(super) awaits_release: bool,
     /// The ledger has recorded that it will be renamed.
     pub(super) is_recorded: bool,
 }
@@ -24,15 +30,24 @@ pub(super) enum PublishDecision {
     Check,
     /// It is compared with what was proved, and renamed.
     Rename,
+    /// It is made again, for another printer.
+    MakeForAnother,
 }
 
 /// Decides the next step of a verified build.
 pub(super) fn decide_publishing(facts: &PublishFacts) -> PublishDecision {
-    if facts.is_resting || facts.is_running || !facts.is_machine_served || !facts.is_queue_open {
+    if facts.is_resting || facts.is_running || !facts.is_machine_served {
         return PublishDecision::Wait;
     }
     // Nothing is renamed before the ledger says so: a crash in between must not publish a build twice.
-    if facts.is_recorded { PublishDecision::Rename } else { PublishDecision::Check }
+    match (facts.is_recorded, facts.is_queue_open) {
+        (true, true) => PublishDecision::Rename,
+        // It may be visible already: it is published first, and moved then.
+        (true, false) => PublishDecision::Wait,
+        (false, _) if facts.has_better_printer => PublishDecision::MakeForAnother,
+        (false, true) if !facts.awaits_release && !facts.is_printer_down => PublishDecision::Check,
+        (false, _) => PublishDecision::Wait,
+    }
 }
 
 #[cfg(test)]
@@ -46,6 +61,9 @@ mod tests {
             is_running: false,
             is_machine_served: true,
             is_queue_open: true,
+            is_printer_down: false,
+            has_better_printer: false,
+            awaits_release: false,
             is_recorded: false,
         };
         assert_eq!(decide_publishing(&facts), PublishDecision::Check);
@@ -56,8 +74,27 @@ mod tests {
             PublishFacts { is_running: true, ..recorded },
             PublishFacts { is_machine_served: false, ..recorded },
             PublishFacts { is_queue_open: false, ..recorded },
+            PublishFacts { awaits_release: true, ..facts },
         ] {
             assert_eq!(decide_publishing(&hindered), PublishDecision::Wait);
         }
+    }
+
+    #[test]
+    fn a_build_whose_printer_is_down_is_made_for_another_one_unless_it_may_be_visible_already() {
+        let down = PublishFacts {
+            is_resting: false,
+            is_running: false,
+            is_machine_served: true,
+            is_queue_open: true,
+            is_printer_down: true,
+            has_better_printer: false,
+            awaits_release: true,
+            is_recorded: false,
+        };
+        assert_eq!(decide_publishing(&down), PublishDecision::Wait, "it waits for its printer");
+        let better = PublishFacts { has_better_printer: true, ..down };
+        assert_eq!(decide_publishing(&better), PublishDecision::MakeForAnother);
+        assert_eq!(decide_publishing(&PublishFacts { is_recorded: true, ..better }), PublishDecision::Rename);
     }
 }

@@ -1,16 +1,16 @@
-//! The printer queue folders. A folder that was unavailable is opened again. Half-written files left by a crash and the
+//! The queue folders of the printers. A folder that was unavailable is opened again. Half-written files left by a crash and the
 //! files of builds that are given up are removed. All of this runs on threads, because a queue folder may be a network
 //! share that hangs.
 
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use tracing::{info, warn};
 
 use super::{
     alert::AlertKind, alert_registry::AlertRegistry, build_record, failure::error_chain, farm::Farm,
     folder_lease::FolderLease, jobs::BackgroundJob, jobs::JobRunner, machine_state::MachineStates,
-    write_build::queue_file_name,
+    printer_state::PrinterState, printer_state::alert_subject, write_build::queue_file_name,
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, Ledger, Verified},
@@ -24,6 +24,7 @@ const OPEN_AGAIN: Duration = Duration::from_secs(1);
 #[derive(Clone)]
 pub(super) struct OpenQueueJob {
     profile: String,
+    printer: String,
 }
 
 impl BackgroundJob<Farm> for OpenQueueJob {
@@ -32,11 +33,11 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     type Outcome = Result<Option<QueueFolder>, String>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.printer.clone()
     }
 
     async fn on_done(self, farm: &mut Farm, opened: Self::Outcome) -> Result<()> {
-        on_queue_opened(&mut farm.machines, &mut farm.alerts, &self.profile, opened);
+        on_queue_opened(&mut farm.machines, &mut farm.alerts, &self, opened);
         Ok(())
     }
 }
@@ -67,57 +68,68 @@ impl BackgroundJob<Farm> for DiscardJob {
 /// Starts jobs that open the queue folders that are not open.
 pub(super) async fn open_queues(farm: &mut Farm) -> Result<()> {
     let now = farm.now();
-    let is_due =
-        |machine: &super::machine_state::MachineState| machine.queue.opened.is_none() && now >= machine.queue.open_at;
-    if !farm.machines.values().any(is_due) {
+    let is_due = |printer: &PrinterState| printer.opened.is_none() && now >= printer.open_at;
+    if !farm.machines.values().any(|machine| machine.printers.0.iter().any(is_due)) {
         return Ok(());
     }
-    let mut staged = Vec::new();
-    // A build that is being nested may already be staged: only files that belong to no build are removed.
+    // A build that is being nested may already be staged, and one that moves is on its way: only files that belong to no
+    // build are removed.
+    let mut live = Vec::new();
     for state in [BuildState::Nesting, BuildState::Verified] {
-        for build in farm.ledger.builds_in_state(state).await? {
-            staged.push(build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, &build)));
+        live.extend(farm.ledger.builds_in_state(state).await?);
+    }
+    for (name, machine) in &mut farm.machines {
+        live.extend(farm.ledger.builds_to_move(name).await?);
+        let names: Vec<String> = machine.printers.0.iter().map(|printer| printer.name.clone()).collect();
+        for printer in machine.printers.0.iter_mut().filter(|printer| is_due(printer)) {
+            printer.open_at = now + OPEN_AGAIN;
+            let Some(lease) = machine.leases.queue_lease(&printer.folder).cloned() else { continue };
+            let kept = live.iter().filter(|build| may_lie_at(build, &printer.name, &names));
+            let opening = QueueOpening {
+                profile: name.clone(),
+                lease,
+                staged: kept.map(staged_name).collect(),
+                ledger: farm.ledger.clone(),
+            };
+            let (runtime, printer) = (tokio::runtime::Handle::current(), printer.name.clone());
+            let job = OpenQueueJob { profile: name.clone(), printer };
+            farm.jobs.start(job, move || runtime.block_on(opening.open_and_sweep()));
         }
     }
-    for (name, machine) in farm.machines.iter_mut().filter(|(_, machine)| is_due(machine)) {
-        machine.queue.open_at = now + OPEN_AGAIN;
-        let opening = QueueOpening {
-            profile: name.clone(),
-            lease: machine.leases.queue.clone(),
-            staged: staged.clone(),
-            ledger: farm.ledger.clone(),
-        };
-        let runtime = tokio::runtime::Handle::current();
-        farm.jobs.start(OpenQueueJob { profile: name.clone() }, move || runtime.block_on(opening.open_and_sweep()));
-    }
     Ok(())
+}
+
+/// Whether a live build may have files in the queue folder of a printer. `names` are the printers of that machine.
+fn may_lie_at(build: &BuildRow, printer: &str, names: &[String]) -> bool {
+    let is_here = |of: &Option<String>| of.as_deref() == Some(printer);
+    let is_elsewhere = build.place.printer.as_ref().is_some_and(|of| of != printer && names.contains(of));
+    !is_elsewhere || is_here(&build.place.move_to)
+}
+
+fn staged_name(build: &BuildRow) -> String {
+    build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, build))
 }
 
 fn on_queue_opened(
     machines: &mut MachineStates,
     alerts: &mut AlertRegistry,
-    name: &str,
+    job: &OpenQueueJob,
     opened: Result<Option<QueueFolder>, String>,
 ) {
-    let Some(machine) = machines.get_mut(name) else { return };
+    let Some(machine) = machines.get_mut(&job.profile) else { return };
+    // After a reload, the printer may be gone, or have another queue folder.
+    let Some(printer) = machine.printers.0.iter_mut().find(|printer| printer.name == job.printer) else { return };
+    let (name, about) = (&job.profile, &alert_subject(&job.profile, &job.printer));
     match opened {
         // The renewal of the leases reports it.
-        Ok(None) => alerts.clear(AlertKind::QueueAway, name, ""),
-        // After a reload, the profile may have another queue folder.
-        Ok(Some(queue)) if queue.folder_path() != machine.profile.folders.queue => {}
+        Ok(None) => alerts.clear(AlertKind::QueueAway, name, about),
+        Ok(Some(queue)) if queue.folder_path() != printer.folder => {}
         Ok(Some(queue)) => {
-            machine.queue.opened = Some(queue);
-            alerts.clear(AlertKind::QueueAway, name, "");
+            printer.opened = Some(queue);
+            alerts.clear(AlertKind::QueueAway, name, about);
         }
-        Err(why) => alerts.raise(AlertKind::QueueAway, name, "", &why),
+        Err(why) => alerts.raise(AlertKind::QueueAway, name, about, &why),
     }
-}
-
-/// Whether builds could be written into the queue folder of a profile when the folder was last checked. An
-/// unavailable folder does not use up an attempt of a build.
-pub(super) fn has_usable_queue(machines: &MachineStates, profile: &str) -> bool {
-    let Some(machine) = machines.get(profile) else { return false };
-    machine.agreed_folders.is_some() && machine.queue.opened.is_some() && machine.leases.are_fresh()
 }
 
 /// Checks that a build was written into the queue folder that is configured now. Otherwise it is not recorded in
@@ -129,15 +141,19 @@ pub(super) async fn demand_same_queue(
     verified: &Verified,
 ) -> Result<()> {
     let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-    let queue = machines.get(&profile).and_then(|s| s.queue.opened.as_ref());
-    let queue = queue.context("the queue folder is not available any more")?;
-    ensure!(queue.marker_id() == verified.file.queue_id, "the queue folder has changed since the build was written");
+    let printers = machines.get(&profile).map(|machine| machine.printers.0.as_slice()).unwrap_or_default();
+    ensure!(printers.iter().any(|printer| printer.opened.is_some()), "the queue folder is not available any more");
+    let is_staging = |printer: &PrinterState| {
+        printer.opened.as_ref().is_some_and(|queue| queue.marker_id() == verified.file.queue_id)
+    };
+    ensure!(printers.iter().any(is_staging), "the queue folder has changed since the build was written");
     Ok(())
 }
 
 /// Starts a job that removes the staged files of a build that is given up.
 pub(super) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm>, build: &BuildRow) {
-    let Some(queue) = machines.get(&build.profile).and_then(|s| s.queue.opened.clone()) else { return };
+    let printer = machines.get(&build.profile).and_then(|machine| machine.printers.of_build(build));
+    let Some(queue) = printer.and_then(|printer| printer.opened.clone()) else { return };
     let name = queue_file_name(&build.profile, build);
     jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
 }

@@ -151,7 +151,10 @@ pub async fn find_unknown_builds(
             continue;
         };
         let record = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
-        let is_published = !is_staged(&profile.folders.queue, &name)?;
+        let mut is_published = true;
+        for queue in profile.queue_folders() {
+            is_published &= !is_staged(queue, &name, staged_in(profile, &record).as_deref())?;
+        }
         unknown.push(UnknownBuild {
             name,
             profile: profile.name.clone(),
@@ -163,12 +166,24 @@ pub async fn find_unknown_builds(
     Ok(unknown)
 }
 
-/// Whether the file is still under its dot-name: its record was written, but the build was not published.
-fn is_staged(queue: &Path, name: &str) -> Result<bool> {
+/// The marker of the queue folder where the build of a record was staged. Of several printers, the folder of another one may
+/// still hold what was staged for an earlier attempt: that says nothing. `None` = there is only one folder.
+fn staged_in(profile: &MachineProfile, record: &str) -> Option<String> {
+    let record: serde_json::Value = serde_json::from_str(record).unwrap_or_default();
+    let marker = record["builds"][0]["queue_id"].as_str().map(str::to_owned);
+    marker.filter(|_| profile.printers.len() > 1)
+}
+
+/// Whether the file is still under its dot-name: its record was written, but the build was not published. Looks only into a
+/// folder with this marker, if one is given.
+fn is_staged(queue: &Path, name: &str, marker: Option<&str>) -> Result<bool> {
     if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
         return Ok(false);
     }
-    let state = QueueFolder::open(queue).and_then(|queue| queue.staged_state(name));
+    let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
+        true => queue.staged_state(name),
+        false => Ok(StagedState::Gone),
+    });
     Ok(state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged)
 }
 
@@ -181,7 +196,7 @@ async fn record_from_build_file(
     name: &str,
     unclear: &mut HashSet<String>,
 ) -> Result<Option<UnknownBuild>> {
-    let file = profile.folders.queue.join(name);
+    let file = profile.queue_with_file(name).join(name);
     fs::File::open(&file).with_context(|| format!("reading {}", file.display()))?;
     // A file that is not one of our build files says nothing.
     let Ok(placed) = build_file::read_build(&file, &settings.limits) else { return Ok(None) };

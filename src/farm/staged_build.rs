@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::{build_record, folder_leases::FolderLeases};
+use super::{build_record, folder_lease::LeaseError, folder_leases::FolderLeases};
 use crate::{
     intake,
     ledger::{BuildRow, Ledger},
@@ -56,7 +56,12 @@ impl StagedBuild {
     /// Fails unless this daemon still serves the folders and the ledger.
     fn check_rights(&self) -> Result<()> {
         self.ledger.ensure_served()?;
-        Ok(self.leases.check_publish_folders()?)
+        Ok(self.check_folders()?)
+    }
+
+    /// Fails unless this farm still holds the queue folder and the archive.
+    pub fn check_folders(&self) -> Result<(), LeaseError> {
+        self.leases.check_publish_folders(self.queue.folder_path())
     }
 
     /// Where its file is. If the queue folder is not the one that it was staged in, "gone" says nothing: a person must
@@ -143,7 +148,7 @@ impl StagedBuild {
 }
 
 /// Whether a file has this hash; a missing file does not.
-fn has_hash(file: &Path, hash: &str) -> Result<bool> {
+pub(super) fn has_hash(file: &Path, hash: &str) -> Result<bool> {
     match intake::hash_file(file) {
         Ok(found) => Ok(found == hash),
         Err(error) if matches!(error.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::InvalidInput) => {

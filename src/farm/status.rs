@@ -25,7 +25,9 @@ use super::{
     lost_ledger, machine_availability,
     machine_state::MachineState,
     night_text::night_text,
-    part_questions, status_alerts, systemd,
+    part_questions,
+    printers::{PrinterView, printer_lines, printer_views},
+    status_alerts, systemd,
     tick_tasks::TimedTask,
     time_text::floor_to_minute,
 };
@@ -72,10 +74,13 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
     control_files::update_answers(farm).await?;
     let rows = farm.ledger.profile_statuses().await?;
     let asked = farm.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
+    let now = farm.date();
     for (name, machine) in &mut farm.machines {
+        let printers = printer_views(&farm.ledger, &machine.profile, now).await?;
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
-            let text = status_text(machine, row) + &part_questions::questions_text(name, &asked);
+            let text = status_text(machine, row, &printers) + &part_questions::questions_text(name, &asked);
             let mut json = status_json(machine, row);
+            json["printers"] = json!(printers);
             json["questions"] = part_questions::questions_json(name, &asked);
             machine.status = (text, json);
         }
@@ -204,7 +209,7 @@ pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
 }
 
 /// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.
-fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
+fn status_text(machine: &MachineState, row: &ProfileStatus, printers: &[PrinterView]) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
     let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
     if let Some(paused) = &row.paused {
@@ -213,6 +218,9 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
             paused.paused_by,
             zone.format_minute(paused.paused_at.0)
         ));
+    }
+    if machine.printers.are_all_down() {
+        lines.push("No printer is in use: nothing is fired.".to_owned());
     }
     lines.push(match row.waiting_parts {
         0 => "Nothing waits.".to_owned(),
@@ -241,6 +249,7 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
     for build in &row.nesting {
         lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
     }
+    lines.extend(printer_lines(profile, printers));
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
         lines.push(format!(

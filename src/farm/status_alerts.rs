@@ -1,11 +1,17 @@
 //! The alerts that follow from the ledger, so that they are known after a restart too: failed builds and prints, parts
-//! that wait for a yes, and parts of machines that are not configured.
+//! and builds that wait for a yes, and parts of machines that are not configured.
 
 use anyhow::Result;
 use build_file::format_count;
+use jiff::Timestamp;
 
-use super::{alert::AlertKind, alert_registry::AlertRegistry, machine_state::MachineStates};
-use crate::ledger::{Ledger, PauseCause, ProfileStatus};
+use super::{
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    machine_state::MachineStates,
+    release_preview::{awaits_release, preview_release},
+};
+use crate::ledger::{BuildState, Ledger, PauseCause, ProfileStatus};
 
 /// Maximum number of parts or builds that an alert names.
 const MAX_NAMED: usize = 3;
@@ -30,6 +36,7 @@ pub(super) async fn update_ledger_alerts(
         }
     }
     update_order_alerts(ledger, &names, alerts).await?;
+    update_release_alerts(ledger, machines, alerts).await?;
     let mut gone = Vec::new();
     let nodes = ledger.list_machines().await?;
     // Another node serves them, or this one takes them as soon as it can.
@@ -65,6 +72,23 @@ async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut Ale
                 true => alerts.clear(kind, name, ""),
                 false => alerts.raise(kind, name, "", &text_of_first(&own, MAX_NAMED)),
             }
+        }
+    }
+    Ok(())
+}
+
+/// Raises an alert for each machine with proved builds that wait for a yes.
+async fn update_release_alerts(ledger: &Ledger, machines: &MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
+    let verified = ledger.builds_in_state(BuildState::Verified).await?;
+    for (name, machine) in machines {
+        let mut texts = Vec::new();
+        for build in verified.iter().filter(|build| build.profile == *name && awaits_release(&machine.profile, build)) {
+            let preview = preview_release(ledger, &machine.profile, build, Timestamp::now()).await?;
+            texts.push(format!("build {}: {}", build.id, preview.brief_text()));
+        }
+        match texts.is_empty() {
+            true => alerts.clear(AlertKind::ReleaseDue, name, ""),
+            false => alerts.raise(AlertKind::ReleaseDue, name, "", &text_of_first(&texts, MAX_NAMED)),
         }
     }
     Ok(())

@@ -154,15 +154,12 @@ fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]
 /// the folders that could not be created.
 fn make_folders(profile: &MachineProfile, leases: &FolderLeases) -> Vec<String> {
     let folders = &profile.folders;
-    let wanted = [
-        (&folders.inbox, &leases.inbox),
-        (&folders.queue, &leases.queue),
-        (&folders.error, &leases.error),
-        (&folders.archive, &leases.archive),
-    ];
+    let others =
+        [(&folders.inbox, &leases.inbox), (&folders.error, &leases.error), (&folders.archive, &leases.archive)];
+    let wanted = others.into_iter().chain(profile.queue_folders().zip(&leases.queues));
     let mut failed = Vec::new();
     // A folder that cannot be created does not prevent the creation of the others.
-    for (folder, _) in wanted.into_iter().filter(|(_, lease)| lease.was_never_served()) {
+    for (folder, _) in wanted.filter(|(_, lease)| lease.was_never_served()) {
         if let Err(error) = access::create_folders(folder) {
             failed.push(format!("creating {}: {error}", folder.display()));
         }

@@ -7,7 +7,10 @@ use prometheus_client::{
 };
 use std::sync::atomic::AtomicU64;
 
+use jiff::Timestamp;
+
 use crate::{
+    farm::printer_views,
     ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp},
     settings::Settings,
 };
@@ -37,6 +40,7 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     snapshot.register_waiting();
     snapshot.register_in_work();
     snapshot.register_machines();
+    register_printers(registry, ledger, settings).await?;
     register_daemon(registry, daemon.as_ref(), is_up);
     register_nodes(registry, &nodes);
     register_disk_space(registry, settings);
@@ -160,6 +164,31 @@ fn register_nodes(registry: &mut Registry, nodes: &[NodeRow]) {
         family.get_or_create(&vec![("node", node.name.clone())]).set(gauge_from_bool(node.alive));
     }
     registry.register("node_up", "1 while this node of the farm writes heartbeats", family);
+}
+
+/// Registers whether each printer is in use, how many builds lie ahead of it, and when it is free.
+async fn register_printers(registry: &mut Registry, ledger: &Ledger, settings: &Settings) -> Result<()> {
+    let families: [Family<LabelPairs, FloatGauge>; 3] = Default::default();
+    let [up, builds, free] = &families;
+    for profile in settings.profiles.values() {
+        for printer in printer_views(ledger, profile, Timestamp::now()).await? {
+            let labels = vec![("profile", printer.profile), ("printer", printer.printer)];
+            up.get_or_create(&labels).set(gauge_from_bool(printer.down.is_none()));
+            builds.get_or_create(&labels).set(f64::from(printer.builds));
+            if let Some(at) = printer.free_at {
+                free.get_or_create(&labels).set(unix_seconds(at));
+            }
+        }
+    }
+    let [up, builds, free] = families;
+    registry.register("printer_up", "1 unless a person took the printer out of use", up);
+    registry.register(
+        "printer_builds",
+        "Builds that are made for the printer, lie in its queue or are printed",
+        builds,
+    );
+    registry.register("printer_free_timestamp_seconds", "When the next print of the printer could begin", free);
+    Ok(())
 }
 
 fn register_disk_space(registry: &mut Registry, settings: &Settings) {

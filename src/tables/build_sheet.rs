@@ -56,6 +56,13 @@ pub fn build_facts(
         view.now().and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"))
     };
     let published = row.times.published_at.map(|at| view.time_text(at) + &ago(at));
+    let released = row.place.released_at.zip(row.place.released_by.as_ref());
+    let released = released.map(|(at, by)| format!("{} by {by}", view.time_text(at)));
+    let printer = row.place.printer.as_ref().filter(|printer| **printer != row.profile);
+    let printer = printer.map(|printer| match &row.place.move_to {
+        Some(to) => format!("{printer}, on its way to {to}"),
+        None => printer.clone(),
+    });
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         optional_fact(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
@@ -69,7 +76,10 @@ pub fn build_facts(
         view.time_fact(fields::OPENED, row.times.opened_at),
         view.time_fact(fields::NESTING, row.times.nesting_at),
         view.time_fact(fields::VERIFIED, row.times.verified_at),
+        optional_fact(fields::RELEASED, released),
         optional_fact(fields::PUBLISHED, published),
+        optional_fact(fields::PRINTER, printer),
+        view.time_fact(fields::TAKEN, row.place.taken_at),
         fields::FILE.fact(file.as_ref().or(row.staged.file_name.as_ref())),
         optional_fact(fields::CONTENT, content),
     ];

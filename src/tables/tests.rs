@@ -29,6 +29,7 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
         program_fields(ORDER_BUILD_COLUMNS),
         program_fields(MACHINE_COLUMNS),
         program_fields(NODE_COLUMNS),
+        program_fields(PRINTER_COLUMNS),
     ];
     for (key, field) in tables.into_iter().flatten() {
         let unit = match key {
@@ -64,6 +65,7 @@ fn no_table_has_two_columns_of_one_label_or_one_key() {
     check_columns(EVENT_COLUMNS);
     check_columns(OUTCOME_COLUMNS);
     check_columns(MACHINE_COLUMNS);
+    check_columns(PRINTER_COLUMNS);
     check_columns(PICK_COLUMNS);
     check_columns(CAKE_PART_COLUMNS);
     check_columns(ORDER_COLUMNS);

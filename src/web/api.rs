@@ -6,6 +6,7 @@ use axum::{
     Json,
     extract::{Path, Query, State},
 };
+use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -18,7 +19,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{AlertSummary, load_placed_parts, read_stored_alerts},
+    farm::{AlertSummary, PrinterView, load_placed_parts, printer_views, read_stored_alerts},
     ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp},
     tables::{FarmNode, MachineForecast, list_farm_nodes},
 };
@@ -49,12 +50,18 @@ struct MachineResource {
     trouble: Option<String>,
     /// Since when it is unavailable.
     trouble_at: Option<UtcTimestamp>,
+    /// Its printers.
+    printers: Vec<PrinterView>,
 }
 
 /// The current state of the farm.
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
     let (status, settings) = (web.ledger.profile_statuses().await?, web.current_settings());
     let machines = web.ledger.list_machines().await?;
+    let mut printers = Vec::new();
+    for profile in settings.profiles.values() {
+        printers.extend(printer_views(&web.ledger, profile, Timestamp::now()).await?);
+    }
     let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
@@ -64,6 +71,7 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
             available: observed.map(|observed| observed.trouble.is_empty()),
             trouble: observed.map(|observed| observed.trouble.clone()).filter(|trouble| !trouble.is_empty()),
             trouble_at: observed.and_then(|observed| observed.trouble_at),
+            printers: printers.iter().filter(|printer| printer.profile == *name).cloned().collect(),
             forecast: MachineForecast::new(status, Some(profile)),
         }
     };

@@ -6,7 +6,7 @@ use axum::extract::{Path, State};
 use maud::{Markup, html};
 
 use super::{
-    build_forms::{build_forms, unseen_failure},
+    build_forms::{build_forms, release_form, unseen_failure},
     cached_render::{find_build, layout_version},
     chart,
     error::HandlerResult,
@@ -39,6 +39,12 @@ pub(super) async fn show_build(
     let placements = web.ledger.placements_of_build(build.id).await?;
     let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
     let view = web.time_view();
+    // What the machine asks for now counts, not what it asked for when the build was made.
+    let machine = web.current_settings().profiles.get(&build.profile).cloned();
+    let release = match &machine {
+        Some(machine) => release_form(&web, &build, machine).await?,
+        None => Markup::default(),
+    };
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if is_unseen { (unseen_failure(&web, &build)) }
@@ -52,6 +58,7 @@ pub(super) async fn show_build(
             } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
         (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view)))
+        (release)
         (build_forms(&web, &build, &placements))
         (height_curve(&build.height_curve()))
         (outcome_list(&outcomes, &view))

@@ -9,6 +9,7 @@ use axum::{
     http::StatusCode,
     response::Response,
 };
+use jiff::Timestamp;
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -20,6 +21,10 @@ use super::{
 };
 use crate::ledger::{
     BuildId, BuildRow, BuildState, Ledger, LedgerError, PartId, PlacementRow, PrintOutcome, ReprintTarget, ToldOutcome,
+};
+use crate::{
+    farm::{awaits_release, preview_release},
+    settings::MachineProfile,
 };
 
 /// Longest note, so that a form stays below the size that is taken.
@@ -51,6 +56,7 @@ enum BuildFormAct {
     Reprint,
     Requeue,
     Seen,
+    Release,
 }
 
 /// The forms for a published build. `placements` are its copies, those that were printed badly included.
@@ -86,6 +92,25 @@ pub(super) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
             @if web.orders { (act_form(web, build.id, "seen", "Seen to")) }
         }
     }
+}
+
+/// What publishing a proved build would mean, with the button that has it published; nothing unless it waits for that.
+pub(super) async fn release_form(
+    web: &DashboardState,
+    build: &BuildRow,
+    profile: &MachineProfile,
+) -> HandlerResult<Markup> {
+    if !awaits_release(profile, build) {
+        return Ok(Markup::default());
+    }
+    let preview = preview_release(&web.ledger, profile, build, Timestamp::now()).await?;
+    Ok(html! {
+        section.forms #release aria-label="Waits for a yes" {
+            p role="status" { b { "It waits for a yes before it is published." } }
+            ul { @for sentence in preview.sentences(&profile.time_zone) { li { (sentence) } } }
+            @if web.orders { (act_form(web, build.id, "release", "Publish it")) }
+        }
+    })
 }
 
 fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool) -> Markup {
@@ -164,6 +189,10 @@ async fn carry_out(
         BuildFormAct::Requeue => {
             let new = ledger.requeue_build(build, by).await?;
             return Ok(vec![format!("Build {build} is issued once more as build {new}.")]);
+        }
+        BuildFormAct::Release => {
+            ledger.release_build(build, by).await?;
+            return Ok(vec![format!("Build {build} is released and goes to the queue.")]);
         }
         BuildFormAct::Seen => {
             ledger.mark_failure_seen(build, by).await?;

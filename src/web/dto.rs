@@ -12,7 +12,7 @@ use crate::{
     farm::CakeCopy,
     ledger::{
         BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, OutcomeRow, PartId, PartRow, PartState,
-        PlacementRow, PrintOutcome, SearchEffort, SolidOfFile, UtcTimestamp,
+        PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
     },
     settings::MachineProfile,
 };
@@ -62,6 +62,8 @@ pub(super) struct BuildResource {
     times: BuildTimes,
     #[serde(flatten)]
     file: BuildFileFields,
+    #[serde(flatten)]
+    place: PrinterPlace,
     #[serde(flatten)]
     measures: BuildMeasures,
     #[serde(flatten)]
@@ -257,6 +259,7 @@ impl BuildResource {
                 file_blake3: row.staged.file_hash,
                 file_bytes: row.staged.file_bytes,
             },
+            place: row.place,
             measures: row.measures,
             search: row.search,
             curve,

@@ -17,7 +17,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{farm_summary, halt_summary, read_stored_alerts},
+    farm::{farm_summary, halt_summary, printer_views, read_stored_alerts},
     ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, NodeRow, ProfileStatus},
     settings::{MachineProfile, Settings},
     tables::{FarmNode, NODE_COLUMNS, TimeView, list_farm_nodes},
@@ -45,6 +45,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         let picture_html = picture::profile_picture(&web, &status).await?;
         let card = MachineCard {
             profile,
+            printers: printer_views(&web.ledger, profile, now).await?,
             status: &status,
             observed: machines.iter().find(|observed| observed.profile == *name),
             nesting: find_builds(&web, status.nesting.iter().map(|build| build.build)).await?,

@@ -8,7 +8,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{forecast_fire, night_text},
+    farm::{PrinterView, forecast_fire, night_text},
     ledger::{
         BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
         UtcTimestamp,
@@ -23,6 +23,7 @@ const MAX_AT_RISK: usize = 5;
 /// What a card shows.
 pub(super) struct MachineCard<'a> {
     pub(super) profile: &'a MachineProfile,
+    pub(super) printers: Vec<PrinterView>,
     pub(super) status: &'a ProfileStatus,
     /// As the daemon saw it last.
     pub(super) observed: Option<&'a MachineRow>,
@@ -51,6 +52,7 @@ impl MachineCard<'_> {
                 (picture_html)
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) } @else { p { "No open build." } }
                 (self.countdown(now))
+                (self.printer_list())
                 (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status), view)))
                 @if status.rejected_parts > 0 {
                     p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }
@@ -142,6 +144,18 @@ impl MachineCard<'_> {
             @if let Some(fires) = fires {
                 p { "Fires " b { @if fires.at <= now { "now" } @else { (UtcTimestamp(fires.at).distance_text(now).unwrap_or_default()) } }
                     @if fires.at < fires.latest { " if nothing more arrives" } "." }
+            }
+        }
+    }
+
+    /// Its printers, unless it has only one, which is in use.
+    fn printer_list(&self) -> Markup {
+        let is_shown = self.printers.len() > 1 || self.printers.iter().any(|printer| printer.down.is_some());
+        html! {
+            @if is_shown {
+                ul { @for printer in &self.printers { li class=[printer.down.as_ref().map(|_| "bad")] {
+                    "Printer " b { (printer.printer) } ": " (printer.state_text(&self.profile.time_zone)) "."
+                } } }
             }
         }
     }

@@ -22,7 +22,9 @@ use super::{
 use crate::{
     farm::{self, AlertKind, FarmAlert},
     intake,
-    ledger::{BuildRow, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause},
+    ledger::{
+        BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
+    },
 };
 
 /// Parts of an entry that are named.
@@ -43,6 +45,8 @@ struct NeededFacts {
     failures: Vec<BuildRow>,
     questions: Vec<QuestionedPart>,
     refused: Vec<PartRow>,
+    /// Proved builds that are not published.
+    verified: Vec<BuildRow>,
 }
 
 /// What needs a person, with buttons; nothing if nothing does.
@@ -54,6 +58,7 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
         failures: web.ledger.unseen_failures().await?,
         questions: web.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_NAMED as u32).await?,
         refused,
+        verified: web.ledger.builds_in_state(BuildState::Verified).await?,
     };
     let mut entries: Vec<Markup> = facts.failures.iter().map(|build| unseen_failure(web, build)).collect();
     // A failed print has its own entry.
@@ -117,6 +122,11 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
             } }
             AlertKind::Refused => { (refused_parts(web, profile, &facts.refused)) }
             AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{profile}/drop")) { "Add files" } } }
+            AlertKind::ReleaseDue => { div.buttons {
+                @for build in facts.verified.iter().filter(|build| build.profile == profile) {
+                    a.button href=(format!("/builds/{}#release", build.id)) { "Build " (build.id) }
+                }
+            } }
             AlertKind::MachineGone => { div.buttons { a.button href=(waiting) { "The parts that wait" } } }
             _ => {}
         }

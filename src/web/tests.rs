@@ -31,6 +31,8 @@ mod drop_tests;
 mod guard;
 #[path = "order_tests.rs"]
 mod order_tests;
+#[path = "printer_tests.rs"]
+mod printer_tests;
 
 struct TestResponse {
     status: StatusCode,

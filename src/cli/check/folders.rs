@@ -79,8 +79,10 @@ fn check_profile_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64)
             report.add_note(&inbox, format!("is on {kind}: what other computers drop is found by scanning only"));
         }
     }
-    let others = [("queue", &folders.queue), ("error folder", &folders.error), ("archive", &folders.archive)];
-    for (what, path) in others {
+    for printer in &profile.printers {
+        check_folder(&profile.queue_description(printer), &printer.queue, MIN_FOLDER_BYTES, seen, report);
+    }
+    for (what, path) in [("error folder", &folders.error), ("archive", &folders.archive)] {
         check_folder(&format!("{what} of {}", profile.name), path, MIN_FOLDER_BYTES, seen, report);
     }
 }

@@ -1,7 +1,7 @@
 //! Checks the ledger: it can be opened, its schema is current, its rows are consistent, and the queue folders are those
 //! that it knows.
 
-use std::fs;
+use std::{fs, path::PathBuf};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
@@ -10,7 +10,7 @@ use super::report::CheckReport;
 use crate::{
     farm,
     ledger::{BuildRow, BuildState, Ledger, LedgerError},
-    settings::{MachineProfile, Settings},
+    settings::{MachineProfile, PrinterRules, Settings},
 };
 
 const SUBJECT: &str = "ledger";
@@ -145,12 +145,14 @@ async fn check_left_claims(ledger: &Ledger, settings: &Settings, report: &mut Ch
 /// Checks that a staged build's queue folder is the one configured now. Published from another folder, the build would
 /// be printed twice or never.
 fn check_staging_queue(build: &BuildRow, profile: &MachineProfile, report: &mut CheckReport) {
-    let queue = &profile.folders.queue;
-    let marker = fs::read_to_string(queue.join(QUEUE_MARKER)).ok().map(|text| text.trim().to_owned());
-    if build.staged.queue_id.is_some() && marker != build.staged.queue_id {
-        let text = format!("{} is not the folder in which build {} was staged", queue.display(), build.id);
+    let marker = |queue: &PathBuf| fs::read_to_string(queue.join(QUEUE_MARKER)).ok().map(|text| text.trim().to_owned());
+    let was_staged = |printer: &&PrinterRules| marker(&printer.queue) == build.staged.queue_id;
+    if build.staged.queue_id.is_some() && !profile.printers.iter().any(|printer| was_staged(&printer)) {
+        let assigned = profile.printers.iter().find(|printer| Some(&printer.name) == build.place.printer.as_ref());
+        let Some(printer) = assigned.or(profile.printers.first()) else { return };
+        let text = format!("{} is not the folder in which build {} was staged", printer.queue.display(), build.id);
         report.add_problem(
-            &format!("queue of {}", profile.name),
+            &profile.queue_description(printer),
             text,
             "mount or configure that folder again before the daemon runs",
         );

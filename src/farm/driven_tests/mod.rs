@@ -11,6 +11,7 @@ mod night;
 mod open_build;
 mod orders;
 mod precedence;
+mod printers;
 mod repair;
 mod reprints;
 mod tickets;

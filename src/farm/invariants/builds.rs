@@ -1,7 +1,7 @@
 //! I2 and I3: every build file in a queue folder matches its row, including the copies in it.
 
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap, HashSet},
     fs,
     path::Path,
 };
@@ -19,6 +19,9 @@ use crate::{
     settings::{MachineProfile, Settings},
 };
 
+/// Ends of the dot-names of nestd's files in a queue folder.
+const DOT_SUFFIXES: [&str; 3] = [".part", ".half", ".moving"];
+
 /// Checks every queue folder.
 pub async fn check_visible_builds(
     settings: &Settings,
@@ -27,19 +30,44 @@ pub async fn check_visible_builds(
     report: &mut InvariantReport,
 ) -> Result<()> {
     for profile in settings.profiles.values() {
-        let Ok(entries) = fs::read_dir(&profile.folders.queue) else { continue };
-        let mut names: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
-        names.sort();
-        for name in names {
-            if name.starts_with('.') && (name.ends_with(".part") || name.ends_with(".half")) {
-                report_left_over_file(profile, &name, witness, report);
-            } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
-                let row = ledger.find_build_by_file(&profile.name, &name).await?;
-                check_build_file(profile, &name, row, settings, ledger, witness, report).await?;
+        let mut visible = HashSet::new();
+        for folder in profile.queue_folders() {
+            for name in sorted_names(folder) {
+                let file = folder.join(&name);
+                let dot_name = name.strip_prefix('.').filter(|rest| DOT_SUFFIXES.iter().any(|end| rest.ends_with(end)));
+                if let Some(rest) = dot_name {
+                    if !is_of_moving_build(ledger, profile, rest).await? {
+                        report_left_over_file(&file, witness, report);
+                    }
+                } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
+                    let row = ledger.find_build_by_file(&profile.name, &name).await?;
+                    check_build_file(&file, row, settings, ledger, witness, report).await?;
+                    if !visible.insert(name) {
+                        let text = format!("{} is in the queue of another printer, too", file.display());
+                        report.add_violation(I3, text, "take one of the two out of its queue before both are printed");
+                    }
+                }
             }
         }
     }
     Ok(())
+}
+
+fn sorted_names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    names
+}
+
+/// Whether a dot-file, without its dot, belongs to a build that is on its way between two printers.
+async fn is_of_moving_build(ledger: &Ledger, profile: &MachineProfile, rest: &str) -> Result<bool> {
+    let moving = ledger.builds_to_move(&profile.name).await?;
+    let mut moving = moving.iter().filter(|build| build.place.move_to.is_some());
+    Ok(moving.any(|build| {
+        let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
+        stem.is_some_and(|stem| rest.starts_with(stem))
+    }))
 }
 
 /// Each kept copy of a published build's file has the bytes that were proved.
@@ -59,28 +87,21 @@ pub async fn check_kept_builds(settings: &Settings, ledger: &Ledger, report: &mu
     Ok(())
 }
 
-fn report_left_over_file(
-    profile: &MachineProfile,
-    name: &str,
-    witness: &InvariantExpectations,
-    report: &mut InvariantReport,
-) {
+fn report_left_over_file(file: &Path, witness: &InvariantExpectations, report: &mut InvariantReport) {
     if witness.at_rest {
-        let text = format!("{} was left behind", profile.folders.queue.join(name).display());
+        let text = format!("{} was left behind", file.display());
         report.add_violation(I3, text, "restart the daemon: it removes what no build names");
     }
 }
 
 async fn check_build_file(
-    profile: &MachineProfile,
-    name: &str,
+    file: &Path,
     row: Option<BuildRow>,
     settings: &Settings,
     ledger: &Ledger,
     witness: &InvariantExpectations,
     report: &mut InvariantReport,
 ) -> Result<()> {
-    let file = profile.folders.queue.join(name);
     let shown = file.display();
     let Some(row) = row else {
         let text = format!("{shown} is in the queue and no build of the ledger has that name");
@@ -94,7 +115,7 @@ async fn check_build_file(
         let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
         report.add_violation(I3, text, "take it out of the queue, and restart the daemon");
     }
-    match intake::hash_file(&file) {
+    match intake::hash_file(file) {
         // The printer took it meanwhile.
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => {
@@ -108,7 +129,7 @@ async fn check_build_file(
         }
         Ok(_) => report.files_read += 1,
     }
-    check_same_copies(&file, &row, settings, ledger, report).await
+    check_same_copies(file, &row, settings, ledger, report).await
 }
 
 /// Checks that the copies in the file are those of the row.

@@ -75,7 +75,8 @@ fn count_printed_copies(
     witness: &InvariantExpectations,
     report: &mut InvariantReport,
 ) -> BTreeMap<String, u32> {
-    let queues = settings.profiles.values().filter_map(|profile| std::fs::read_dir(&profile.folders.queue).ok());
+    let folders = settings.profiles.values().flat_map(|profile| profile.queue_folders());
+    let queues = folders.filter_map(|folder| std::fs::read_dir(folder).ok());
     let queued =
         queues.flat_map(|entries| entries.flatten().map(|entry| entry.path())).filter(|path| is_build_file(path));
     let files: Vec<PathBuf> = queued.chain(witness.taken.iter().cloned()).collect();

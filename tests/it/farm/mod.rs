@@ -25,6 +25,7 @@ mod pictures;
 #[cfg(feature = "postgres")]
 #[path = "../../../src/ledger/postgres/cluster.rs"]
 mod postgres_cluster;
+mod printers;
 mod privilege;
 mod requests;
 mod restore;

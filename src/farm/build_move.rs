@@ -1,0 +1,222 @@
+//! A build that was published to a printer goes to another one of its machine if the printer went down before it took the
+//! file. `ledger/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
+
+use anyhow::{Context, Result, ensure};
+use tracing::{info, warn};
+
+use super::{
+    alert::AlertKind, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob, machine_state::MachineState,
+    printers::choose_for_build, staged_build::has_hash,
+};
+use crate::{
+    ledger::{BuildId, BuildRow, BuildState, Ledger},
+    queue::{QueueFolder, StagedState, Withdrawal},
+};
+
+/// Moves the file of a build one step further.
+#[derive(Clone)]
+pub(super) struct MoveBuildJob {
+    build: BuildId,
+}
+
+/// How far the file has come.
+#[derive(Debug)]
+pub(super) enum MoveStep {
+    /// Its printer took it before it was taken back.
+    Taken,
+    /// Its outcome was told meanwhile: it is not wanted any more.
+    Dropped,
+    /// All of it is staged in the queue folder with this marker.
+    Staged(String),
+    /// It is visible at the other printer, or was.
+    Published,
+}
+
+impl BackgroundJob<Farm> for MoveBuildJob {
+    const KIND: &'static str = "Move";
+    type Outcome = Result<MoveStep>;
+
+    fn subject(&self) -> String {
+        self.build.to_string()
+    }
+
+    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
+        on_move_step(farm, self.build, step).await
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        on_move_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    }
+}
+
+/// A build between two printers.
+struct MovingBuild {
+    build: BuildRow,
+    source: QueueFolder,
+    target: QueueFolder,
+    /// The folder that it was to go to before another one was chosen.
+    abandoned: Option<QueueFolder>,
+    leases: FolderLeases,
+    ledger: Ledger,
+}
+
+/// Moves every build further that lies at a printer that is down, or is between two printers.
+pub(super) async fn move_builds(farm: &mut Farm) -> Result<()> {
+    let names: Vec<String> = farm.machines.keys().cloned().collect();
+    for name in names {
+        for build in farm.ledger.builds_to_move(&name).await? {
+            let (id, is_begun) = (build.id, build.place.move_to.is_some());
+            if farm.nesting.backoff.is_waiting(&id) || farm.jobs.is_running::<MoveBuildJob>(id) {
+                continue;
+            }
+            match start_move(farm, build).await {
+                // Before it has begun, the file lies where it was published: nobody needs to act on it.
+                Err(failure) if is_begun => report_move_failure(farm, id, &name, &failure),
+                Err(failure) => warn!(build.id = %id, "The build is not moved to another printer: {failure:#}."),
+                Ok(()) => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
+    let Some(machine) = farm.machines.get(&build.profile) else { return Ok(()) };
+    if machine.agreed_folders.is_none() || !machine.leases.are_fresh() {
+        return Ok(());
+    }
+    let Some(source) = queue_with_marker(machine, build.staged.queue_id.as_deref()) else {
+        ensure!(build.place.move_to.is_none(), "the queue folder that it is taken from is not available");
+        return Ok(());
+    };
+    let mut build = build;
+    let open_queue = |machine: &MachineState, printer: &str| machine.printers.find(printer)?.opened.clone();
+    let (mut target, mut abandoned) = (None, None);
+    match (build.place.move_queue_id.clone(), build.place.move_to.clone()) {
+        (Some(marker), _) => target = queue_with_marker(machine, Some(&marker)),
+        // It is not wanted any more: what was taken back is removed.
+        (None, Some(to)) if build.state != BuildState::Published => {
+            target = open_queue(machine, &to).or_else(|| Some(source.clone()));
+        }
+        (None, before) => {
+            let Some(printer) = choose_for_build(farm, &build).await? else { return Ok(()) };
+            let machine = &farm.machines[&build.profile];
+            target = open_queue(machine, &printer);
+            if before.as_ref() != Some(&printer) {
+                abandoned = before.and_then(|before| open_queue(machine, &before));
+                farm.ledger.begin_move(build.id, &printer).await?;
+                build = farm.ledger.find_build(build.id).await?.context("its row is gone")?;
+            }
+        }
+    }
+    if build.place.move_to.is_none() {
+        return Ok(());
+    }
+    let target = target.context("the queue folder that it goes to is not available")?;
+    let (leases, ledger) = (farm.machines[&build.profile].leases.clone(), farm.ledger.clone());
+    let moving = MovingBuild { build, source, target, abandoned, leases, ledger };
+    farm.jobs.start(MoveBuildJob { build: moving.build.id }, move || moving.go_on());
+    Ok(())
+}
+
+/// The open queue folder of a machine that has this marker.
+fn queue_with_marker(machine: &MachineState, marker: Option<&str>) -> Option<QueueFolder> {
+    let queues = machine.printers.0.iter().filter_map(|printer| printer.opened.as_ref());
+    queues.into_iter().find(|queue| Some(queue.marker_id()) == marker).cloned()
+}
+
+impl MovingBuild {
+    /// Fails unless this daemon still serves both folders and the ledger.
+    fn check_rights(&self) -> Result<()> {
+        self.ledger.ensure_served()?;
+        self.leases.check_publish_folders(self.source.folder_path())?;
+        Ok(self.leases.check_publish_folders(self.target.folder_path())?)
+    }
+
+    /// The next step, from what the ledger has recorded.
+    fn go_on(&self) -> Result<MoveStep> {
+        self.check_rights()?;
+        let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
+        let is_wanted = self.build.state == BuildState::Published;
+        match (self.build.place.move_queue_id.is_some(), is_wanted) {
+            (false, true) => self.take_and_stage(name),
+            (true, true) => self.publish_staged(name),
+            (_, false) => {
+                discard_staged(&self.target, name)?;
+                self.source.remove_withdrawn(name)?;
+                Ok(MoveStep::Dropped)
+            }
+        }
+    }
+
+    fn take_and_stage(&self, name: &str) -> Result<MoveStep> {
+        if self.source.withdraw(name)? == Withdrawal::Gone {
+            return Ok(MoveStep::Taken);
+        }
+        if let Some(abandoned) = &self.abandoned {
+            discard_staged(abandoned, name)?;
+        }
+        self.target.stage_withdrawn(&self.source, name)?;
+        let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
+        if !has_hash(&self.target.staged_path(name), proved)? {
+            self.target.discard(name)?;
+            anyhow::bail!(
+                "what lay in the queue folder {} is not the file that was proved; `nestd outcome {} failed` has its parts \
+                 printed again",
+                self.source.folder_path().display(),
+                self.build.id
+            );
+        }
+        Ok(MoveStep::Staged(self.target.marker_id().to_owned()))
+    }
+
+    fn publish_staged(&self, name: &str) -> Result<MoveStep> {
+        // First, so that what was taken back is never there when it may be visible at the other printer.
+        self.source.remove_withdrawn(name)?;
+        self.check_rights()?;
+        self.target.publish(name)?;
+        Ok(MoveStep::Published)
+    }
+}
+
+/// Removes a copy that was not visible yet.
+fn discard_staged(queue: &QueueFolder, name: &str) -> Result<()> {
+    if queue.staged_state(name)? == StagedState::Staged {
+        queue.discard(name)?;
+    }
+    Ok(())
+}
+
+/// Commits a step of a move.
+async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> Result<()> {
+    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+    let to = build.place.move_to.clone().unwrap_or_default();
+    match step {
+        Ok(MoveStep::Staged(marker)) => {
+            farm.ledger.record_move(id, &marker).await?;
+            return move_builds(farm).await;
+        }
+        Ok(MoveStep::Published) => {
+            farm.ledger.finish_move(id).await?;
+            let from = build.place.printer.clone().unwrap_or_default();
+            info!(build.id = %id, profile = %build.profile, "Moved build {id} from the printer {from} to {to}.");
+        }
+        Ok(MoveStep::Taken) => {
+            farm.ledger.end_move(id).await?;
+            info!(build.id = %id, profile = %build.profile, "Build {id} stays: its printer took it.");
+        }
+        Ok(MoveStep::Dropped) => farm.ledger.end_move(id).await?,
+        Err(failure) => {
+            report_move_failure(farm, id, &build.profile, &failure);
+            return Ok(());
+        }
+    }
+    farm.nesting.backoff.record_success(&id);
+    farm.alerts.clear(AlertKind::PublishingFails, &build.profile, &format!("build {id}"));
+    Ok(())
+}
+
+fn report_move_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) {
+    farm.nesting.backoff.record_failure(id);
+    farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
+}

@@ -1,0 +1,150 @@
+//! Which printer of a machine is free first. This is a function of facts and time.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp;
+
+use super::print_times::PrintTimes;
+use crate::{
+    ledger::{BuildId, BuildState, OccupyingBuild},
+    settings::{MachineProfile, PrinterRules},
+};
+
+/// What lies ahead of a printer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PrinterLoad {
+    /// When the next print could begin.
+    pub free_at: Timestamp,
+    /// Number of builds before that: being made for it, in its queue, or printed.
+    pub builds: usize,
+}
+
+/// The load of each printer of a machine. Builds without a printer are those of the first.
+pub fn printer_loads(
+    profile: &MachineProfile,
+    builds: &[OccupyingBuild],
+    times: &PrintTimes,
+    now: Timestamp,
+) -> BTreeMap<String, PrinterLoad> {
+    let load = |(place, rules): (usize, &PrinterRules)| {
+        let is_of = |build: &&OccupyingBuild| match &build.printer {
+            Some(printer) => *printer == rules.name,
+            // A fired build whose printer is not decided yet occupies none.
+            None => place == 0 && build.published_at.is_some(),
+        };
+        (rules.name.clone(), load_of(profile, rules, builds.iter().filter(is_of), times, now))
+    };
+    profile.printers.iter().enumerate().map(load).collect()
+}
+
+/// Lets the builds be printed one after the other, each as soon as it can be.
+fn load_of<'b>(
+    profile: &MachineProfile,
+    rules: &PrinterRules,
+    builds: impl Iterator<Item = &'b OccupyingBuild>,
+    times: &PrintTimes,
+    now: Timestamp,
+) -> PrinterLoad {
+    let (mut free_at, mut ahead) = (Timestamp::MIN, 0);
+    for build in builds {
+        let ready_at = build.begun_at.or(build.published_at).map_or(now, |at| at.0);
+        let begins = match build.begun_at {
+            // It lay in the printer while an earlier one was printed.
+            Some(_) => ready_at.max(free_at),
+            None => rules.begins_at(ready_at.max(free_at), &profile.time_zone),
+        };
+        let occupied = times.occupied(build.height_mm.unwrap_or(0.0));
+        free_at = begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
+        // Somebody said that it is printed: it is, however long that takes.
+        if build.state == BuildState::Printing {
+            free_at = free_at.max(now);
+        }
+        ahead += usize::from(free_at >= now);
+    }
+    PrinterLoad { free_at: rules.begins_at(free_at.max(now), &profile.time_zone), builds: ahead }
+}
+
+/// The printer that a build goes to, of those that can be used: the one that is free first; of those that are free at the same
+/// time, the one with fewer builds, then the first in the machine's file. `build` itself occupies none.
+pub fn choose_printer<'n>(
+    profile: &MachineProfile,
+    usable: &[&'n str],
+    (build, builds): (BuildId, &[OccupyingBuild]),
+    times: &PrintTimes,
+    now: Timestamp,
+) -> Option<&'n str> {
+    let others: Vec<OccupyingBuild> = builds.iter().filter(|other| other.build != build).cloned().collect();
+    let loads = printer_loads(profile, &others, times, now);
+    let key = |name: &&&str| loads.get(**name).map(|load| (load.free_at, load.builds));
+    usable.iter().filter(|name| loads.contains_key(**name)).min_by_key(key).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::trigger::tests::machine_with_triggers, *};
+
+    /// A machine of two printers, at 1 h per 10 mm.
+    fn machine(left: &str, right: &str) -> MachineProfile {
+        let printers = format!("[[printer]]\nname = \"left\"\n{left}[[printer]]\nname = \"right\"\n{right}");
+        machine_with_triggers(&printers)
+    }
+
+    fn at(hour: i64) -> Timestamp {
+        // A Wednesday.
+        "2026-11-25T00:00:00Z".parse::<Timestamp>().unwrap() + jiff::SignedDuration::from_hours(hour)
+    }
+
+    fn build(id: i64, printer: &str, height_mm: f64, published: Option<i64>) -> OccupyingBuild {
+        OccupyingBuild {
+            build: BuildId(id),
+            printer: Some(printer.to_owned()),
+            state: if published.is_some() { BuildState::Published } else { BuildState::Nesting },
+            height_mm: Some(height_mm),
+            published_at: published.map(|hour| at(hour).into()),
+            begun_at: None,
+        }
+    }
+
+    fn choose(profile: &MachineProfile, builds: &[OccupyingBuild], now: i64) -> String {
+        let times = PrintTimes { hours_per_mm: 0.1, cool_down_hours: 0.0, learned_from: 0 };
+        choose_printer(profile, &["left", "right"], (BuildId(99), builds), &times, at(now)).unwrap().to_owned()
+    }
+
+    #[test]
+    fn a_build_goes_to_the_printer_that_is_free_first() {
+        let profile = machine("", "");
+        assert_eq!(choose(&profile, &[], 8), "left");
+        assert_eq!(choose(&profile, &[build(1, "left", 100.0, Some(8))], 8), "right");
+        let both = [build(1, "left", 100.0, Some(8)), build(2, "right", 40.0, Some(8))];
+        assert_eq!(choose(&profile, &both, 9), "right", "free at 12, the other one at 18");
+        let queued = [&both[..], &[build(3, "right", 80.0, Some(9))]].concat();
+        assert_eq!(choose(&profile, &queued, 9), "left", "free at 18, the other one at 20");
+        assert_eq!(choose(&profile, &queued, 40), "left", "both are free for long");
+        // A build that is being made for a printer occupies it, and not itself.
+        let made = [build(1, "left", 100.0, None), build(99, "right", 500.0, None)];
+        assert_eq!(choose(&profile, &made, 8), "right");
+    }
+
+    #[test]
+    fn a_print_that_was_told_to_go_on_occupies_its_printer_however_long_that_takes() {
+        let profile = machine("", "");
+        let mut long = build(1, "left", 10.0, Some(0));
+        long.state = BuildState::Printing;
+        let loads = printer_loads(&profile, &[long], &PrintTimes::of_settings(&profile), at(48));
+        assert_eq!((loads["left"].builds, loads["right"].builds), (1, 0));
+    }
+
+    #[test]
+    fn prints_begin_in_the_hours_of_the_printer_and_go_on_over_night() {
+        let mut profile = machine("hours = \"Mon-Fri 6-22\"\n", "hours = \"Mon-Fri 6-14\"\n");
+        profile.time_zone = jiff::tz::TimeZone::UTC.into();
+        // Free at 2 and at 20 of the night: one begins at 6 of the next day, the other at once.
+        let builds = [build(1, "left", 100.0, Some(10)), build(2, "right", 200.0, Some(6))];
+        let times = PrintTimes { hours_per_mm: 0.1, cool_down_hours: 0.0, learned_from: 0 };
+        let loads = printer_loads(&profile, &builds, &times, at(12));
+        assert_eq!((loads["left"].free_at, loads["right"].free_at), (at(20), at(30)));
+        assert_eq!(choose(&profile, &builds, 12), "left");
+        // On a Friday evening.
+        assert_eq!(printer_loads(&profile, &[], &times, at(2 * 24 + 23))["left"].free_at, at(5 * 24 + 6));
+    }
+}

@@ -1,0 +1,220 @@
+//! The printers of the machines: which of them people took out of use, which one a build is made for, and which builds were
+//! taken out of the queue folders.
+
+use std::path::Path;
+
+use anyhow::Result;
+use build_file::format_count;
+use jiff::{SignedDuration, Timestamp};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{
+    farm::Farm,
+    jobs::BackgroundJob,
+    machine_state::MachineState,
+    print_times::{LEARN_FROM, PrintTimes},
+    printer_choice::{PrinterLoad, choose_printer, printer_loads},
+};
+use crate::{
+    ledger::{BuildId, BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp},
+    queue::{QueueFolder, StagedState},
+    settings::{FarmZone, MachineProfile, PrinterRules},
+};
+
+/// A published build whose outcome nobody told occupies its printer for this time at most.
+const FORGOTTEN_AFTER: SignedDuration = SignedDuration::from_hours(30 * 24);
+/// Newest builds of a machine whose files are looked for in the queue folders.
+const MAX_LOOKED_FOR: usize = 50;
+
+/// What people see of a printer.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PrinterView {
+    /// Its name.
+    pub printer: String,
+    /// Its machine.
+    pub profile: String,
+    /// Its queue folder.
+    pub queue: String,
+    /// Since when and why it takes no builds; `None` = it is in use.
+    pub down: Option<DownPrinter>,
+    /// Builds that are made for it, lie in its queue or are printed, as far as is known.
+    pub builds: u32,
+    /// When its next print could begin, as far as is known; `None` = it is down, or no day is open.
+    pub free_at: Option<UtcTimestamp>,
+    /// Hours of printing per mm of build height.
+    pub hours_per_mm: f64,
+    /// Hours beside that.
+    pub cool_down_hours: f64,
+    /// Number of told prints that these were learned from; 0 = they are the settings.
+    pub learned_from: u32,
+}
+
+/// What people see of the printers of a machine.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<Vec<PrinterView>> {
+    let (builds, times) = occupation_of(ledger, profile, now).await?;
+    let down = ledger.down_printers().await?;
+    let loads = printer_loads(profile, &builds, &times, now);
+    let view = |rules: &PrinterRules| {
+        let down = down.iter().find(|down| down.profile == profile.name && down.printer == rules.name);
+        let down = down.cloned();
+        let load = loads.get(&rules.name).copied().unwrap_or(PrinterLoad { free_at: now, builds: 0 });
+        let free_at = Some(load.free_at).filter(|at| down.is_none() && *at < Timestamp::MAX);
+        PrinterView {
+            printer: rules.name.clone(),
+            profile: profile.name.clone(),
+            queue: rules.queue.display().to_string(),
+            down,
+            builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
+            free_at: free_at.map(UtcTimestamp),
+            hours_per_mm: times.hours_per_mm,
+            cool_down_hours: times.cool_down_hours,
+            learned_from: u32::try_from(times.learned_from).unwrap_or(u32::MAX),
+        }
+    };
+    Ok(profile.printers.iter().map(view).collect())
+}
+
+/// The printer of a machine that a build is for: the one that was written down, else the first.
+pub(super) fn rules_of_build<'p>(profile: &'p MachineProfile, build: &BuildRow) -> Option<&'p PrinterRules> {
+    let named = profile.printers.iter().find(|printer| Some(&printer.name) == build.place.printer.as_ref());
+    named.or_else(|| profile.printers.first())
+}
+
+impl PrinterView {
+    /// `0.100 h per mm and 4.0 h, from 12 prints`.
+    pub fn times_text(&self) -> String {
+        let from = match self.learned_from {
+            0 => "as set".to_owned(),
+            prints => format!("from {prints} prints"),
+        };
+        format!("{:.3} h per mm and {:.1} h, {from}", self.hours_per_mm, self.cool_down_hours)
+    }
+
+    /// What it does: `2 builds, free from 2026-11-25 14:00 CET`, or since when it is down, and why.
+    pub fn state_text(&self, zone: &FarmZone) -> String {
+        if let Some(down) = &self.down {
+            let why = if down.reason.is_empty() { String::new() } else { format!(": {}", down.reason) };
+            return format!("down since {} by {}{why}", zone.format_minute(down.down_at.0), down.told_by);
+        }
+        let builds = format_count(self.builds, "build", "builds");
+        match self.free_at {
+            Some(at) => format!("{builds}, free from {}", zone.format_minute(at.0)),
+            None => format!("{builds}; its calendar is not open again"),
+        }
+    }
+}
+
+/// The lines of `STATUS.txt` on the printers of a machine; none for a machine of one printer that is in use.
+pub(super) fn printer_lines(profile: &MachineProfile, printers: &[PrinterView]) -> Vec<String> {
+    let is_shown = profile.has_named_printers() || printers.iter().any(|printer| printer.down.is_some());
+    let line =
+        |printer: &PrinterView| format!("Printer {}: {}.", printer.printer, printer.state_text(&profile.time_zone));
+    if is_shown { printers.iter().map(line).collect() } else { Vec::new() }
+}
+
+/// What a machine's prints take, and the builds that occupy its printers.
+pub(super) async fn occupation_of(
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    now: Timestamp,
+) -> Result<(Vec<OccupyingBuild>, PrintTimes)> {
+    let since = now.checked_sub(FORGOTTEN_AFTER).unwrap_or(Timestamp::MIN);
+    let builds = ledger.occupying_builds(&profile.name, UtcTimestamp(since)).await?;
+    let told = ledger.told_prints(&profile.name, LEARN_FROM).await?;
+    Ok((builds, PrintTimes::learn(profile, &told)))
+}
+
+/// Takes in which printers people took out of use.
+pub(super) async fn update_down_printers(farm: &mut Farm) -> Result<()> {
+    let down = farm.ledger.down_printers().await?;
+    for (name, machine) in &mut farm.machines {
+        for printer in &mut machine.printers.0 {
+            printer.down = down.iter().find(|down| down.profile == *name && down.printer == printer.name).cloned();
+        }
+    }
+    Ok(())
+}
+
+/// The printer that a build is made for, or moved to, of those that can be used now; `None` = there is none. A build that is
+/// being made stays with its printer as long as that can be used.
+pub(super) async fn choose_for_build(farm: &Farm, build: &BuildRow) -> Result<Option<String>> {
+    let Some(machine) = farm.machines.get(&build.profile) else { return Ok(None) };
+    let usable = usable_printers(machine);
+    if let (None, Some(printer)) = (build.times.published_at, &build.place.printer)
+        && usable.contains(&printer.as_str())
+    {
+        return Ok(Some(printer.clone()));
+    }
+    if usable.len() < 2 {
+        return Ok(usable.first().map(|&name| name.to_owned()));
+    }
+    let now = farm.date();
+    let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
+    Ok(choose_printer(&machine.profile, &usable, (build.id, &builds), &times, now).map(str::to_owned))
+}
+
+/// The names of the printers of a machine that can be given a build now.
+pub(super) fn usable_printers(machine: &MachineState) -> Vec<&str> {
+    match &machine.agreed_folders {
+        Some(agreed) if machine.leases.are_fresh() => {
+            let usable = machine.printers.usable(agreed);
+            let can_publish = |folder: &Path| machine.leases.can_publish(folder);
+            usable.filter(|printer| can_publish(&printer.folder)).map(|printer| printer.name.as_str()).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Finds the published builds of a machine whose files are gone from the queue folders.
+#[derive(Clone)]
+struct QueueLookJob {
+    profile: String,
+}
+
+impl BackgroundJob<Farm> for QueueLookJob {
+    const KIND: &'static str = "Look";
+    /// The builds that were taken, each with the marker of the folder where it lay.
+    type Outcome = Vec<(BuildId, String)>;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, taken: Self::Outcome) -> Result<()> {
+        for (build, queue_id) in taken {
+            farm.ledger.record_taken(build, &queue_id).await?;
+        }
+        Ok(())
+    }
+}
+
+/// Starts jobs that look which published builds were taken.
+pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
+    for (name, machine) in &farm.machines {
+        let mut wanted = Vec::new();
+        for build in farm.ledger.builds_in_queue(name).await?.into_iter().rev().take(MAX_LOOKED_FOR) {
+            let queue = machine.printers.of_build(&build).and_then(|printer| printer.opened.clone());
+            // Another folder than the one that it was published in says nothing.
+            let queue = queue.filter(|queue| build.staged.queue_id.as_deref() == Some(queue.marker_id()));
+            wanted.extend(queue.zip(build.staged.file_name).map(|(queue, file)| (build.id, queue, file)));
+        }
+        if !wanted.is_empty() {
+            farm.jobs.start(QueueLookJob { profile: name.clone() }, move || find_taken(wanted));
+        }
+    }
+    Ok(())
+}
+
+fn find_taken(wanted: Vec<(BuildId, QueueFolder, String)>) -> Vec<(BuildId, String)> {
+    let is_gone = |queue: &QueueFolder, file: &str| {
+        let is_gone = matches!(queue.staged_state(file), Ok(StagedState::Gone));
+        // Once more: the folder may have been unmounted in between.
+        is_gone && !queue.withdrawn_path(file).exists() && queue.check_marker().is_ok()
+    };
+    let gone = wanted.into_iter().filter(|(_, queue, file)| is_gone(queue, file));
+    gone.map(|(build, queue, _)| (build, queue.marker_id().to_owned())).collect()
+}

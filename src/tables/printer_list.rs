@@ -1,0 +1,19 @@
+//! The printers of the machines.
+
+use super::{cell_value::CellValue, fields, table_column::TableColumn};
+use crate::farm::PrinterView;
+
+/// The printers of a farm.
+pub const PRINTER_COLUMNS: &[TableColumn<PrinterView>] = &[
+    TableColumn::new("printer", fields::PRINTER, |row| (&row.printer).into()),
+    TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::for_people("state", fields::STATE, |row| (if row.down.is_some() { "down" } else { "up" }).into()),
+    TableColumn::new("builds", fields::BUILDS, |row| row.builds.into()),
+    TableColumn::new("free_at", fields::FREE, |row| row.free_at.into()),
+    TableColumn::for_people("down_at", fields::SINCE, |row| row.down.as_ref().map(|down| down.down_at).into()),
+    TableColumn::for_people("told_by", fields::TOLD_BY, |row| row.down.as_ref().map(|down| &down.told_by).into()),
+    TableColumn::for_people("reason", fields::REASON, |row| {
+        row.down.as_ref().map_or(CellValue::Missing, |down| (&down.reason).into())
+    }),
+    TableColumn::for_people("times", fields::PRINT_TIMES, |row| row.times_text().into()),
+];

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, Ledger},
-    queue::{QueueFolder, StagedState, Withdrawal},
+    queue::{QueueFolder, StagedState, WithdrawalOutcome},
 };
 
 /// Moves the file of a build one step further.
@@ -91,24 +91,25 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
     };
     let mut build = build;
     let open_queue = |machine: &MachineState, printer: &str| machine.printers.find(printer)?.opened.clone();
-    let (mut target, mut abandoned) = (None, None);
-    match (build.place.move_queue_id.clone(), build.place.move_to.clone()) {
-        (Some(marker), _) => target = queue_with_marker(machine, Some(&marker)),
+    let mut abandoned = None;
+    let target = match (build.place.move_queue_id.clone(), build.place.move_to.clone()) {
+        (Some(marker), _) => queue_with_marker(machine, Some(&marker)),
         // It is not wanted any more: what was taken back is removed.
         (None, Some(to)) if build.state != BuildState::Published => {
-            target = open_queue(machine, &to).or_else(|| Some(source.clone()));
+            open_queue(machine, &to).or_else(|| Some(source.clone()))
         }
         (None, before) => {
             let Some(printer) = choose_for_build(farm, &build).await? else { return Ok(()) };
             let machine = &farm.machines[&build.profile];
-            target = open_queue(machine, &printer);
+            let chosen = open_queue(machine, &printer);
             if before.as_ref() != Some(&printer) {
                 abandoned = before.and_then(|before| open_queue(machine, &before));
                 farm.ledger.begin_move(build.id, &printer).await?;
                 build = farm.ledger.find_build(build.id).await?.context("its row is gone")?;
             }
+            chosen
         }
-    }
+    };
     if build.place.move_to.is_none() {
         return Ok(());
     }
@@ -150,7 +151,7 @@ impl MovingBuild {
     }
 
     fn take_and_stage(&self, name: &str) -> Result<MoveStep> {
-        if self.source.withdraw(name)? == Withdrawal::Gone {
+        if self.source.withdraw(name)? == WithdrawalOutcome::Gone {
             return Ok(MoveStep::Taken);
         }
         if let Some(abandoned) = &self.abandoned {

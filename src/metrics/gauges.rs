@@ -7,10 +7,7 @@ use prometheus_client::{
 };
 use std::sync::atomic::AtomicU64;
 
-use jiff::Timestamp;
-
 use crate::{
-    farm::printer_views,
     ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp},
     settings::Settings,
 };
@@ -166,28 +163,26 @@ fn register_nodes(registry: &mut Registry, nodes: &[NodeRow]) {
     registry.register("node_up", "1 while this node of the farm writes heartbeats", family);
 }
 
-/// Registers whether each printer is in use, how many builds lie ahead of it, and when it is free.
+/// Registers whether each printer is in use, and how many builds lie in its queue folder.
 async fn register_printers(registry: &mut Registry, ledger: &Ledger, settings: &Settings) -> Result<()> {
-    let families: [Family<LabelPairs, FloatGauge>; 3] = Default::default();
-    let [up, builds, free] = &families;
-    for profile in settings.profiles.values() {
-        for printer in printer_views(ledger, profile, Timestamp::now()).await? {
-            let labels = vec![("profile", printer.profile), ("printer", printer.printer)];
-            up.get_or_create(&labels).set(gauge_from_bool(printer.down.is_none()));
-            builds.get_or_create(&labels).set(f64::from(printer.builds));
-            if let Some(at) = printer.free_at {
-                free.get_or_create(&labels).set(unix_seconds(at));
-            }
+    let (up, queued) = (Family::<LabelPairs, FloatGauge>::default(), Family::<LabelPairs, FloatGauge>::default());
+    let down = ledger.down_printers().await?;
+    for (name, profile) in &settings.profiles {
+        let builds = ledger.builds_in_queue(name).await?;
+        for printer in profile.printers.iter().map(|printer| &printer.name) {
+            let is_down = down.iter().any(|down| down.profile == *name && down.printer == *printer);
+            let of_printer = builds.iter().filter(|build| build.place.printer.as_ref() == Some(printer)).count();
+            let labels = vec![("profile", name.clone()), ("printer", printer.clone())];
+            up.get_or_create(&labels).set(gauge_from_bool(!is_down));
+            queued.get_or_create(&labels).set(of_printer as f64);
         }
     }
-    let [up, builds, free] = families;
     registry.register("printer_up", "1 unless a person took the printer out of use", up);
     registry.register(
-        "printer_builds",
-        "Builds that are made for the printer, lie in its queue or are printed",
-        builds,
+        "printer_queued_builds",
+        "Builds in the queue folder of the printer that it has not taken",
+        queued,
     );
-    registry.register("printer_free_timestamp_seconds", "When the next print of the printer could begin", free);
     Ok(())
 }
 

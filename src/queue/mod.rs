@@ -17,4 +17,4 @@ mod withdrawal;
 
 pub use error::QueueError;
 pub use queue_folder::{PublishOutcome, QueueFolder, StagedState};
-pub use withdrawal::Withdrawal;
+pub use withdrawal::WithdrawalOutcome;

@@ -14,7 +14,7 @@ const REPORT: &str = "20261120T044900Z_mjf-5200_000042.report.json";
 
 /// What the ledger has recorded of the move.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Recorded {
+enum RecordedStep {
     Begun,
     Copied,
     Finished,
@@ -41,24 +41,24 @@ impl TwoPrinters {
     }
 
     /// The move as the farm does it, from what the ledger has recorded. `step` is called between all operations.
-    fn go_on(&self, recorded: &mut Recorded, step: &mut dyn FnMut()) {
-        if *recorded == Recorded::Begun {
+    fn go_on(&self, recorded: &mut RecordedStep, step: &mut dyn FnMut()) {
+        if *recorded == RecordedStep::Begun {
             match self.left.withdraw_with_hook(BUILD, step).unwrap() {
-                Withdrawal::Gone => *recorded = Recorded::Taken,
-                Withdrawal::TakenBack => {
+                WithdrawalOutcome::Gone => *recorded = RecordedStep::Taken,
+                WithdrawalOutcome::TakenBack => {
                     self.right.stage_withdrawn(&self.left, BUILD).unwrap();
                     step();
-                    *recorded = Recorded::Copied;
+                    *recorded = RecordedStep::Copied;
                 }
             }
             step();
         }
-        if *recorded == Recorded::Copied {
+        if *recorded == RecordedStep::Copied {
             self.left.remove_withdrawn(BUILD).unwrap();
             step();
             self.right.publish_with_hook(BUILD, step).unwrap();
             step();
-            *recorded = Recorded::Finished;
+            *recorded = RecordedStep::Finished;
         }
     }
 }
@@ -76,7 +76,7 @@ fn a_build_moved_between_printers_is_printed_once_wherever_it_is_stopped_and_who
         // Bit 1: the left printer takes at that step; bit 2: the right one.
         for takes in 0..4_u32 {
             let printers = TwoPrinters::new();
-            let (mut recorded, mut steps, mut printed) = (Recorded::Begun, 0, 0);
+            let (mut recorded, mut steps, mut printed) = (RecordedStep::Begun, 0, 0);
             let killed = catch_unwind(AssertUnwindSafe(|| {
                 printers.go_on(&mut recorded, &mut || {
                     steps += 1;
@@ -114,9 +114,9 @@ fn a_build_moved_between_printers_is_printed_once_wherever_it_is_stopped_and_who
 #[test]
 fn what_was_taken_back_can_be_published_in_the_same_folder_again_with_its_sidecars() {
     let printers = TwoPrinters::new();
-    assert_eq!(printers.left.withdraw(BUILD).unwrap(), Withdrawal::TakenBack);
+    assert_eq!(printers.left.withdraw(BUILD).unwrap(), WithdrawalOutcome::TakenBack);
     assert!(!printers.left.published_path(REPORT).exists(), "sidecars do not stay behind");
-    assert_eq!(printers.left.withdraw(BUILD).unwrap(), Withdrawal::TakenBack, "safe to repeat");
+    assert_eq!(printers.left.withdraw(BUILD).unwrap(), WithdrawalOutcome::TakenBack, "safe to repeat");
     printers.left.stage_withdrawn(&printers.left, BUILD).unwrap();
     printers.left.remove_withdrawn(BUILD).unwrap();
     printers.left.publish(BUILD).unwrap();

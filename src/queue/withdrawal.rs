@@ -15,7 +15,7 @@ use super::{
 
 /// Result of taking a build back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Withdrawal {
+pub enum WithdrawalOutcome {
     /// The file is under a dot-name: the printer cannot take it any more.
     TakenBack,
     /// It is not in the folder: the printer took it.
@@ -29,7 +29,7 @@ impl QueueFolder {
     }
 
     /// Takes a visible build back, and then its sidecars. The result is on disk when this returns. Safe to repeat.
-    pub fn withdraw(&self, build_name: &str) -> Result<Withdrawal, QueueError> {
+    pub fn withdraw(&self, build_name: &str) -> Result<WithdrawalOutcome, QueueError> {
         self.withdraw_with_hook(build_name, &mut || {})
     }
 
@@ -38,7 +38,7 @@ impl QueueFolder {
         &self,
         build_name: &str,
         step: &mut dyn FnMut(),
-    ) -> Result<Withdrawal, QueueError> {
+    ) -> Result<WithdrawalOutcome, QueueError> {
         let stem = file_names::build_stem(build_name)?;
         self.check_marker()?;
         let (visible, withdrawn) = (self.published_path(build_name), self.withdrawn_path(build_name));
@@ -57,7 +57,7 @@ impl QueueFolder {
         self.check_marker()?;
         self.sync_folder()?;
         if !path_exists(&withdrawn)? {
-            return Ok(Withdrawal::Gone);
+            return Ok(WithdrawalOutcome::Gone);
         }
         for suffix in file_names::SIDECARS {
             let sidecar = format!("{stem}{suffix}");
@@ -69,7 +69,7 @@ impl QueueFolder {
         }
         self.sync_folder()?;
         step();
-        Ok(Withdrawal::TakenBack)
+        Ok(WithdrawalOutcome::TakenBack)
     }
 
     /// Stages what was taken back out of a folder in this one, which may be the same: the sidecars first.

@@ -110,8 +110,8 @@ fn remove_entry_at(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<Strin
     for (name, value) in table.iter_mut() {
         let at_value = match value.get_ref() {
             DeValue::Table(_) => value.span() == *span,
-            // An error in one of its tables is that of the entry there.
-            DeValue::Array(items) if items.iter().any(|item| item.get_ref().is_table()) => false,
+            // An error in one of its tables may be that of an entry there.
+            DeValue::Array(_) => false,
             _ => value.span().contains(&span.start),
         };
         if name.span() == *span || at_value {
@@ -129,6 +129,10 @@ fn remove_entry_at(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<Strin
         };
         if let Some(key) = inner {
             return Some(format!("{}.{key}", name.get_ref()));
+        }
+        if matches!(value.get_ref(), DeValue::Array(_)) && value.span().contains(&span.start) {
+            found = Some(name.get_ref().to_string());
+            break;
         }
     }
     table.remove(found.as_deref()?);

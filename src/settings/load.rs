@@ -17,7 +17,7 @@ use super::{
     folders,
     fragment::{ConfigFragment, read_config_text},
     inputs::FarmInputs,
-    printer,
+    printer_validation,
     profile_inputs::ProfileInputs,
     validation_rules,
     validator::ConfigValidator,
@@ -145,7 +145,7 @@ fn read_settings(
         validator.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut validator.problems);
     }
-    problems.extend(printer::find_same_names(&profiles, &places));
+    problems.extend(printer_validation::find_same_names(&profiles, &places));
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
     let ledger = folders::ledger_address(&inputs.folders, &state_dir);
     problems.extend((!has_machines && problems.is_empty() && ledger.file().is_some()).then(|| missing_machine(file)));
@@ -238,7 +238,7 @@ fn build_profile(
     let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
     let mut folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
     let queue = (root, farm_inputs.folders.queue.as_path(), folders.queue.as_path());
-    let printers = printer::validate_printers(name, &inputs, queue, validator);
+    let printers = printer_validation::validate_printers(name, &inputs, queue, validator);
     folders.queue = printers.first().map(|first| first.queue.clone()).unwrap_or_default();
     if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported

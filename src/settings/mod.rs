@@ -17,6 +17,7 @@ mod notify;
 mod option_group;
 mod optional;
 mod printer;
+mod printer_validation;
 mod problem;
 mod problem_text;
 mod profile;
@@ -41,10 +42,9 @@ pub use printer::{ApprovalPolicy, PrinterRules, PrintingRules};
 pub use problem::ConfigProblem;
 pub use profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,
-    SearchRules, TriggerRules, TurningRules,
+    SearchRules, TriggerRules, TurningRules, is_profile_name,
 };
 pub use settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
-pub use validation_rules::is_profile_name;
 pub use web::{ListenAddress, WebSettings};
 pub use work_calendar::WorkCalendar;
 

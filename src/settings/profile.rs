@@ -1,6 +1,6 @@
 //! One machine profile: its folders, its volume, its rules, and the triggers that fire its batches.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use build_file::LengthUnit;
 use glam::DVec3;
@@ -229,4 +229,36 @@ impl MachineProfile {
     pub fn origin_mm(&self) -> DVec3 {
         self.margins().origin_mm()
     }
+}
+
+impl MachineProfile {
+    /// Its queue folders, one per printer.
+    pub fn queue_folders(&self) -> impl Iterator<Item = &PathBuf> {
+        self.printers.iter().map(|printer| &printer.queue)
+    }
+
+    /// Whether its file names printers.
+    pub fn has_named_printers(&self) -> bool {
+        self.printers.len() > 1 || self.printers.iter().any(|printer| printer.name != self.name)
+    }
+
+    /// What messages call the queue folder of a printer.
+    pub fn queue_description(&self, printer: &PrinterRules) -> String {
+        match printer.name == self.name {
+            true => format!("queue of {}", self.name),
+            false => format!("queue of {}, printer {}", self.name, printer.name),
+        }
+    }
+
+    /// The first of its printers in whose queue folder a file of this name is visible, else the first one's folder.
+    pub fn queue_with_file(&self, name: &str) -> &Path {
+        let holds = self.queue_folders().find(|folder| folder.join(name).exists());
+        holds.unwrap_or(&self.folders.queue)
+    }
+}
+
+/// Whether a machine, or a printer, may have this name: its folders have it, too.
+pub fn is_profile_name(name: &str) -> bool {
+    let known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    (1..=40).contains(&name.len()) && name.chars().all(known)
 }

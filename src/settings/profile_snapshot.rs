@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::{
-    BuildSpace, MachineFolders, MachineProfile, printer, profile_inputs::ProfileInputs, validation_rules,
+    BuildSpace, MachineFolders, MachineProfile, printer_validation, profile_inputs::ProfileInputs, validation_rules,
     validator::ConfigValidator,
 };
 
@@ -49,7 +49,7 @@ impl MachineProfile {
         let mut unused = ConfigValidator::new(Vec::new());
         let inputs = ProfileInputs::default();
         let no_farm = (Path::new(""), Path::new(""), folders.queue.as_path());
-        let printers = printer::validate_printers(name, &inputs, no_farm, &mut unused);
+        let printers = printer_validation::validate_printers(name, &inputs, no_farm, &mut unused);
         let bare = validation_rules::validate_profile(name, inputs, folders, printers, &mut unused);
         Self { space: BuildSpace { volume_mm: DVec3::ZERO, ..bare.space }, ..bare }
     }

@@ -10,7 +10,9 @@ use super::{
     TurningRules,
     inputs::{FarmFolders, FarmInputs, FileInputs},
     logging::parse_log_filter,
-    printer::{PrinterRules, validate_calendar, validate_printing},
+    printer::PrinterRules,
+    printer_validation::{validate_calendar, validate_printing},
+    profile::is_profile_name,
     profile_inputs::{
         IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
     },
@@ -238,12 +240,6 @@ fn validate_intake(intake: &IntakeInputs, validator: &mut ConfigValidator) {
     validator.require_within("settle_secs", intake.settle_secs.0, 0.0..=86_400.0);
     validator.require_within("unfinished_secs", intake.unfinished_secs.0, 0.0..=604_800.0);
     validator.require_within("incomplete_secs", intake.incomplete_secs.0, 0.0..=604_800.0);
-}
-
-/// Whether a machine may have this name: its folders have it, too.
-pub fn is_profile_name(name: &str) -> bool {
-    let known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
-    (1..=40).contains(&name.len()) && name.chars().all(known)
 }
 
 /// Reports surprising paths: an empty path means the folder above, and `~` is only known to shells.

@@ -1,0 +1,89 @@
+//! Checks what a machine's file says of its printers.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
+    folders::path_below,
+    profile::is_profile_name,
+    profile_inputs::{PrintingInputs, ProfileInputs},
+    validator::ConfigValidator,
+};
+
+/// The printers of a machine whose queue folder is `queue` if it names none. `farm_queue` is the folder of the farm that
+/// holds the queue folders.
+pub(super) fn validate_printers(
+    name: &str,
+    inputs: &ProfileInputs,
+    (root, farm_queue, queue): (&Path, &Path, &Path),
+    validator: &mut ConfigValidator,
+) -> Vec<PrinterRules> {
+    let calendar = validate_calendar(&inputs.printing, validator);
+    if inputs.printer.is_empty() {
+        return vec![PrinterRules { name: name.to_owned(), queue: queue.to_owned(), calendar }];
+    }
+    if inputs.folders.queue.is_some() {
+        let text = "folders.queue is the queue folder of a machine without [[printer]]".to_owned();
+        validator.report_problem("folders.queue", text, "give each printer its queue instead");
+    }
+    let mut printers = Vec::new();
+    for printer in &inputs.printer {
+        if !is_profile_name(&printer.name) {
+            let text = format!("\"{}\" cannot be the name of a printer", printer.name.escape_debug());
+            validator.report_problem("printer", text, "give 1 to 40 of a-z, 0-9 and -, as in name = \"mjf-left\"");
+        }
+        let own = PrintingInputs {
+            hours: printer.hours.clone().unwrap_or_else(|| inputs.printing.hours.clone()),
+            days_off: printer.days_off.clone().unwrap_or_else(|| inputs.printing.days_off.clone()),
+            ..inputs.printing.clone()
+        };
+        let queue = match &printer.queue {
+            Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
+            _ => path_below(root, farm_queue).join(&printer.name),
+        };
+        printers.push(PrinterRules { name: printer.name.clone(), queue, calendar: validate_calendar(&own, validator) });
+    }
+    printers
+}
+
+/// Reports values that make no sense, and reads the calendar.
+pub(super) fn validate_calendar(inputs: &PrintingInputs, validator: &mut ConfigValidator) -> WorkCalendar {
+    WorkCalendar::parse(&inputs.hours, &inputs.days_off).unwrap_or_else(|why| {
+        let remedy = "write hours as in \"Mon-Fri 6-22, Sat 8:30-12\" or \"always\", and days off as in \
+                      [\"2026-12-25\", \"2026-12-28..2027-01-01\"]";
+        validator.report_problem("hours", format!("hours or days_off: {why}"), remedy);
+        WorkCalendar::default()
+    })
+}
+
+/// The rules of a machine's prints.
+pub(super) fn validate_printing(inputs: &PrintingInputs, validator: &mut ConfigValidator) -> PrintingRules {
+    validator.require_within("cool_down_hours", inputs.cool_down_hours, 0.0..=1000.0);
+    validator.require_within("thin", inputs.thin, 0.0..=1.0);
+    PrintingRules { cool_down_hours: inputs.cool_down_hours, approve: inputs.approve, thin: inputs.thin }
+}
+
+/// Reports printers of one name: a person names one without its machine.
+pub(super) fn find_same_names(
+    profiles: &BTreeMap<String, MachineProfile>,
+    places: &BTreeMap<String, (PathBuf, Option<usize>)>,
+) -> Vec<ConfigProblem> {
+    let mut machines: BTreeMap<&str, &str> = profiles.keys().map(|name| (name.as_str(), name.as_str())).collect();
+    let (mut problems, mut own) = (Vec::new(), Vec::new());
+    for profile in profiles.values().filter(|profile| profile.has_named_printers()) {
+        for printer in &profile.printers {
+            let is_taken = machines.insert(&printer.name, &profile.name).is_some_and(|other| other != profile.name);
+            if is_taken || own.contains(&(&profile.name, &printer.name)) {
+                let (file, line) = places.get(&profile.name).cloned().unwrap_or_default();
+                let text = format!("the name {} of a printer of {} is taken", printer.name, profile.name);
+                let remedy = "give each printer of the farm a name of its own".to_owned();
+                problems.push(ConfigProblem { file, line, text, remedy });
+            }
+            own.push((&profile.name, &printer.name));
+        }
+    }
+    problems
+}

@@ -10,6 +10,7 @@ use super::{
     folders::path_below,
     profile::is_profile_name,
     profile_inputs::{PrintingInputs, ProfileInputs},
+    validation_rules::validate_path,
     validator::ConfigValidator,
 };
 
@@ -40,11 +41,16 @@ pub(super) fn validate_printers(
             days_off: printer.days_off.clone().unwrap_or_else(|| inputs.printing.days_off.clone()),
             ..inputs.printing.clone()
         };
+        printer.queue.iter().for_each(|queue| validate_path("printer.queue", queue, validator));
         let queue = match &printer.queue {
             Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
             _ => path_below(root, farm_queue).join(&printer.name),
         };
-        printers.push(PrinterRules { name: printer.name.clone(), queue, calendar: validate_calendar(&own, validator) });
+        let calendar = match printer.hours.is_some() || printer.days_off.is_some() {
+            true => validate_calendar(&own, validator),
+            false => calendar.clone(),
+        };
+        printers.push(PrinterRules { name: printer.name.clone(), queue, calendar });
     }
     printers
 }

@@ -243,7 +243,7 @@ fn validate_intake(intake: &IntakeInputs, validator: &mut ConfigValidator) {
 }
 
 /// Reports surprising paths: an empty path means the folder above, and `~` is only known to shells.
-fn validate_path(key: &str, path: &Path, validator: &mut ConfigValidator) {
+pub(super) fn validate_path(key: &str, path: &Path, validator: &mut ConfigValidator) {
     if path.as_os_str().is_empty() {
         validator.report_problem(key, format!("{key} is empty"), "name a folder or leave the option out");
     } else if path.starts_with("~") {

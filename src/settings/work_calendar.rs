@@ -71,7 +71,8 @@ impl WorkCalendar {
                 Some(to) if to > hours.from => moment(day, to),
                 to => moment(next(day)?, to.unwrap_or(Time::midnight())),
             };
-            Some((moment(day, hours.from)?, end?))
+            // The clocks may skip all of it.
+            moment(day, hours.from).zip(end).filter(|(start, end)| start < end)
         };
         of_day.filter_map(span).collect()
     }
@@ -166,6 +167,11 @@ mod tests {
             week.next_open(at, &berlin()).unwrap().duration_since(at).as_hours()
         };
         assert_eq!((hours_until("2026-03-28T22:00"), hours_until("2026-10-24T22:00")), (7, 9));
+        assert_eq!(
+            next(&calendar("Sun 2:30-3", &[]), "2026-03-29T00:00"),
+            "2026-04-05 02:30 CEST",
+            "all of it is skipped"
+        );
         // 02:30 is skipped on that day.
         assert_eq!(next(&calendar("Sun 2:30-8", &[]), "2026-03-29T00:00"), "2026-03-29 03:30 CEST");
     }

@@ -62,6 +62,10 @@ fn wrong_printers_are_told_with_what_helps() {
     assert!(problem("approve = \"sometimes\"\n").contains("approve"));
     assert!(problem("[[printer]]\nname = \"x\"\ncolour = 1\n").contains("unknown option \"printer.colour\""));
     assert!(problem("[[printer]]\nname = \"x\"\nhours = 6\n").contains("printer.hours"));
+    assert!(problem("[[printer]]\nname = \"x\"\nqueue = \"~/jobs\"\n").contains("\"~\" means nothing"));
+    assert!(problem("[[printer]]\nname = \"x\"\nqueue = \"\"\n").contains("printer.queue is empty"));
+    let once = problem("hours = \"Mo 6-22\"\n[[printer]]\nname = \"x\"\n[[printer]]\nname = \"y\"\n");
+    assert!(once.contains("\"Mo 6-22\" is not understood"), "{once}");
     assert!(problem("[[printer]]\nqueue = \"q\"\n").contains("\"\" cannot be the name of a printer"));
     let farm = "[[defaults.printer]]\nname = \"x\"\n";
     let problems = TestConfig::new(farm, &[("a.toml", CUBE)]).problems();

@@ -56,7 +56,17 @@ pub(super) fn start_folder_comparison(farm: &mut Farm) {
 /// Takes in the result.
 fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) {
     let Some(machine) = farm.machines.get_mut(name) else { return };
-    let is_away = matches!(compared, FolderComparison::FolderAway);
+    let is_behind = farm.alerts.is_active(AlertKind::LedgerBehind, name, "comparison");
+    let is_away = match &compared {
+        FolderComparison::FolderAway => true,
+        // What the folder of one printer held is not settled by its absence.
+        FolderComparison::LedgerCurrent(seen) => is_behind && !seen.has_all_queues(&machine.profile),
+        _ => false,
+    };
+    if is_away && is_behind {
+        machine.agreed_folders = None;
+        return;
+    }
     let (behind, unreadable) = match compared {
         FolderComparison::Unchanged => return,
         FolderComparison::FolderAway => (None, None),
@@ -68,11 +78,6 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),
         FolderComparison::Unavailable(why) => (None, Some(why)),
     };
-    if is_away && farm.alerts.is_active(AlertKind::LedgerBehind, name, "comparison") {
-        // What it held is not settled by its absence.
-        machine.agreed_folders = None;
-        return;
-    }
     machine.may_claim = behind.is_none();
     if behind.is_some() || unreadable.is_some() || is_away {
         machine.agreed_folders = None;

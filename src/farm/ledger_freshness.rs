@@ -155,6 +155,11 @@ impl FolderIdentities {
         Some(Self { archive: identity(&profile.folders.archive)?, queues }).filter(|seen| !seen.queues.is_empty())
     }
 
+    /// Whether every queue folder of a machine was there.
+    pub fn has_all_queues(&self, profile: &MachineProfile) -> bool {
+        profile.queue_folders().all(|folder| self.has_queue(folder))
+    }
+
     /// Whether a queue folder was there.
     pub fn has_queue(&self, folder: &Path) -> bool {
         self.queues.contains_key(folder)

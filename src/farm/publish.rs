@@ -15,7 +15,7 @@ use super::{
     publish_decision::{PublishDecision, PublishFacts, decide_publishing},
     queues,
     release_preview::awaits_release,
-    staged_build::{PublishStep, QueueReplacedError, StagedBuild},
+    staged_build::{PublishStep, QueueReplacedError, StagedBuild, check_record_of_away},
     state::NestingState,
 };
 use crate::{
@@ -65,7 +65,7 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         let printer = machine.printers.of_build(&build);
         let decision = decide_publishing(&publish_facts(farm, machine, &build));
         if decision == PublishDecision::MakeForAnother {
-            make_for_another_printer(farm, &build).await?;
+            start_remake_check(farm, build);
             continue;
         }
         let (PublishDecision::Check | PublishDecision::Rename, Some(queue)) =
@@ -107,6 +107,23 @@ fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow) -> Publi
     }
 }
 
+/// Starts a job that looks whether a build whose printer is down was certainly never published: a restored ledger may have
+/// forgotten that it was.
+fn start_remake_check(farm: &mut Farm, build: BuildRow) {
+    let Some(machine) = farm.machines.get(&build.profile) else { return };
+    let queue = machine.printers.of_build(&build).and_then(|printer| printer.opened.clone());
+    let (archive, leases) = (machine.profile.folders.archive.clone(), machine.leases.clone());
+    let (id, ledger) = (build.id, farm.ledger.clone());
+    farm.jobs.start(PublishBuildJob { build: id }, move || match queue {
+        None => check_record_of_away(&archive, &build, &leases),
+        Some(queue) => {
+            let staged = StagedBuild { queue, build, archive, leases, ledger };
+            staged.check_folders()?;
+            staged.check_before_remaking()
+        }
+    });
+}
+
 /// verified -> nesting: its printer went down before anything was published.
 async fn make_for_another_printer(farm: &mut Farm, build: &BuildRow) -> Result<()> {
     let printer = build.place.printer.as_deref().unwrap_or(&build.profile);
@@ -132,6 +149,10 @@ async fn on_publish_step(farm: &mut Farm, id: BuildId, step: Result<PublishStep>
             farm.nesting.backoff.record_failure(id);
             Ok(farm.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
         }
+        Ok(PublishStep::NeverPublished) => match farm.ledger.find_build(id).await? {
+            Some(build) => make_for_another_printer(farm, &build).await,
+            None => Ok(()),
+        },
         Ok(PublishStep::NotRenamed(failure)) => {
             farm.ledger.cancel_publishing(id).await?;
             report_publish_failure(farm, id, &failure).await

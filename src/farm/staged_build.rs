@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use super::{build_record, folder_lease::LeaseError, folder_leases::FolderLeases};
 use crate::{
@@ -23,6 +23,8 @@ pub enum PublishStep {
     StagedFileDamaged(String),
     /// The first rename was not done for this reason, and will certainly not be done later.
     NotRenamed(anyhow::Error),
+    /// It was certainly never published: it may be made again, for another printer.
+    NeverPublished,
 }
 
 /// A build in the state verified.
@@ -95,6 +97,21 @@ impl StagedBuild {
         })
     }
 
+    /// Whether a build whose printer is down may be made again, for another one. Where its record or its folder shows that a
+    /// restored ledger may have forgotten the attempt, it is taken for published as by [`Self::check_before_publishing`].
+    pub fn check_before_remaking(&self) -> Result<PublishStep> {
+        if build_record::has_record(&self.archive, self.file_name()?)? {
+            return self.check_before_publishing();
+        }
+        match self.staged_state() {
+            Ok(StagedState::Staged) => Ok(PublishStep::NeverPublished),
+            // Another folder is there now. Without a record, nothing was renamed in the one that was.
+            Err(failure) if failure.is::<QueueReplacedError>() => Ok(PublishStep::NeverPublished),
+            Ok(_) => self.check_before_publishing(),
+            Err(failure) => Err(failure),
+        }
+    }
+
     /// Publishes the build, after the ledger has recorded the attempt. `is_first` = nothing was ever tried before.
     pub fn try_publish(&self, record: &str, is_first: bool) -> Result<PublishStep> {
         if self.staged_state()? != StagedState::Staged {
@@ -145,6 +162,17 @@ impl StagedBuild {
     fn is_proved(&self, file: &Path) -> Result<bool> {
         has_hash(file, self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?)
     }
+}
+
+/// Same as [`StagedBuild::check_before_remaking`], while the queue folder of the printer is away.
+pub(super) fn check_record_of_away(archive: &Path, build: &BuildRow, leases: &FolderLeases) -> Result<PublishStep> {
+    leases.archive.check_held()?;
+    let name = build.staged.file_name.as_deref().context("its row names no file")?;
+    ensure!(
+        !build_record::has_record(archive, name)?,
+        "its record in the archive shows that it may be published, and the queue folder of its printer is not available"
+    );
+    Ok(PublishStep::NeverPublished)
 }
 
 /// Whether a file has this hash; a missing file does not.

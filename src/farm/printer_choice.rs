@@ -47,11 +47,16 @@ fn load_of<'b>(
 ) -> PrinterLoad {
     let (mut free_at, mut ahead) = (Timestamp::MIN, 0);
     for build in builds {
-        let ready_at = build.begun_at.or(build.published_at).map_or(now, |at| at.0);
-        let begins = match build.begun_at {
+        let begins = match (build.begun_at, &build.printer) {
             // It lay in the printer while an earlier one was printed.
-            Some(_) => ready_at.max(free_at),
-            None => rules.begins_at(ready_at.max(free_at), &profile.time_zone),
+            (Some(at), _) => at.0.max(free_at),
+            // Its file lies in the queue, or it is still made: it has not begun.
+            (None, Some(_)) => rules.begins_at(free_at.max(now), &profile.time_zone),
+            // Nobody looks for the files of builds of an earlier nestd.
+            (None, None) => {
+                let ready_at = build.published_at.map_or(now, |at| at.0);
+                rules.begins_at(ready_at.max(free_at), &profile.time_zone)
+            }
         };
         let occupied = times.occupied(build.height_mm.unwrap_or(0.0));
         free_at = begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
@@ -125,6 +130,22 @@ mod tests {
         assert_eq!(choose(&profile, &made, 8), "right");
     }
 
+    /// A build whose print began at this hour.
+    fn printed(id: i64, printer: &str, height_mm: f64, begun: i64) -> OccupyingBuild {
+        OccupyingBuild { begun_at: Some(at(begun).into()), ..build(id, printer, height_mm, Some(begun)) }
+    }
+
+    #[test]
+    fn a_build_whose_file_still_lies_in_the_queue_has_not_begun() {
+        let profile = machine("", "");
+        // Published at the same time; one was taken at once, the other lies there five hours later.
+        let both = [build(1, "left", 80.0, Some(8)), printed(2, "right", 100.0, 8)];
+        assert_eq!(choose(&profile, &both, 13), "right", "free at 18, the other one at 21");
+        // Where nobody has looked, it is taken to have begun.
+        let earlier = OccupyingBuild { printer: None, ..build(1, "left", 80.0, Some(8)) };
+        assert_eq!(choose(&profile, &[earlier, both[1].clone()], 13), "left", "free at 16");
+    }
+
     #[test]
     fn a_print_that_was_told_to_go_on_occupies_its_printer_however_long_that_takes() {
         let profile = machine("", "");
@@ -138,8 +159,8 @@ mod tests {
     fn prints_begin_in_the_hours_of_the_printer_and_go_on_over_night() {
         let mut profile = machine("hours = \"Mon-Fri 6-22\"\n", "hours = \"Mon-Fri 6-14\"\n");
         profile.time_zone = jiff::tz::TimeZone::UTC.into();
-        // Free at 2 and at 20 of the night: one begins at 6 of the next day, the other at once.
-        let builds = [build(1, "left", 100.0, Some(10)), build(2, "right", 200.0, Some(6))];
+        // Free at 20 and at 2 of the night: one begins at once, the other at 6 of the next day.
+        let builds = [printed(1, "left", 100.0, 10), printed(2, "right", 200.0, 6)];
         let times = PrintTimes { hours_per_mm: 0.1, cool_down_hours: 0.0, learned_from: 0 };
         let loads = printer_loads(&profile, &builds, &times, at(12));
         assert_eq!((loads["left"].free_at, loads["right"].free_at), (at(20), at(30)));

@@ -44,6 +44,8 @@ pub(super) enum CommandAnswer {
     UnknownProfile(String),
     /// Refused: a paused profile fires nothing.
     ProfilePaused(String),
+    /// Refused: all printers of the profile are down, this one among them.
+    NoPrinterInUse(String, String),
     /// Refused: the command names no part.
     NoPartNamed,
     /// Refused: there is no such part.
@@ -77,6 +79,7 @@ impl CommandAnswer {
             | Self::NothingToConfirm(_) => true,
             Self::UnknownProfile(_)
             | Self::ProfilePaused(_)
+            | Self::NoPrinterInUse(..)
             | Self::NoPartNamed
             | Self::UnknownPart(_)
             | Self::CopiesUnknown(_)
@@ -115,6 +118,9 @@ impl fmt::Display for CommandAnswer {
             Self::PartCancelled(part) => write!(f, "part {part} is cancelled"),
             Self::UnknownProfile(name) => write!(f, "there is no profile {name}"),
             Self::ProfilePaused(name) => write!(f, "{name} is paused; resume it first"),
+            Self::NoPrinterInUse(name, printer) => {
+                write!(f, "no printer of {name} is in use; `nestd printer {printer} up` puts one into use again")
+            }
             Self::NoPartNamed => f.write_str("no part was named"),
             Self::UnknownPart(part) => write!(f, "there is no part {part}"),
             Self::CopiesUnknown(part) => {

@@ -96,6 +96,12 @@ fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Opt
         machine.pending_flushes.retain(|&waits| waits != id);
         return Some(CommandAnswer::ProfilePaused(name.to_owned()));
     }
+    if machine.printers.are_all_down()
+        && let Some(printer) = machine.printers.0.first()
+    {
+        machine.pending_flushes.retain(|&waits| waits != id);
+        return Some(CommandAnswer::NoPrinterInUse(name.to_owned(), printer.name.clone()));
+    }
     if !machine.pending_flushes.contains(&id) {
         machine.pending_flushes.push(id);
     }

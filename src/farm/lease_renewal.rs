@@ -16,10 +16,10 @@ use super::{
     jobs::BackgroundJob,
     lease_clock,
     machine_state::MachineStates,
-    printer_state::alert_subject,
+    printer_state::{MachinePrinters, alert_subject},
     tick_tasks::TimedTask,
 };
-use crate::{queue::QueueFolder, settings::MachineProfile};
+use crate::queue::QueueFolder;
 
 /// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
 const LEASE_ALERTS: [AlertKind; 3] = [AlertKind::HotFolderAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
@@ -65,7 +65,7 @@ pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut
         std::thread::sleep(Duration::from_secs(1));
     }
     for (name, machine) in machines {
-        update_lease_alerts(alerts, name, &machine.profile, &machine.leases);
+        update_lease_alerts(alerts, name, &machine.printers, &machine.leases);
     }
     Ok(())
 }
@@ -95,7 +95,7 @@ async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, re
     let Some(machine) = farm.machines.get_mut(name).filter(|s| s.leases.are_of_same_folders(&leases)) else {
         return Ok(());
     };
-    update_lease_alerts(&mut farm.alerts, name, &machine.profile, &leases);
+    update_lease_alerts(&mut farm.alerts, name, &machine.printers, &leases);
     let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
     let taken_over = leases.taken_over.clone();
     adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
@@ -135,16 +135,21 @@ pub(super) fn release_leases(machines: &mut MachineStates, alerts: &mut AlertReg
     }
 }
 
-fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, profile: &MachineProfile, leases: &FolderLeases) {
+fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, printers: &MachinePrinters, leases: &FolderLeases) {
     let mut held = Vec::new();
-    let queues = profile.printers.iter().map(|printer| (AlertKind::QueueAway, alert_subject(name, &printer.name)));
-    let kinds = LEASE_ALERTS.into_iter().map(|kind| (kind, String::new())).chain(queues);
-    for ((kind, of), problem) in kinds.zip(&leases.errors) {
-        let about = &format!("lease{of}");
+    let queues = printers.0.iter();
+    let queues =
+        queues.map(|printer| (AlertKind::QueueAway, alert_subject(name, &printer.name), printer.down.is_some()));
+    let kinds = LEASE_ALERTS.into_iter().map(|kind| (kind, String::new(), false)).chain(queues);
+    for ((kind, of, is_down), problem) in kinds.zip(&leases.errors) {
+        let about = &format!("lease {of}");
+        let about = about.trim_end();
         if let Some(LeaseProblem::HeldByOther(why)) = problem {
             held.push(why.as_str());
         }
         match problem {
+            // Of a printer that a person took out of use, everybody knows.
+            Some(LeaseProblem::Unavailable(_)) if is_down => alerts.clear(kind, name, about),
             Some(LeaseProblem::Unavailable(why)) => alerts.raise(kind, name, about, why),
             // Within seconds it is clear: nobody needs to act on it.
             Some(LeaseProblem::HolderUnclear(_) | LeaseProblem::HeldByOther(_)) | None => {

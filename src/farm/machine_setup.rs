@@ -49,7 +49,7 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
                 for printer in &machine.printers.0 {
                     let about = alert_subject(&name, &printer.name);
                     farm.alerts.clear(AlertKind::QueueAway, &name, &about);
-                    farm.alerts.clear(AlertKind::QueueAway, &name, &format!("lease{about}"));
+                    farm.alerts.clear(AlertKind::QueueAway, &name, format!("lease {about}").trim_end());
                 }
                 *machine = fresh;
                 info!(profile = %name, "The profile has changed.");

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     access,
-    ledger::{self, ExistingRows, Ledger, LedgerAddress, ServingRight},
+    ledger::{self, DownPrinter, ExistingRows, Ledger, LedgerAddress, ServingRight},
     settings::Settings,
 };
 
@@ -147,8 +147,12 @@ async fn rebuild_copy(
     }
     let ledger = Ledger::open(&new).await?;
     let reconciled = reconcile_ledger(settings, &ledger, &known).await;
+    let down = ledger.down_printers().await;
     ledger.close_with_checksum().await?;
     let mut reconciled = reconciled?;
+    if !matches!(begin, LedgerSource::Present) {
+        reconciled.doubts.extend(doubts_on_printers(settings, &down?));
+    }
     if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {
         ledger::clear_unfinished(base)?;
         return Ok(RestoreOutcome { aside: None, reconciled });
@@ -171,6 +175,25 @@ async fn rebuild_copy(
         }
     }
     Ok(RestoreOutcome { aside, reconciled })
+}
+
+/// Which printers are down is said by people, and only the ledger keeps it.
+fn doubts_on_printers(settings: &Settings, down: &[DownPrinter]) -> Vec<String> {
+    let mut doubts = Vec::new();
+    for profile in settings.profiles.values().filter(|profile| profile.has_named_printers()) {
+        let is_down = |name: &str| down.iter().any(|down| down.profile == profile.name && down.printer == name);
+        let names = profile.printers.iter().map(|printer| printer.name.as_str());
+        let up: Vec<&str> = names.filter(|name| !is_down(name)).collect();
+        if !up.is_empty() {
+            doubts.push(format!(
+                "of {}, {} in use now: what was said of them after the backup was made is lost. Say `nestd printer NAME down` again \
+                 for each that is not to take builds",
+                profile.name,
+                if up.len() == 1 { format!("the printer {} is", up[0]) } else { format!("the printers {} are", up.join(", ")) }
+            ));
+        }
+    }
+    doubts
 }
 
 /// Puts the rows of the prepared copy in place of those on the server, in one transaction. Returns the file that keeps the

@@ -80,13 +80,19 @@ async fn set_printer_use(
     (name, state): (&str, PrinterUse),
     reason: &str,
 ) -> Result<String> {
-    let (profile, by) = (machine_of_printer(settings, name)?, user_at_host());
+    let (by, down) = (user_at_host(), ledger.down_printers().await?);
     if state == PrinterUse::Up {
-        return Ok(match ledger.bring_printer_up(name, &profile.name, &by).await? {
+        // Also one that is configured no more: another one may get its name.
+        let profile = match down.into_iter().find(|down| down.printer == name) {
+            Some(down) => down.profile,
+            None => machine_of_printer(settings, name)?.name.clone(),
+        };
+        return Ok(match ledger.bring_printer_up(name, &profile, &by).await? {
             true => format!("The printer {name} takes builds again."),
             false => format!("The printer {name} was not down."),
         });
     }
+    let profile = machine_of_printer(settings, name)?;
     ledger.take_printer_down(name, &profile.name, &by, reason).await?;
     let down = ledger.down_printers().await?;
     let is_up = |other: &&str| !down.iter().any(|down| down.profile == profile.name && down.printer == **other);

@@ -20,7 +20,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{self, AlertKind, FarmAlert},
+    farm::{self, AlertKind, FarmAlert, awaits_release},
     intake,
     ledger::{
         BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
@@ -123,7 +123,7 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
             AlertKind::Refused => { (refused_parts(web, profile, &facts.refused)) }
             AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{profile}/drop")) { "Add files" } } }
             AlertKind::ReleaseDue => { div.buttons {
-                @for build in facts.verified.iter().filter(|build| build.profile == profile) {
+                @for build in facts.verified.iter().filter(|build| build.profile == profile && awaits_yes(web, build)) {
                     a.button href=(format!("/builds/{}#release", build.id)) { "Build " (build.id) }
                 }
             } }
@@ -131,6 +131,11 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
             _ => {}
         }
     }
+}
+
+/// Whether a proved build waits for a person's yes.
+fn awaits_yes(web: &DashboardState, build: &BuildRow) -> bool {
+    web.current_settings().profiles.get(&build.profile).is_some_and(|profile| awaits_release(profile, build))
 }
 
 fn part_button(web: &DashboardState, kind: CommandKind, label: &str, part: &PartRow) -> Markup {

@@ -1,9 +1,9 @@
 //! I2 and I3: every build file in a queue folder matches its row, including the copies in it.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{BTreeSet, HashMap},
     fs,
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use anyhow::Result;
@@ -30,7 +30,7 @@ pub async fn check_visible_builds(
     report: &mut InvariantReport,
 ) -> Result<()> {
     for profile in settings.profiles.values() {
-        let mut visible = HashSet::new();
+        let mut visible: HashMap<String, PathBuf> = HashMap::new();
         for folder in profile.queue_folders() {
             for name in sorted_names(folder) {
                 let file = folder.join(&name);
@@ -42,7 +42,9 @@ pub async fn check_visible_builds(
                 } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
                     let row = ledger.find_build_by_file(&profile.name, &name).await?;
                     check_build_file(&file, row, settings, ledger, witness, report).await?;
-                    if !visible.insert(name) {
+                    let before = visible.insert(name, file.clone());
+                    // It may have been moved between the two listings.
+                    if before.is_some_and(|before| before.exists() && file.exists()) {
                         let text = format!("{} is in the queue of another printer, too", file.display());
                         report.add_violation(I3, text, "take one of the two out of its queue before both are printed");
                     }
@@ -88,7 +90,10 @@ pub async fn check_kept_builds(settings: &Settings, ledger: &Ledger, report: &mu
 }
 
 fn report_left_over_file(file: &Path, witness: &InvariantExpectations, report: &mut InvariantReport) {
-    if witness.at_rest {
+    if witness.at_rest && file.extension().is_some_and(|end| end == "moving") {
+        let text = format!("{} was taken back and is on its way to no printer", file.display());
+        report.add_violation(I3, text, "leave it there and start the daemon: it puts it into a queue again");
+    } else if witness.at_rest {
         let text = format!("{} was left behind", file.display());
         report.add_violation(I3, text, "restart the daemon: it removes what no build names");
     }

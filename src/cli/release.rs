@@ -44,7 +44,7 @@ pub fn run(common: &CommonArgs, args: &ReleaseArgs) -> Result<CommandExit> {
         let preview = preview_release(ledger, now.unwrap_or(&made), &build, Timestamp::now()).await?;
         let released = match args.preview {
             true => None,
-            false => Some(ledger.release_build(id, &user_at_host()).await?),
+            false => Some(ledger.release_build(id, build.staged.file_hash.as_deref(), &user_at_host()).await?),
         };
         let sentences = preview.sentences(&settings.time_zone);
         Ok((preview, sentences, released))

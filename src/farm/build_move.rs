@@ -2,6 +2,7 @@
 //! file. `ledger/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result, ensure};
+use tokio::runtime::Handle;
 use tracing::{info, warn};
 
 use super::{
@@ -9,7 +10,7 @@ use super::{
     printers::choose_for_build, staged_build::has_hash,
 };
 use crate::{
-    ledger::{BuildId, BuildRow, BuildState, Ledger},
+    ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, MoveEnd},
     queue::{QueueFolder, StagedState, WithdrawalOutcome},
 };
 
@@ -24,8 +25,10 @@ pub(super) struct MoveBuildJob {
 pub(super) enum MoveStep {
     /// Its printer took it before it was taken back.
     Taken,
-    /// Its outcome was told meanwhile: it is not wanted any more.
+    /// Its outcome was told meanwhile: it is not wanted any more, and in no queue.
     Dropped,
+    /// Its outcome was told meanwhile, but the other printer has taken it.
+    TakenThere,
     /// All of it is staged in the queue folder with this marker.
     Staged(String),
     /// It is visible at the other printer, or was.
@@ -58,6 +61,7 @@ struct MovingBuild {
     abandoned: Option<QueueFolder>,
     leases: FolderLeases,
     ledger: Ledger,
+    runtime: Handle,
 }
 
 /// Moves every build further that lies at a printer that is down, or is between two printers.
@@ -85,21 +89,29 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
     if machine.agreed_folders.is_none() || !machine.leases.are_fresh() {
         return Ok(());
     }
-    let Some(source) = queue_with_marker(machine, build.staged.queue_id.as_deref()) else {
-        ensure!(build.place.move_to.is_none(), "the queue folder that it is taken from is not available");
+    let source = queue_with_marker(machine, build.staged.queue_id.as_deref());
+    if build.place.move_to.is_none() && source.is_none() {
         return Ok(());
-    };
+    }
+    if source.is_none() {
+        check_missing_source(machine, &build)?;
+    }
     let mut build = build;
     let open_queue = |machine: &MachineState, printer: &str| machine.printers.find(printer)?.opened.clone();
     let mut abandoned = None;
     let target = match (build.place.move_queue_id.clone(), build.place.move_to.clone()) {
         (Some(marker), _) => queue_with_marker(machine, Some(&marker)),
         // It is not wanted any more: what was taken back is removed.
-        (None, Some(to)) if build.state != BuildState::Published => {
-            open_queue(machine, &to).or_else(|| Some(source.clone()))
-        }
+        (None, Some(to)) if build.state != BuildState::Published => open_queue(machine, &to).or_else(|| source.clone()),
         (None, before) => {
-            let Some(printer) = choose_for_build(farm, &build).await? else { return Ok(()) };
+            let Some(printer) = choose_for_build(farm, &build).await? else {
+                ensure!(
+                    before.is_none(),
+                    "it was taken back from a printer that is down, and no printer of the machine can be given builds: \
+                     `nestd printer NAME up`"
+                );
+                return Ok(());
+            };
             let machine = &farm.machines[&build.profile];
             let chosen = open_queue(machine, &printer);
             if before.as_ref() != Some(&printer) {
@@ -113,10 +125,29 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
     if build.place.move_to.is_none() {
         return Ok(());
     }
-    let target = target.context("the queue folder that it goes to is not available")?;
+    let Some(target) = target else {
+        ensure!(source.is_none(), "the queue folder that it goes to is not available");
+        // Neither of the two printers is configured any more: nothing of it can be printed here.
+        return Ok(farm.ledger.end_move(build.id, MoveEnd::Dropped).await?);
+    };
+    // Without a folder of origin, it is only removed from the other one.
+    let source = source.unwrap_or_else(|| target.clone());
     let (leases, ledger) = (farm.machines[&build.profile].leases.clone(), farm.ledger.clone());
-    let moving = MovingBuild { build, source, target, abandoned, leases, ledger };
+    let moving = MovingBuild { build, source, target, abandoned, leases, ledger, runtime: Handle::current() };
     farm.jobs.start(MoveBuildJob { build: moving.build.id }, move || moving.go_on());
+    Ok(())
+}
+
+/// Fails unless a move can be ended without the folder where the build was published: if that is no printer's any more, and the
+/// outcome was told.
+fn check_missing_source(machine: &MachineState, build: &BuildRow) -> Result<()> {
+    ensure!(machine.printers.are_all_open(), "the queue folder that it is taken from is not available");
+    let id = build.id;
+    ensure!(
+        build.state != BuildState::Published,
+        "its file was taken back in a queue folder that is no printer's any more: configure that printer again, or have its \
+         parts printed again with `nestd outcome {id} failed`"
+    );
     Ok(())
 }
 
@@ -138,16 +169,36 @@ impl MovingBuild {
     fn go_on(&self) -> Result<MoveStep> {
         self.check_rights()?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
-        let is_wanted = self.build.state == BuildState::Published;
-        match (self.build.place.move_queue_id.is_some(), is_wanted) {
+        match (self.build.place.move_queue_id.is_some(), self.build.state == BuildState::Published) {
             (false, true) => self.take_and_stage(name),
             (true, true) => self.publish_staged(name),
-            (_, false) => {
-                discard_staged(&self.target, name)?;
-                self.source.remove_withdrawn(name)?;
-                Ok(MoveStep::Dropped)
-            }
+            (_, false) => self.drop_file(name),
         }
+    }
+
+    /// Whether its outcome is not told, as the ledger says at this moment.
+    fn is_wanted(&self) -> Result<bool> {
+        let now = self.runtime.block_on(self.ledger.find_build(self.build.id))?;
+        Ok(now.is_some_and(|now| now.state == BuildState::Published))
+    }
+
+    /// Removes the file from both folders.
+    fn drop_file(&self, name: &str) -> Result<MoveStep> {
+        let may_be_visible = self.build.place.move_queue_id.is_some();
+        let step = if may_be_visible && self.target.staged_state(name)? != StagedState::Staged {
+            match self.target.withdraw(name)? {
+                WithdrawalOutcome::TakenBack => {
+                    self.target.remove_withdrawn(name)?;
+                    MoveStep::Dropped
+                }
+                WithdrawalOutcome::Gone => MoveStep::TakenThere,
+            }
+        } else {
+            discard_staged(&self.target, name)?;
+            MoveStep::Dropped
+        };
+        self.source.remove_withdrawn(name)?;
+        Ok(step)
     }
 
     fn take_and_stage(&self, name: &str) -> Result<MoveStep> {
@@ -175,6 +226,10 @@ impl MovingBuild {
         // First, so that what was taken back is never there when it may be visible at the other printer.
         self.source.remove_withdrawn(name)?;
         self.check_rights()?;
+        // The share may have hung since the row was read.
+        if !self.is_wanted()? {
+            return self.drop_file(name);
+        }
         self.target.publish(name)?;
         Ok(MoveStep::Published)
     }
@@ -194,19 +249,30 @@ async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> R
     let to = build.place.move_to.clone().unwrap_or_default();
     match step {
         Ok(MoveStep::Staged(marker)) => {
-            farm.ledger.record_move(id, &marker).await?;
+            match farm.ledger.record_move(id, &marker).await {
+                // Where its outcome was told meanwhile, the next step drops it.
+                Ok(()) | Err(LedgerError::WrongState { .. }) => {}
+                Err(failure) => return Err(failure.into()),
+            }
             return move_builds(farm).await;
         }
         Ok(MoveStep::Published) => {
-            farm.ledger.finish_move(id).await?;
+            if !farm.ledger.finish_move(id).await? {
+                // Its outcome was told while it was renamed: it is taken back at once.
+                return move_builds(farm).await;
+            }
             let from = build.place.printer.clone().unwrap_or_default();
             info!(build.id = %id, profile = %build.profile, "Moved build {id} from the printer {from} to {to}.");
         }
         Ok(MoveStep::Taken) => {
-            farm.ledger.end_move(id).await?;
+            farm.ledger.end_move(id, MoveEnd::Taken).await?;
             info!(build.id = %id, profile = %build.profile, "Build {id} stays: its printer took it.");
         }
-        Ok(MoveStep::Dropped) => farm.ledger.end_move(id).await?,
+        Ok(MoveStep::Dropped) => farm.ledger.end_move(id, MoveEnd::Dropped).await?,
+        Ok(MoveStep::TakenThere) => {
+            farm.ledger.end_move(id, MoveEnd::TakenThere).await?;
+            report_taken_there(farm, &build, &to);
+        }
         Err(failure) => {
             report_move_failure(farm, id, &build.profile, &failure);
             return Ok(());
@@ -215,6 +281,18 @@ async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> R
     farm.nesting.backoff.record_success(&id);
     farm.alerts.clear(AlertKind::PublishingFails, &build.profile, &format!("build {id}"));
     Ok(())
+}
+
+/// A printed build whose copies wait again would be printed twice. Nobody but a person can tell; the alert ends with the daemon.
+fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) {
+    if !matches!(build.state, BuildState::Printing | BuildState::Complete) {
+        let (id, state) = (build.id, build.state);
+        let text = format!(
+            "build {id} was told to be {state} while it went to the printer {printer}, which has taken it: look whether {printer} \
+             prints it, and correct the outcome if it does"
+        );
+        farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, taken"), &text);
+    }
 }
 
 fn report_move_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) {

@@ -19,7 +19,7 @@ use super::{
     ledger_changes::LedgerFingerprint,
     ledger_service, machine_setup, nest,
     night_search::{self, NightSearchJob},
-    open, printers, publish, revisions, second_copies,
+    open, publish, queue_look, revisions, second_copies,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -115,7 +115,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
             farm.run_step("machines of other nodes", machine_setup::take_free_machines).await;
             watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
             folder_comparison::start_folder_comparison(farm);
-            farm.run_step("looking at the queues", printers::look_at_queues).await;
+            farm.run_step("looking at the queues", queue_look::look_at_queues).await;
             watching::start_watcher(farm);
             tidy::start_misplaced_file_search(&farm.settings, &mut farm.jobs);
         }

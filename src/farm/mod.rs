@@ -94,6 +94,7 @@ mod printer_state;
 mod printers;
 mod publish;
 mod publish_decision;
+mod queue_look;
 mod queues;
 mod read;
 mod read_turn;

@@ -1,5 +1,4 @@
-//! The printers of the machines: which of them people took out of use, which one a build is made for, and which builds were
-//! taken out of the queue folders.
+//! The printers of the machines: which of them people took out of use, and which one a build is made for.
 
 use std::path::Path;
 
@@ -11,21 +10,17 @@ use serde::Serialize;
 
 use super::{
     farm::Farm,
-    jobs::BackgroundJob,
     machine_state::MachineState,
     print_times::{LEARN_FROM, PrintTimes},
     printer_choice::{PrinterLoad, choose_printer, printer_loads},
 };
 use crate::{
-    ledger::{BuildId, BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp},
-    queue::{QueueFolder, StagedState},
+    ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp},
     settings::{FarmZone, MachineProfile, PrinterRules},
 };
 
 /// A published build whose outcome nobody told occupies its printer for this time at most.
 const FORGOTTEN_AFTER: SignedDuration = SignedDuration::from_hours(30 * 24);
-/// Newest builds of a machine whose files are looked for in the queue folders.
-const MAX_LOOKED_FOR: usize = 50;
 
 /// What people see of a printer.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -40,7 +35,9 @@ pub struct PrinterView {
     pub down: Option<DownPrinter>,
     /// Builds that are made for it, lie in its queue or are printed, as far as is known.
     pub builds: u32,
-    /// When its next print could begin, as far as is known; `None` = it is down, or no day is open.
+    /// Whether its next print could begin now.
+    pub is_free: bool,
+    /// When its next print could begin, as far as is known, to the minute; `None` = now, or it is down, or no day is open.
     pub free_at: Option<UtcTimestamp>,
     /// Hours of printing per mm of build height.
     pub hours_per_mm: f64,
@@ -62,14 +59,16 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
         let down = down.iter().find(|down| down.profile == profile.name && down.printer == rules.name);
         let down = down.cloned();
         let load = loads.get(&rules.name).copied().unwrap_or(PrinterLoad { free_at: now, builds: 0 });
-        let free_at = Some(load.free_at).filter(|at| down.is_none() && *at < Timestamp::MAX);
+        let is_free = down.is_none() && load.free_at <= now;
+        let free_at = Some(load.free_at).filter(|at| down.is_none() && !is_free && *at < Timestamp::MAX);
         PrinterView {
             printer: rules.name.clone(),
             profile: profile.name.clone(),
             queue: rules.queue.display().to_string(),
             down,
             builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
-            free_at: free_at.map(UtcTimestamp),
+            is_free,
+            free_at: free_at.map(|at| UtcTimestamp(at.round(jiff::Unit::Minute).unwrap_or(at))),
             hours_per_mm: times.hours_per_mm,
             cool_down_hours: times.cool_down_hours,
             learned_from: u32::try_from(times.learned_from).unwrap_or(u32::MAX),
@@ -102,6 +101,7 @@ impl PrinterView {
         }
         let builds = format_count(self.builds, "build", "builds");
         match self.free_at {
+            _ if self.is_free => format!("{builds}, free now"),
             Some(at) => format!("{builds}, free from {}", zone.format_minute(at.0)),
             None => format!("{builds}; its calendar is not open again"),
         }
@@ -167,54 +167,4 @@ pub(super) fn usable_printers(machine: &MachineState) -> Vec<&str> {
         }
         _ => Vec::new(),
     }
-}
-
-/// Finds the published builds of a machine whose files are gone from the queue folders.
-#[derive(Clone)]
-struct QueueLookJob {
-    profile: String,
-}
-
-impl BackgroundJob<Farm> for QueueLookJob {
-    const KIND: &'static str = "Look";
-    /// The builds that were taken, each with the marker of the folder where it lay.
-    type Outcome = Vec<(BuildId, String)>;
-
-    fn subject(&self) -> String {
-        self.profile.clone()
-    }
-
-    async fn on_done(self, farm: &mut Farm, taken: Self::Outcome) -> Result<()> {
-        for (build, queue_id) in taken {
-            farm.ledger.record_taken(build, &queue_id).await?;
-        }
-        Ok(())
-    }
-}
-
-/// Starts jobs that look which published builds were taken.
-pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
-    for (name, machine) in &farm.machines {
-        let mut wanted = Vec::new();
-        for build in farm.ledger.builds_in_queue(name).await?.into_iter().rev().take(MAX_LOOKED_FOR) {
-            let queue = machine.printers.of_build(&build).and_then(|printer| printer.opened.clone());
-            // Another folder than the one that it was published in says nothing.
-            let queue = queue.filter(|queue| build.staged.queue_id.as_deref() == Some(queue.marker_id()));
-            wanted.extend(queue.zip(build.staged.file_name).map(|(queue, file)| (build.id, queue, file)));
-        }
-        if !wanted.is_empty() {
-            farm.jobs.start(QueueLookJob { profile: name.clone() }, move || find_taken(wanted));
-        }
-    }
-    Ok(())
-}
-
-fn find_taken(wanted: Vec<(BuildId, QueueFolder, String)>) -> Vec<(BuildId, String)> {
-    let is_gone = |queue: &QueueFolder, file: &str| {
-        let is_gone = matches!(queue.staged_state(file), Ok(StagedState::Gone));
-        // Once more: the folder may have been unmounted in between.
-        is_gone && !queue.withdrawn_path(file).exists() && queue.check_marker().is_ok()
-    };
-    let gone = wanted.into_iter().filter(|(_, queue, file)| is_gone(queue, file));
-    gone.map(|(build, queue, _)| (build, queue.marker_id().to_owned())).collect()
 }

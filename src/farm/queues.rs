@@ -30,13 +30,18 @@ pub(super) struct OpenQueueJob {
 impl BackgroundJob<Farm> for OpenQueueJob {
     const KIND: &'static str = "Queue";
     /// The folder, or the reason why it cannot be used; `None` = its lease says so.
-    type Outcome = Result<Option<QueueFolder>, String>;
+    type Outcome = Result<Option<OpenedQueue>, String>;
 
     fn subject(&self) -> String {
         self.printer.clone()
     }
 
     async fn on_done(self, farm: &mut Farm, opened: Self::Outcome) -> Result<()> {
+        if let Ok(Some(OpenedQueue { queue, builds })) = &opened {
+            // A machine that got printers, or a printer that got another name, goes on with what is there.
+            farm.ledger.name_printer(&self.profile, &self.printer, queue.marker_id(), builds).await?;
+        }
+        let opened = opened.map(|opened| opened.map(|opened| opened.queue));
         on_queue_opened(&mut farm.machines, &mut farm.alerts, &self, opened);
         Ok(())
     }
@@ -128,6 +133,8 @@ fn on_queue_opened(
             printer.opened = Some(queue);
             alerts.clear(AlertKind::QueueAway, name, about);
         }
+        // Of a printer that a person took out of use, everybody knows.
+        Err(_) if printer.down.is_some() => alerts.clear(AlertKind::QueueAway, name, about),
         Err(why) => alerts.raise(AlertKind::QueueAway, name, about, &why),
     }
 }
@@ -158,6 +165,12 @@ pub(super) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm
     jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
 }
 
+/// A queue folder, and the names of the builds that are visible or staged in it.
+pub(super) struct OpenedQueue {
+    queue: QueueFolder,
+    builds: Vec<String>,
+}
+
 /// The data for opening a queue folder.
 struct QueueOpening {
     profile: String,
@@ -169,7 +182,7 @@ struct QueueOpening {
 
 impl QueueOpening {
     /// Opens the folder and removes the half-written files that a crash left in it.
-    async fn open_and_sweep(mut self) -> Result<Option<QueueFolder>, String> {
+    async fn open_and_sweep(mut self) -> Result<Option<OpenedQueue>, String> {
         // This check comes first, so that an empty mount point is not marked as a queue.
         if self.lease.check_usable().is_err() {
             return Ok(None);
@@ -185,7 +198,9 @@ impl QueueOpening {
         if !swept.is_empty() {
             info!(profile = %self.profile, files = swept.len(), "Removed half-written files of an earlier run.");
         }
-        Ok(Some(queue))
+        let mut builds = queue.published_build_names().map_err(|error| error_chain(&error))?;
+        builds.extend(queue.staged_build_names().map_err(|error| error_chain(&error))?);
+        Ok(Some(OpenedQueue { queue, builds }))
     }
 }
 

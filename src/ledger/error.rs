@@ -142,6 +142,9 @@ pub enum LedgerError {
         /// The states that the change requires.
         needed: &'static [super::BuildState],
     },
+    /// The build was made again since a person looked at it.
+    #[error("build {0} was made again since you looked at it: look at what it is now")]
+    ProvedAnew(BuildId),
     /// The part is not waiting, so none of its copies can be nested.
     #[error("part {part} is {state}, not waiting")]
     NotWaiting {

@@ -93,6 +93,7 @@ pub use lane::{LaneId, LaneProgress, LaneRow, LaneSearchRow, TakenLane};
 pub use ledger::Ledger;
 pub use machine::{MachineRow, ObservedMachine};
 pub use month::{BadCopies, LatePart};
+pub use move_build::{FoundPlace, MoveEnd};
 pub use name_search::{NamePattern, NamedBuildRow, NamedPartRow};
 pub use night_search::{NightSearchRow, NightState};
 pub use node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
@@ -106,7 +107,7 @@ pub use part_row::{
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use precedence::compare_precedence;
-pub use printer::{DownPrinter, OccupyingBuild, ToldPrint};
+pub use printer::{DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;

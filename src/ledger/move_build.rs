@@ -4,6 +4,8 @@
 //! 1. `begin_move`. The file is taken back by one rename; if it is not there, its printer took it (`end_move`).
 //! 2. It is copied under a dot-name into the other folder. `record_move`: from now on, it may be visible there.
 //! 3. What was taken back is removed, then the dot-file is renamed. `finish_move`.
+//!
+//! Where the outcome is told meanwhile, the file goes out of both folders (`end_move`).
 
 use super::{BuildId, BuildRow, BuildState, EventKind, Ledger, change::LedgerChange, error::Result, sql};
 
@@ -40,28 +42,93 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The file is visible in the other queue folder, or was.
-    pub async fn finish_move(&self, build: BuildId) -> Result<()> {
+    /// The file is visible in the other queue folder, or was. Returns `false`, and changes nothing, if the outcome of the
+    /// build was told meanwhile: then the file is not wanted there.
+    pub async fn finish_move(&self, build: BuildId) -> Result<bool> {
         let mut change = self.begin_change().await?;
         let (profile, from, to) = printers_of(&mut change, build).await?;
         let set = "UPDATE build SET printer = move_to, queue_id = move_queue_id, move_to = NULL, move_queue_id = NULL \
-            WHERE id = $1 AND move_queue_id IS NOT NULL";
-        if sql::query(set).bind(build).execute(change.db()).await? > 0 {
-            let detail = format!("from {} to {}", from.unwrap_or_default(), to.unwrap_or_default());
+            WHERE id = $1 AND move_queue_id IS NOT NULL AND state = 'published'";
+        if sql::query(set).bind(build).execute(change.db()).await? == 0 {
+            return Ok(false);
+        }
+        let detail = format!("from {} to {}", from.unwrap_or_default(), to.unwrap_or_default());
+        change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// The file is not moved after all.
+    pub async fn end_move(&self, build: BuildId, end: MoveEnd) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let (now, (profile, from, to)) = (change.now, printers_of(&mut change, build).await?);
+        let set = match end {
+            MoveEnd::Taken => {
+                let set = "UPDATE build SET taken_at = coalesce(taken_at, $2), move_to = NULL, move_queue_id = NULL WHERE id = $1";
+                sql::query(set).bind(build).bind(now)
+            }
+            MoveEnd::Dropped => {
+                sql::query("UPDATE build SET move_to = NULL, move_queue_id = NULL WHERE id = $1").bind(build)
+            }
+            MoveEnd::TakenThere => {
+                let set = "UPDATE build SET taken_at = $2, printer = coalesce(move_to, printer), \
+                    queue_id = coalesce(move_queue_id, queue_id), move_to = NULL, move_queue_id = NULL WHERE id = $1";
+                sql::query(set).bind(build).bind(now)
+            }
+        };
+        set.execute(change.db()).await?;
+        if end == MoveEnd::TakenThere {
+            let detail = format!("from {} to {}, which took it", from.unwrap_or_default(), to.unwrap_or_default());
             change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
         }
         change.commit().await
     }
 
-    /// The file is not moved after all: its printer took it, or it is not wanted any more.
-    pub async fn end_move(&self, build: BuildId) -> Result<()> {
+    /// The file of a published build was found where the ledger does not have it, as after a backup was put back: at `found`.
+    /// Nothing is recorded if the build moves, or is no longer where the ledger had it.
+    pub async fn correct_place(&self, build: BuildId, found: &FoundPlace) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let now = change.now;
+        let (profile, from, _) = printers_of(&mut change, build).await?;
+        // A file that was taken back is brought to a printer, beginning with the one where it is.
+        let move_to = found.is_taken_back.then(|| found.printer.clone());
+        let set = sql::query(
+            "UPDATE build SET printer = $1, queue_id = $2, move_to = $3, taken_at = NULL WHERE id = $4 AND state = 'published' \
+             AND move_to IS NULL AND queue_id IS NOT DISTINCT FROM $5",
+        );
         let set =
-            "UPDATE build SET taken_at = coalesce(taken_at, $1), move_to = NULL, move_queue_id = NULL WHERE id = $2";
-        sql::query(set).bind(now).bind(build).execute(change.db()).await?;
+            set.bind(&found.printer).bind(&found.queue_id).bind(move_to).bind(build).bind(found.instead_of.clone());
+        if set.execute(change.db()).await? == 0 {
+            return Ok(());
+        }
+        let what = if found.is_taken_back { "found taken back at" } else { "found at" };
+        let detail = format!("{what} {} instead of {}", found.printer, from.unwrap_or_default());
+        change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
         change.commit().await
     }
+}
+
+/// How a move ended that did not bring the file to another printer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MoveEnd {
+    /// Its printer took the file before it could be taken back.
+    Taken,
+    /// The outcome was told meanwhile, and the file is in no queue.
+    Dropped,
+    /// The outcome was told meanwhile, and the other printer has taken the file.
+    TakenThere,
+}
+
+/// Where the file of a published build was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoundPlace {
+    /// The printer in whose queue folder it is.
+    pub printer: String,
+    /// Marker of that folder.
+    pub queue_id: String,
+    /// Marker of the folder where the ledger had it.
+    pub instead_of: Option<String>,
+    /// Whether it is there as a file that was taken back.
+    pub is_taken_back: bool,
 }
 
 /// The machine of a build, its printer, and the one that it is moved to.

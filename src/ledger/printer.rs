@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    BuildId, BuildRow, BuildState, EventKind, Ledger, UtcTimestamp,
+    BuildId, BuildState, EventKind, Ledger, LedgerError, UtcTimestamp,
     error::Result,
     sql::{self, sql_row},
 };
@@ -45,6 +45,21 @@ pub struct OccupyingBuild {
 
 sql_row!(OccupyingBuild { build, printer, state, height_mm, published_at, begun_at });
 
+/// A published build that its printer has not taken, as far as is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QueuedBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// Its printer.
+    pub printer: String,
+    /// Marker of the queue folder where it was published.
+    pub queue_id: Option<String>,
+    /// Name of its file there.
+    pub file_name: Option<String>,
+}
+
+sql_row!(QueuedBuild { build, printer, queue_id, file_name });
+
 /// A print whose end a person has told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToldPrint {
@@ -59,6 +74,9 @@ pub struct ToldPrint {
 }
 
 sql_row!(ToldPrint { printer, height_mm, begun_at, told_at });
+
+/// A build, the name of its printer, and that of its file.
+type PlacedFile = (BuildId, Option<String>, Option<String>);
 
 /// When the print of a build began.
 const BEGUN_AT: &str =
@@ -105,13 +123,46 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The published builds of a machine whose files were in the queue folder when they were last looked for, the oldest first.
-    pub async fn builds_in_queue(&self, profile: &str) -> Result<Vec<BuildRow>> {
-        let query = sql::select_as(
-            "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
-             AND move_to IS NULL ORDER BY id",
+    /// The newest published builds of a machine whose files were in a queue folder when they were last looked for.
+    pub async fn newest_queued(&self, profile: &str, limit: u32) -> Result<Vec<QueuedBuild>> {
+        let query = sql::query_as(
+            "SELECT id AS build, printer, queue_id, file_name FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
+             AND printer IS NOT NULL AND move_to IS NULL ORDER BY id DESC LIMIT $2",
+        );
+        Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
+    }
+
+    /// The number of published builds of a machine that were not seen to be taken, by printer.
+    pub async fn queued_counts(&self, profile: &str) -> Result<Vec<(String, i64)>> {
+        let query = sql::query_as(
+            "SELECT printer, count(*) FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
+             AND printer IS NOT NULL AND move_to IS NULL GROUP BY printer",
         );
         Ok(query.bind(profile).fetch_all(self.reader()?).await?)
+    }
+
+    /// Gives the builds in the queue folder with this marker the name of its printer, which may be a new one. Builds of an
+    /// earlier nestd, which named no printers, get it if their files are there: `present`.
+    pub async fn name_printer(&self, profile: &str, printer: &str, queue_id: &str, present: &[String]) -> Result<()> {
+        let others = sql::query_as(
+            "SELECT id, printer, file_name FROM build WHERE profile = $1 AND queue_id = $2 AND printer IS DISTINCT FROM $3 \
+             AND state IN ('verified', 'published', 'printing')",
+        );
+        let others = others.bind(profile).bind(queue_id).bind(printer).fetch_all(self.reader()?).await?;
+        let is_present = |file: &Option<String>| file.as_ref().is_some_and(|file| present.contains(file));
+        let others = others.into_iter().filter(|(_, named, file): &PlacedFile| named.is_some() || is_present(file));
+        let others: Vec<BuildId> = others.map(|(build, _, _)| build).collect();
+        if others.is_empty() {
+            return Ok(());
+        }
+        let mut change = self.begin_change().await?;
+        for build in others {
+            let set = sql::query(
+                "UPDATE build SET printer = $1 WHERE id = $2 AND queue_id = $3 AND state IN ('verified', 'published', 'printing')",
+            );
+            set.bind(printer).bind(build).bind(queue_id).execute(change.db()).await?;
+        }
+        change.commit().await
     }
 
     /// Records that the file of a published build is gone from the queue folder with this marker: the printer, or a person, took
@@ -154,12 +205,18 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// A person said that a proved build may be published. Returns `false` if that was said before.
+    /// A person said that a proved build may be published. `seen` is the hash of the build file that the person was shown.
+    /// Returns `false` if that was said before.
     ///
-    /// `WrongState` unless it is proved and not published.
-    pub async fn release_build(&self, build: BuildId, by: &str) -> Result<bool> {
+    /// `WrongState` unless it is proved and not published; `ProvedAnew` if it is another file by now.
+    pub async fn release_build(&self, build: BuildId, seen: Option<&str>, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let profile = change.ensure_build_state(build, &[BuildState::Verified]).await?;
+        change.ensure_build_state(build, &[BuildState::Verified]).await?;
+        let proved = sql::query_as("SELECT profile, file_hash FROM build WHERE id = $1").bind(build);
+        let (profile, proved): (String, Option<String>) = proved.fetch_one(change.db()).await?;
+        if seen.is_some() && seen != proved.as_deref() {
+            return Err(LedgerError::ProvedAnew(build));
+        }
         let now = change.now;
         let set = "UPDATE build SET released_at = $1, released_by = $2 WHERE id = $3 AND released_at IS NULL";
         if sql::query(set).bind(now).bind(by).bind(build).execute(change.db()).await? == 0 {

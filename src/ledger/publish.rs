@@ -40,13 +40,13 @@ impl Ledger {
     }
 
     /// verified -> nesting: the staged file is not the proved one any more, so the build file is written again from the
-    /// stored poses of its copies.
+    /// stored poses of its copies. Nobody has seen what it becomes: a yes that was said does not count for it.
     pub async fn reopen_verified_build(&self, build: BuildId, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Nesting, why).await?;
         sql::query(
             "UPDATE build SET verified_at = NULL, publishing_at = NULL, file_name = NULL, queue_id = NULL, \
-             file_hash = NULL, file_bytes = NULL, sidecars = NULL WHERE id = $1",
+             file_hash = NULL, file_bytes = NULL, sidecars = NULL, released_at = NULL, released_by = NULL WHERE id = $1",
         )
         .bind(build)
         .execute(change.db())

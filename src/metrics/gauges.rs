@@ -168,10 +168,10 @@ async fn register_printers(registry: &mut Registry, ledger: &Ledger, settings: &
     let (up, queued) = (Family::<LabelPairs, FloatGauge>::default(), Family::<LabelPairs, FloatGauge>::default());
     let down = ledger.down_printers().await?;
     for (name, profile) in &settings.profiles {
-        let builds = ledger.builds_in_queue(name).await?;
+        let counts = ledger.queued_counts(name).await?;
         for printer in profile.printers.iter().map(|printer| &printer.name) {
             let is_down = down.iter().any(|down| down.profile == *name && down.printer == *printer);
-            let of_printer = builds.iter().filter(|build| build.place.printer.as_ref() == Some(printer)).count();
+            let of_printer = counts.iter().find(|(of, _)| of == printer).map_or(0, |(_, count)| *count);
             let labels = vec![("profile", name.clone()), ("printer", printer.clone())];
             up.get_or_create(&labels).set(gauge_from_bool(!is_down));
             queued.get_or_create(&labels).set(of_printer as f64);

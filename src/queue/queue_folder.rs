@@ -189,6 +189,13 @@ impl QueueFolder {
         Ok(was_staged)
     }
 
+    /// The names of all builds that are visible here, including those of other farms.
+    pub fn published_build_names(&self) -> Result<Vec<String>, QueueError> {
+        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        Ok(names.filter(|name| file_names::build_stem(name).is_ok()).collect())
+    }
+
     /// The names of all builds that have dot-files here, including those of other farms.
     pub fn staged_build_names(&self) -> Result<Vec<String>, QueueError> {
         let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;

@@ -72,6 +72,18 @@ impl QueueFolder {
         Ok(WithdrawalOutcome::TakenBack)
     }
 
+    /// The names of the builds that were taken back and are still here.
+    pub fn withdrawn_builds(&self) -> Result<Vec<String>, QueueError> {
+        let dir = self.folder_path();
+        let entries = fs::read_dir(dir).map_err(io_error("list", dir))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let build = |name: String| {
+            let build = name.strip_prefix('.')?.strip_suffix(MOVING)?;
+            file_names::build_stem(build).is_ok().then(|| build.to_owned())
+        };
+        Ok(names.filter_map(build).collect())
+    }
+
     /// Stages what was taken back out of a folder in this one, which may be the same: the sidecars first.
     pub fn stage_withdrawn(&self, from: &QueueFolder, build_name: &str) -> Result<(), QueueError> {
         let stem = file_names::build_stem(build_name)?;

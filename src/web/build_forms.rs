@@ -44,6 +44,8 @@ pub(super) struct BuildTellForm {
     keep: Option<String>,
     /// Sent if it corrects what was told before.
     correct: Option<String>,
+    /// Hash of the build file that was shown.
+    seen: Option<String>,
 }
 
 /// What a form of the page of a build asks for.
@@ -108,7 +110,7 @@ pub(super) async fn release_form(
         section.forms #release aria-label="Waits for a yes" {
             p role="status" { b { "It waits for a yes before it is published." } }
             ul { @for sentence in preview.sentences(&profile.time_zone) { li { (sentence) } } }
-            @if web.orders { (act_form(web, build.id, "release", "Publish it")) }
+            @if web.orders { (act_form_with(web, build.id, ("release", "Publish it"), build.staged.file_hash.as_deref())) }
         }
     })
 }
@@ -136,10 +138,16 @@ fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool
 
 /// A button that needs no more fields.
 fn act_form(web: &DashboardState, build: BuildId, act: &str, label: &str) -> Markup {
+    act_form_with(web, build, (act, label), None)
+}
+
+/// A button that says which build file was shown.
+fn act_form_with(web: &DashboardState, build: BuildId, (act, label): (&str, &str), seen: Option<&str>) -> Markup {
     html! {
         form.order method="post" action=(format!("/builds/{build}/told")) {
             input type="hidden" name="key" value=(web.form_key);
             input type="hidden" name="act" value=(act);
+            @if let Some(seen) = seen { input type="hidden" name="seen" value=(seen); }
             button type="submit" { (label) span.unseen { " (build " (build) ")" } }
         }
     }
@@ -191,7 +199,7 @@ async fn carry_out(
             return Ok(vec![format!("Build {build} is issued once more as build {new}.")]);
         }
         BuildFormAct::Release => {
-            ledger.release_build(build, by).await?;
+            ledger.release_build(build, form.seen.as_deref(), by).await?;
             return Ok(vec![format!("Build {build} is released and goes to the queue.")]);
         }
         BuildFormAct::Seen => {

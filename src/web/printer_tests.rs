@@ -55,7 +55,7 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
     dashboard.ledger.take_printer_down("left", "paper-200", "ann@farm", "its laser").await.unwrap();
     let page = dashboard.get("/").await.text;
     assert!(page.contains("Printer <b>left</b>: down since") && page.contains("by ann@farm: its laser."), "{page}");
-    assert!(page.contains("Printer <b>right</b>: 0 builds, free from"), "{page}");
+    assert!(page.contains("Printer <b>right</b>: 0 builds, free now"), "{page}");
     assert!(!page.contains("Printer <b>cube</b>"), "one printer in use is no news");
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
     let printers = |name: &str| {

@@ -19,7 +19,7 @@ use super::super::{
     layout::CopyId,
     machine_setup,
     open::open_farm,
-    restore::repair_ledger,
+    restore::{repair_ledger, restore_ledger},
     time_source::{ClockHands, TimeSource},
 };
 use crate::{
@@ -102,6 +102,20 @@ impl HandDrivenFarm {
         let settings =
             settings::load_settings(Some(&self.root().join("config/nestd.toml")), Some(self.root())).unwrap();
         self.runtime.block_on(repair_ledger(&settings, &[])).unwrap()
+    }
+
+    /// A backup of the ledger as it is now.
+    pub fn write_backup(&self, name: &str) -> PathBuf {
+        let backup = self.root().join(name);
+        self.ask(async |ledger| ledger.write_backup(&backup).await.unwrap());
+        backup
+    }
+
+    /// Puts a backup in place of the ledger of a closed farm.
+    pub fn restore(&self, backup: &Path) -> ReconcileReport {
+        let settings =
+            settings::load_settings(Some(&self.root().join("config/nestd.toml")), Some(self.root())).unwrap();
+        self.runtime.block_on(restore_ledger(&settings, Some(backup), &[])).unwrap().reconciled
     }
 
     /// Reads the configuration again.

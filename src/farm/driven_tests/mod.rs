@@ -11,6 +11,7 @@ mod night;
 mod open_build;
 mod orders;
 mod precedence;
+mod printer_recovery;
 mod printers;
 mod repair;
 mod reprints;

@@ -16,21 +16,21 @@ use crate::ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
 
 const PRINTERS: &str = "[[printer]]\nname = \"left\"\n[[printer]]\nname = \"right\"\n";
 
-fn two_printers(options: &str) -> HandDrivenFarm {
+pub(super) fn two_printers(options: &str) -> HandDrivenFarm {
     HandDrivenFarm::open(&format!("{QUICK}orientation = \"fixed\"\n{options}{PRINTERS}"))
 }
 
-fn queue(farm: &HandDrivenFarm, printer: &str) -> PathBuf {
+pub(super) fn queue(farm: &HandDrivenFarm, printer: &str) -> PathBuf {
     farm.folder_of("queue", printer)
 }
 
 /// Builds that printers can see: on the left and on the right.
-fn visible(farm: &HandDrivenFarm) -> [usize; 2] {
+pub(super) fn visible(farm: &HandDrivenFarm) -> [usize; 2] {
     ["left", "right"].map(|printer| list_build_files(&queue(farm, printer)).len())
 }
 
 /// Drops a part and has it built.
-fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) {
+pub(super) fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) {
     let built = farm.parts(PartState::Built).len();
     farm.drop_part(name, &block(20.0, 20.0, height_mm));
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -38,15 +38,15 @@ fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) {
     farm.wait_for_parts(PartState::Built, built + 1);
 }
 
-fn take_down(farm: &HandDrivenFarm, printer: &str) {
+pub(super) fn take_down(farm: &HandDrivenFarm, printer: &str) {
     farm.ask(async |ledger| ledger.take_printer_down(printer, PROFILE, "a@test", "its lamp").await.unwrap());
 }
 
-fn bring_up(farm: &HandDrivenFarm, printer: &str) {
+pub(super) fn bring_up(farm: &HandDrivenFarm, printer: &str) {
     assert!(farm.ask(async |ledger| ledger.bring_printer_up(printer, PROFILE, "a@test").await.unwrap()));
 }
 
-fn published(farm: &HandDrivenFarm) -> Vec<BuildRow> {
+pub(super) fn published(farm: &HandDrivenFarm) -> Vec<BuildRow> {
     farm.ask(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap())
 }
 
@@ -89,13 +89,16 @@ fn a_printer_that_is_down_gets_nothing_and_without_any_nothing_is_fired() {
     take_down(&farm, "right");
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.order(CommandKind::Flush, None);
+    let refused = farm.order_and_wait(CommandKind::Flush, None);
+    assert!(refused.answer.contains("`nestd printer left up`"), "{}", refused.answer);
     farm.pass_secs(60.0);
     assert_eq!((visible(&farm), farm.parts(PartState::Waiting).len()), ([0, 3], 1));
     let text = farm.status_text();
     assert!(text.contains("No printer is in use: nothing is fired."), "{text}");
     assert!(text.contains("Printer left: down since") && text.contains("by a@test: its lamp."), "{text}");
     bring_up(&farm, "left");
+    farm.tick();
+    farm.order(CommandKind::Flush, None);
     farm.wait_for_parts(PartState::Built, 4);
     farm.pass_until("all of it is at the printer that is in use", |farm| visible(farm) == [4, 0]);
     assert_eq!(farm.status_json()["printers"][1]["down"]["reason"], "its lamp");
@@ -192,6 +195,10 @@ fn a_machine_that_gets_a_second_printer_goes_on_with_what_lies_in_its_queue() {
     let seen = |farm: &HandDrivenFarm| [farm.queued().len(), list_build_files(&queue(farm, "right")).len()];
     assert_eq!(seen(&farm).iter().sum::<usize>(), 2);
     farm.assert_ledger_agrees_with_folders();
+    // What was published under the name of the machine lies at the printer that has its folder now.
+    take_down(&farm, "left");
+    farm.pass_until("all of it is at the other one", |farm| seen(farm) == [0, 2]);
+    farm.assert_ledger_agrees_with_folders();
 }
 
 #[test]
@@ -224,7 +231,7 @@ fn a_thin_build_waits_for_a_yes_and_goes_to_the_printer_that_is_up_then() {
     });
     farm.pass_secs(10.0);
     assert_eq!(visible(&farm), [1, 0]);
-    assert!(farm.ask(async |ledger| ledger.release_build(build.id, "b@test").await.unwrap()));
+    assert!(farm.ask(async |ledger| ledger.release_build(build.id, None, "b@test").await.unwrap()));
     farm.pass_until("it is published", |farm| visible(farm) == [2, 0]);
     farm.pass_until("nobody is asked any more", |farm| !farm.has_alert(AlertKind::ReleaseDue));
     farm.assert_ledger_agrees_with_folders();

@@ -1,0 +1,202 @@
+//! Looks into the queue folders of the machines for their published builds: which were taken, and which are not where the
+//! ledger has them. The latter happens where a ledger was put back from a backup, or is a new one.
+
+use anyhow::{Context, Result};
+use build_file::format_count;
+use tokio::runtime::Handle;
+use tracing::{info, warn};
+
+use super::{
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    farm::Farm,
+    folder_leases::FolderLeases,
+    jobs::BackgroundJob,
+    printer_state::{MachinePrinters, PrinterState},
+};
+use crate::{
+    ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
+    queue::{QueueFolder, StagedState},
+};
+
+/// Newest builds of a machine whose files are looked for.
+const MAX_LOOKED_FOR: u32 = 50;
+
+/// Looks into the queue folders of a machine.
+#[derive(Clone)]
+struct QueueLookJob {
+    profile: String,
+}
+
+/// What was found.
+#[derive(Debug, Default)]
+struct QueueFindings {
+    /// The builds that were taken, each with the marker of the folder where it lay.
+    taken: Vec<(BuildId, String)>,
+    /// The builds that are elsewhere than the ledger has them.
+    elsewhere: Vec<(BuildId, FoundPlace)>,
+}
+
+impl BackgroundJob<Farm> for QueueLookJob {
+    const KIND: &'static str = "Look";
+    type Outcome = Result<QueueFindings>;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
+        let found = match found {
+            Ok(found) => found,
+            Err(failure) => {
+                warn!(profile = %self.profile, "Nobody could look for published builds: {failure:#}.");
+                return Ok(());
+            }
+        };
+        for (build, queue_id) in found.taken {
+            farm.ledger.record_taken(build, &queue_id).await?;
+        }
+        for (build, place) in found.elsewhere {
+            let what =
+                if place.is_taken_back { "taken back, and goes into a queue again" } else { "in its queue folder" };
+            info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
+            farm.ledger.correct_place(build, &place).await?;
+        }
+        Ok(())
+    }
+}
+
+/// Starts jobs that look into the queue folders.
+pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
+    for (name, machine) in &farm.machines {
+        let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
+        let open = |printer: &PrinterState| Some((printer.name.clone(), printer.opened.clone()?));
+        let look = QueueLook {
+            profile: name.clone(),
+            queues: machine.printers.0.iter().filter_map(open).collect(),
+            leases: machine.leases.clone(),
+            ledger: farm.ledger.clone(),
+            runtime: Handle::current(),
+        };
+        report_removed_printers(&mut farm.alerts, &machine.printers, name, &wanted);
+        // The files of a machine's only printer are never taken back.
+        if !wanted.is_empty() || look.queues.len() > 1 {
+            farm.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
+        }
+    }
+    Ok(())
+}
+
+/// Builds in the queue folder of a printer that is configured no more are looked after by nobody.
+fn report_removed_printers(
+    alerts: &mut AlertRegistry,
+    printers: &MachinePrinters,
+    profile: &str,
+    builds: &[QueuedBuild],
+) {
+    let is_left_behind = |build: &&QueuedBuild| printers.find(&build.printer).is_none() && build.queue_id.is_some();
+    // The folder of a printer with another name may be opened yet.
+    let left: Vec<&QueuedBuild> = builds.iter().filter(|_| printers.are_all_open()).filter(is_left_behind).collect();
+    let Some(first) = left.first() else {
+        alerts.clear(AlertKind::QueueReplaced, profile, "removed printers");
+        return;
+    };
+    let text = format!(
+        "the printer {} is configured no more, and {} may lie in its queue folder, as build {}",
+        first.printer,
+        format_count(left.len(), "build", "builds"),
+        first.build
+    );
+    alerts.raise(AlertKind::QueueReplaced, profile, "removed printers", &text);
+}
+
+/// The open queue folders of a machine, by the names of its printers.
+struct QueueLook {
+    profile: String,
+    queues: Vec<(String, QueueFolder)>,
+    leases: FolderLeases,
+    ledger: Ledger,
+    runtime: Handle,
+}
+
+impl QueueLook {
+    fn look_for(&self, wanted: Vec<QueuedBuild>) -> Result<QueueFindings> {
+        let mut found = QueueFindings::default();
+        for build in wanted {
+            let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
+            // Another folder than the one that it was published in says nothing.
+            let (Some((_, own)), Some(file)) = (own, build.file_name) else { continue };
+            if !is_gone(own, &file) {
+                continue;
+            }
+            let is_visible =
+                |(_, queue): &&(String, QueueFolder)| matches!(queue.staged_state(&file), Ok(StagedState::Published));
+            match self.queues.iter().find(is_visible) {
+                Some((printer, queue)) => {
+                    let place = FoundPlace {
+                        printer: printer.clone(),
+                        queue_id: queue.marker_id().to_owned(),
+                        instead_of: build.queue_id,
+                        is_taken_back: false,
+                    };
+                    found.elsewhere.push((build.build, place));
+                }
+                None if self.queues.iter().any(|(_, queue)| queue.withdrawn_path(&file).exists()) => {}
+                None => found.taken.push((build.build, own.marker_id().to_owned())),
+            }
+        }
+        for (printer, queue) in &self.queues {
+            for file in queue.withdrawn_builds()? {
+                found.elsewhere.extend(self.settle_withdrawn(printer, queue, &file)?);
+            }
+        }
+        Ok(found)
+    }
+
+    /// A file that was taken back belongs to a move. Where the ledger knows of none, a file that is there was not printed: it goes
+    /// into a queue again, unless the outcome of its build was told.
+    fn settle_withdrawn(
+        &self,
+        printer: &str,
+        queue: &QueueFolder,
+        file: &str,
+    ) -> Result<Option<(BuildId, FoundPlace)>> {
+        let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile, file))?;
+        // Other farms have files of their own.
+        let Some(build) = row.filter(|build| build.place.move_to.is_none()) else { return Ok(None) };
+        if build.state == BuildState::Published {
+            return self.find_withdrawn(printer, queue, build);
+        }
+        if build.times.published_at.is_some() {
+            self.ledger.ensure_served()?;
+            self.leases.check_publish_folders(queue.folder_path())?;
+            queue.remove_withdrawn(file)?;
+        }
+        Ok(None)
+    }
+
+    fn find_withdrawn(
+        &self,
+        printer: &str,
+        queue: &QueueFolder,
+        build: BuildRow,
+    ) -> Result<Option<(BuildId, FoundPlace)>> {
+        let file = build.staged.file_name.as_deref().context("its row names no file")?;
+        let place = FoundPlace {
+            printer: printer.to_owned(),
+            queue_id: queue.marker_id().to_owned(),
+            instead_of: build.staged.queue_id.clone(),
+            is_taken_back: true,
+        };
+        // Once more: its move may have ended before the row was read.
+        Ok(queue.withdrawn_path(file).exists().then_some((build.id, place)))
+    }
+}
+
+/// Whether a published file is in a queue folder no more.
+fn is_gone(queue: &QueueFolder, file: &str) -> bool {
+    // The marker once more: the folder may have been unmounted in between.
+    matches!(queue.staged_state(file), Ok(StagedState::Gone))
+        && !queue.withdrawn_path(file).exists()
+        && queue.check_marker().is_ok()
+}

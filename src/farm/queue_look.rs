@@ -39,20 +39,13 @@ struct QueueFindings {
 
 impl BackgroundJob<Farm> for QueueLookJob {
     const KIND: &'static str = "Look";
-    type Outcome = Result<QueueFindings>;
+    type Outcome = QueueFindings;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
     async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
-        let found = match found {
-            Ok(found) => found,
-            Err(failure) => {
-                warn!(profile = %self.profile, "Nobody could look for published builds: {failure:#}.");
-                return Ok(());
-            }
-        };
         for (build, queue_id) in found.taken {
             farm.ledger.record_taken(build, &queue_id).await?;
         }
@@ -120,7 +113,7 @@ struct QueueLook {
 }
 
 impl QueueLook {
-    fn look_for(&self, wanted: Vec<QueuedBuild>) -> Result<QueueFindings> {
+    fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
         let mut found = QueueFindings::default();
         for build in wanted {
             let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
@@ -146,11 +139,15 @@ impl QueueLook {
             }
         }
         for (printer, queue) in &self.queues {
-            for file in queue.withdrawn_builds()? {
-                found.elsewhere.extend(self.settle_withdrawn(printer, queue, &file)?);
+            // A folder that is away keeps nobody from looking into the others.
+            for file in queue.withdrawn_builds().unwrap_or_default() {
+                match self.settle_withdrawn(printer, queue, &file) {
+                    Ok(place) => found.elsewhere.extend(place),
+                    Err(failure) => warn!(profile = %self.profile, "{file} was taken back and stays so: {failure:#}."),
+                }
             }
         }
-        Ok(found)
+        found
     }
 
     /// A file that was taken back belongs to a move. Where the ledger knows of none, a file that is there was not printed: it goes

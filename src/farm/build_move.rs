@@ -126,7 +126,11 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
         return Ok(());
     }
     let Some(target) = target else {
-        ensure!(source.is_none(), "the queue folder that it goes to is not available");
+        ensure!(
+            source.is_none(),
+            "the queue folder that it goes to is not available; where its printer was removed from the machine's file, configure \
+             that printer again: the file may be in its folder"
+        );
         // Neither of the two printers is configured any more: nothing of it can be printed here.
         return Ok(farm.ledger.end_move(build.id, MoveEnd::Dropped).await?);
     };

@@ -64,13 +64,14 @@ fn farm_with_small_state() -> Option<(TestFarm, SmallDisk)> {
     Some((farm, disk))
 }
 
-/// Asserts that the build waits with its part while the queue is unusable, and is published afterwards.
-fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
+/// Asserts that the build waits with its part while the queue is unusable, which status tells as `told`, and is published
+/// afterwards.
+fn waits_for_its_queue(farm: &TestFarm, told: &str, mend: impl FnOnce()) {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     says(farm, "A build cannot be made now");
     let status = || farm.nestd_ok(&["status"]);
-    wait_until_or("status tells it", 40.0, || farm.log(), || status().contains("A build cannot be made now"));
+    wait_until_or("status tells it", 40.0, || farm.log(), || status().contains(told));
     let build = farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
     assert!(farm.parts(PartState::Batched).len() == 1 && build.attempts <= 1, "{} attempts", build.attempts);
     mend();
@@ -83,7 +84,7 @@ fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
 fn a_build_waits_for_room_in_a_full_queue() {
     let Some((mut farm, disk)) = farm_with_small_queue() else { return };
     disk.fill();
-    waits_for_its_queue(&farm, || disk.free());
+    waits_for_its_queue(&farm, "A build cannot be made now", || disk.free());
     farm.stop();
 }
 
@@ -91,7 +92,7 @@ fn a_build_waits_for_room_in_a_full_queue() {
 fn a_build_waits_for_a_queue_that_is_read_only() {
     let Some((mut farm, disk)) = farm_with_small_queue() else { return };
     disk.read_only(true);
-    waits_for_its_queue(&farm, || disk.read_only(false));
+    waits_for_its_queue(&farm, "The queue folder cannot be used", || disk.read_only(false));
     farm.stop();
 }
 

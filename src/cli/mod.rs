@@ -41,6 +41,7 @@ mod terminal;
 mod values;
 mod verify;
 mod watch;
+mod withdraw;
 
 #[cfg(test)]
 mod tests;
@@ -159,6 +160,8 @@ enum CliCommand {
     Printer(printer::PrinterArgs),
     /// Say that a proved build may be published, where a machine asks for that; shows what it means
     Release(release::ReleaseArgs),
+    /// Take a published build that its printer has not taken back out of the queue: its copies wait again
+    Withdraw(withdraw::WithdrawArgs),
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
     Nodes(nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
@@ -240,6 +243,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Adopt { profile } => adopt::run(common, profile),
         CliCommand::Printer(args) => printer::run(common, args),
         CliCommand::Release(args) => release::run(common, args),
+        CliCommand::Withdraw(args) => withdraw::run(common, args),
         CliCommand::Nodes(args) => nodes::run(common, args),
         CliCommand::Backup(args) => backup::run(common, args),
         CliCommand::Restore(args) => backup::run_restore(common, args),

@@ -20,6 +20,7 @@ use super::{
     left_out::{LeftOutNotice, find_cut_off, find_left_out},
     machine_state::RunningSearch,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+    queue_depth::has_queue_room,
     state::ReadingState,
     thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     trigger::FireTrigger,
@@ -94,7 +95,8 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let mut waiting = farm.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
     let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
-    let has_unread_claims = flush
+    let takes_over = farm.ledger.withdrawn_for_open(name).await?.is_some();
+    let has_unread_claims = (flush || takes_over)
         && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
             || fetch_originals::awaits_original(farm, name).await?);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
@@ -112,10 +114,19 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     }
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
     report_left_out(farm, name, None, cut_off).await?;
+    let is_held = match farm.machines.get(name) {
+        Some(machine) if machine.profile.printing.queue_depth > 0 => {
+            !has_queue_room(&machine.profile, &farm.ledger.builds_ahead(name).await?)
+        }
+        _ => false,
+    };
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let open = machine.trigger_facts(&waiting, &wanted, newest, flush, farm.schedule.clock.is_date_trusted());
-    let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused || machine.printers.are_all_down() };
+    let open =
+        machine.trigger_facts(&waiting, &wanted, newest, (flush, takes_over), farm.schedule.clock.is_date_trusted());
+    let is_paused = machine.paused || machine.printers.are_all_down();
+    machine.pacing.is_held = is_held;
+    let facts = BatchFacts { open, has_unread_claims, is_paused, is_held };
     match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
         BatchDecision::AwaitClaims => Ok(()),
         BatchDecision::AnswerFlushes => {

@@ -14,6 +14,8 @@ pub(super) struct BatchFacts {
     pub(super) has_unread_claims: bool,
     /// Whether the machine is paused.
     pub(super) is_paused: bool,
+    /// Whether every printer has as many builds ahead as may lie in its queue. Only a person's flush fires then.
+    pub(super) is_held: bool,
 }
 
 /// What the open build needs.
@@ -32,12 +34,13 @@ pub(super) enum BatchDecision {
 /// Decides what the open build of a machine needs.
 pub(super) fn decide_batch(profile: &MachineProfile, facts: &BatchFacts, now: Timestamp) -> BatchDecision {
     let awaits_claims = facts.open.flush && facts.has_unread_claims;
+    let takes_over = facts.open.takes_over && !facts.has_unread_claims;
     if facts.open.copies == 0 {
         return if awaits_claims { BatchDecision::AwaitClaims } else { BatchDecision::AnswerFlushes };
     }
-    let open = TriggerFacts { flush: facts.open.flush && !awaits_claims, ..facts.open };
+    let open = TriggerFacts { flush: facts.open.flush && !awaits_claims, takes_over, ..facts.open };
     match find_trigger(profile, &open, now) {
-        Some(by) if !facts.is_paused => BatchDecision::Fire(by),
+        Some(by) if !facts.is_paused && (by == FireTrigger::Flush || !facts.is_held) => BatchDecision::Fire(by),
         _ => BatchDecision::Search,
     }
 }
@@ -55,9 +58,10 @@ mod tests {
             density: 0.0,
             full: false,
             flush,
+            takes_over: false,
             is_date_trusted: true,
         };
-        BatchFacts { open, has_unread_claims: false, is_paused: false }
+        BatchFacts { open, has_unread_claims: false, is_paused: false, is_held: false }
     }
 
     #[test]
@@ -81,5 +85,25 @@ mod tests {
         assert_eq!(decide_batch(&profile, &facts(1, false), now), BatchDecision::Fire(FireTrigger::MaxWait));
         let paused = BatchFacts { is_paused: true, ..facts(1, false) };
         assert_eq!(decide_batch(&profile, &paused, now), BatchDecision::Search);
+    }
+
+    #[test]
+    fn a_full_queue_holds_the_open_build_and_no_persons_flush() {
+        let profile = machine_with_triggers("max_wait_secs = \"1h\"");
+        let now = Timestamp::from_second(3600).unwrap();
+        let held = |flush: bool| BatchFacts { is_held: true, ..facts(1, flush) };
+        assert_eq!(decide_batch(&profile, &held(false), now), BatchDecision::Search);
+        assert_eq!(decide_batch(&profile, &held(true), now), BatchDecision::Fire(FireTrigger::Flush));
+    }
+
+    #[test]
+    fn what_takes_over_a_withdrawn_build_fires_as_soon_as_its_originals_are_there() {
+        let profile = machine_with_triggers("max_wait_secs = \"24h\"");
+        let open = TriggerFacts { takes_over: true, ..facts(2, false).open };
+        let ready = BatchFacts { open, ..facts(2, false) };
+        let decide = |facts: BatchFacts| decide_batch(&profile, &facts, Timestamp::UNIX_EPOCH);
+        assert_eq!(decide(ready), BatchDecision::Fire(FireTrigger::Withdrawn));
+        assert_eq!(decide(BatchFacts { has_unread_claims: true, ..ready }), BatchDecision::Search);
+        assert_eq!(decide(BatchFacts { is_held: true, ..ready }), BatchDecision::Search);
     }
 }

@@ -156,7 +156,7 @@ fn check_missing_source(machine: &MachineState, build: &BuildRow) -> Result<()> 
 }
 
 /// The open queue folder of a machine that has this marker.
-fn queue_with_marker(machine: &MachineState, marker: Option<&str>) -> Option<QueueFolder> {
+pub(super) fn queue_with_marker(machine: &MachineState, marker: Option<&str>) -> Option<QueueFolder> {
     let queues = machine.printers.0.iter().filter_map(|printer| printer.opened.as_ref());
     queues.into_iter().find(|queue| Some(queue.marker_id()) == marker).cloned()
 }

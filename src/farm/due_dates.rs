@@ -83,6 +83,7 @@ fn due_date_outlook(farm: &Farm, profile: &str, height_mm: f64) -> DueDateOutloo
             (true, _) => Some("its machine is paused"),
             (false, true) => Some("its machine is unavailable"),
             (false, false) if machine.printers.are_all_down() => Some("no printer of its machine is in use"),
+            (false, false) if machine.pacing.is_held => Some("the queues of its printers are full"),
             (false, false) => None,
         },
     }

@@ -3,7 +3,10 @@
 use build_file::format_count;
 use jiff::Timestamp;
 
-use super::trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger};
+use super::{
+    queue_depth::has_queue_room,
+    trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
+};
 use crate::{ledger::ProfileStatus, settings::MachineProfile};
 
 /// When a machine's next build fires, unless it is full before or an operator flushes it.
@@ -58,7 +61,7 @@ fn contents_text(row: &ProfileStatus) -> String {
 
 /// When the next build of a profile fires because of the time alone.
 pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
-    if row.paused.is_some() || row.waiting_parts == 0 {
+    if row.paused.is_some() || row.waiting_parts == 0 || !has_queue_room(profile, &row.ahead) {
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
@@ -71,6 +74,7 @@ pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<Fi
         density: 0.0,
         full: false,
         flush: false,
+        takes_over: false,
         is_date_trusted: true,
     };
     let (at, by) = next_timed_trigger(profile, &facts(row.newest_at.map_or(oldest, |at| at.0)))?;

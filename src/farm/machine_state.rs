@@ -59,6 +59,8 @@ pub struct BatchPacing {
     /// Whether the search for all waiting copies is done: only a change of the ledger or the passing of time brings new
     /// work.
     pub is_idle: bool,
+    /// Whether it waits for room in the queues of its printers.
+    pub is_held: bool,
     /// No batch starts before this time.
     pub next_batch_at: Instant,
 }
@@ -165,7 +167,7 @@ impl MachineState {
                 ..OpenBuildState::default()
             },
             pending_flushes: Vec::new(),
-            pacing: BatchPacing { is_idle: false, next_batch_at: now },
+            pacing: BatchPacing { is_idle: false, is_held: false, next_batch_at: now },
             paused: false,
             left_out: LeftOutNotices::default(),
             status: Default::default(),
@@ -198,7 +200,7 @@ impl MachineState {
         waiting: &[WaitingPart],
         wanted: &BTreeSet<CopyId>,
         newest: Timestamp,
-        flush: bool,
+        (flush, takes_over): (bool, bool),
         knows_the_date: bool,
     ) -> TriggerFacts {
         let (copies, layout) = (waiting.iter().map(|w| w.copies.len()).sum(), &self.open.layout);
@@ -215,6 +217,7 @@ impl MachineState {
             density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
             full: self.open.covers_copies(wanted) && !layout.placed.is_empty() && has_more,
             flush,
+            takes_over,
             is_date_trusted: knows_the_date,
         }
     }
@@ -232,6 +235,12 @@ impl OpenBuildState {
         let mut layout = BatchLayout { placed: self.best_placements(), ..self.layout.clone() };
         layout.placed.retain(|p| copies.contains(&p.copy));
         (copies, layout)
+    }
+
+    /// Whether the layout holds every waiting copy.
+    pub fn holds_all(&self, waiting: &[WaitingPart]) -> bool {
+        let copies = waiting.iter().flat_map(|waiting| waiting.copies.iter().map(|copy| (waiting.part.id, *copy)));
+        self.layout.unplaced.is_empty() && self.covers_copies(&copies.collect())
     }
 
     /// Whether the layout is a completed search for exactly these copies.

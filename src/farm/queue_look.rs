@@ -72,8 +72,7 @@ pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
             runtime: Handle::current(),
         };
         report_removed_printers(&mut farm.alerts, &machine.printers, name, &wanted);
-        // The files of a machine's only printer are never taken back.
-        if !wanted.is_empty() || look.queues.len() > 1 {
+        if !look.queues.is_empty() {
             farm.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
         }
     }
@@ -150,7 +149,7 @@ impl QueueLook {
         found
     }
 
-    /// A file that was taken back belongs to a move. Where the ledger knows of none, a file that is there was not printed: it goes
+    /// A file that was taken back belongs to a move or a withdrawal. Where the ledger knows of none, a file that is there was not printed: it goes
     /// into a queue again, unless the outcome of its build was told.
     fn settle_withdrawn(
         &self,
@@ -160,7 +159,9 @@ impl QueueLook {
     ) -> Result<Option<(BuildId, FoundPlace)>> {
         let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile, file))?;
         // Other farms have files of their own.
-        let Some(build) = row.filter(|build| build.place.move_to.is_none()) else { return Ok(None) };
+        let Some(build) = row.filter(|build| build.place.move_to.is_none() && build.place.withdraw_by.is_none()) else {
+            return Ok(None);
+        };
         if build.state == BuildState::Published {
             return self.find_withdrawn(printer, queue, build);
         }

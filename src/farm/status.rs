@@ -27,6 +27,7 @@ use super::{
     night_text::night_text,
     part_questions,
     printers::{PrinterView, printer_lines, printer_views},
+    queue_depth::held_text,
     status_alerts, systemd,
     tick_tasks::TimedTask,
     time_text::floor_to_minute,
@@ -242,6 +243,7 @@ fn status_text(machine: &MachineState, row: &ProfileStatus, printers: &[PrinterV
     if let Some(fires) = forecast_fire(profile, row) {
         lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
     }
+    lines.extend(held_text(profile, row).map(|held| format!("The open build waits: {held}.")));
     if !machine.inbox.controls.answer.is_empty() {
         lines.push(machine.inbox.controls.answer.clone());
     }

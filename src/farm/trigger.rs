@@ -26,6 +26,8 @@ pub enum FireTrigger {
     Due,
     /// A time of day has come.
     At,
+    /// nestd took a published build back out of the queue, so that this one holds its copies, too.
+    Withdrawn,
 }
 
 impl fmt::Display for FireTrigger {
@@ -38,6 +40,7 @@ impl fmt::Display for FireTrigger {
             Self::MaxWait => "max_wait",
             Self::Due => "due",
             Self::At => "at",
+            Self::Withdrawn => "withdrawn",
         })
     }
 }
@@ -59,6 +62,8 @@ pub struct TriggerFacts {
     pub full: bool,
     /// Whether an operator asked for it.
     pub flush: bool,
+    /// Whether copies of a build that nestd withdrew are among the waiting ones.
+    pub takes_over: bool,
     /// Whether the clock was not set recently, so that dates may be acted on.
     pub is_date_trusted: bool,
 }
@@ -118,6 +123,7 @@ pub fn find_trigger(profile: &MachineProfile, facts: &TriggerFacts, now: Timesta
     let height_share = facts.height_mm / profile.build_volume().size_mm.z;
     let holds = [
         (facts.flush, FireTrigger::Flush),
+        (facts.takes_over, FireTrigger::Withdrawn),
         (facts.full, FireTrigger::Full),
         (share(trigger.fill_height, height_share) || share(trigger.fill_density, facts.density), FireTrigger::Fill),
         (trigger.copies.is_some_and(|n| facts.copies >= n as usize), FireTrigger::Copies),
@@ -203,6 +209,7 @@ pub(super) mod tests {
             density: 0.0,
             full: false,
             flush: false,
+            takes_over: false,
             is_date_trusted: knows_the_date,
         }
     }

@@ -97,9 +97,22 @@ pub struct PrinterPlace {
     pub released_at: Option<UtcTimestamp>,
     /// Who said so.
     pub released_by: Option<String>,
+    /// Who wants its file back out of the queue: user@host, or nestd; `None` = nobody, or it is done.
+    pub withdraw_by: Option<String>,
+    /// When its file was taken back out of the queue, and its copies were put back.
+    pub withdrawn_at: Option<UtcTimestamp>,
 }
 
-sql_row!(PrinterPlace { printer, taken_at, move_to, move_queue_id, released_at, released_by });
+sql_row!(PrinterPlace {
+    printer,
+    taken_at,
+    move_to,
+    move_queue_id,
+    released_at,
+    released_by,
+    withdraw_by,
+    withdrawn_at
+});
 
 /// Measurements of a build.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -191,6 +191,9 @@ pub enum LedgerError {
         /// The build.
         build: BuildId,
     },
+    /// The file of a published build cannot be taken back.
+    #[error("the file of build {0} is not in the queue: its printer took it, or it is on its way to another printer")]
+    NotInQueue(BuildId),
     /// The build would have no copies.
     #[error("build {0} has no copy to nest")]
     NothingToNest(BuildId),

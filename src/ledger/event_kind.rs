@@ -95,6 +95,8 @@ pub enum EventKind {
     Relocated,
     /// A person said that a proved build may be published.
     Released,
+    /// The file of a published build was taken back out of the queue, or its printer was first.
+    Withdrawn,
     /// Every copy of an order was printed well.
     OrderComplete,
     /// An order ended with fewer copies than were wanted.

@@ -65,6 +65,8 @@ pub struct HistoryRow {
     pub at: UtcTimestamp,
     /// When its file was put into the queue; `None` = never.
     pub published_at: Option<UtcTimestamp>,
+    /// When its file was taken back out of the queue: it was not printed; `None` = never.
+    pub withdrawn_at: Option<UtcTimestamp>,
     /// Height of the machine's volume at the time of the build, mm.
     pub volume_z_mm: Option<f64>,
     /// Distinct parts.
@@ -91,6 +93,7 @@ impl FromSqlRow for HistoryRow {
             state: row.column("state")?,
             at: row.column("at")?,
             published_at: row.column("published_at")?,
+            withdrawn_at: row.column("withdrawn_at")?,
             volume_z_mm: row.column::<Option<String>>("profile_snapshot")?.and_then(|json| volume_height(&json)),
             parts: row.column("parts")?,
             measures: FromSqlRow::from_sql_row(row)?,
@@ -158,7 +161,7 @@ impl HeightSummary {
 
 /// Columns of the history query.
 const COLUMNS: &str = "b.id AS build, b.profile, nullif(b.printer, b.profile) AS printer, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
-    b.height_mm, \
+    b.withdrawn_at, b.height_mm, \
     b.profile_snapshot, \
     b.density, b.lower_bound_mm, b.layers, \
     (SELECT count(*) FROM (SELECT l.part_id FROM placement l WHERE l.build_id = b.id \
@@ -269,7 +272,7 @@ fn summary_sql(query: &HistoryQuery) -> String {
         "SELECT b.profile, count(*) AS builds, CAST(coalesce(sum(b.copies), 0) AS BIGINT) AS copies, \
          coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM build b \
          WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
-         AND {time} >= coalesce($1, '') AND {time} < coalesce($2, ':'){} GROUP BY b.profile ORDER BY b.profile",
+         AND b.withdrawn_at IS NULL AND {time} >= coalesce($1, '') AND {time} < coalesce($2, ':'){} GROUP BY b.profile ORDER BY b.profile",
         filter_clause(query),
         time = time_key(query),
     )

@@ -68,6 +68,7 @@ mod time;
 mod totals;
 mod unknown;
 mod waiting;
+mod withdrawal;
 
 pub use address::{LedgerAddress, ServerAddress};
 pub use backup::prove_backup;
@@ -107,7 +108,7 @@ pub use part_row::{
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use precedence::compare_precedence;
-pub use printer::{DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
+pub use printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
@@ -121,6 +122,7 @@ pub use status::{
 pub use time::UtcTimestamp;
 pub use totals::{BuildCount, FarmTotals, MeasuredBuild};
 pub use waiting::{WaitingPart, rank_waiting_copies};
+pub use withdrawal::{WITHDRAWN_BY_NESTD, WithdrawalEnd};
 
 #[cfg(test)]
 pub(crate) mod fixtures;

@@ -16,7 +16,7 @@ impl Ledger {
         let mut builds: Vec<BuildRow> = moving.fetch_all(self.reader()?).await?;
         let left = sql::select_as(
             "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
-             AND move_to IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
+             AND move_to IS NULL AND withdraw_by IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
         );
         builds.extend(left.bind(profile).fetch_all(self.reader()?).await?);
         Ok(builds)
@@ -27,8 +27,10 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Published]).await?;
         // Another printer may be chosen as long as the file may not be visible at the one that was chosen.
-        let set =
-            sql::query("UPDATE build SET move_to = $1 WHERE id = $2 AND taken_at IS NULL AND move_queue_id IS NULL");
+        let set = sql::query(
+            "UPDATE build SET move_to = $1 WHERE id = $2 AND taken_at IS NULL AND move_queue_id IS NULL \
+             AND withdraw_by IS NULL",
+        );
         set.bind(to).bind(build).execute(change.db()).await?;
         change.commit().await
     }
@@ -93,7 +95,7 @@ impl Ledger {
         let move_to = found.is_taken_back.then(|| found.printer.clone());
         let set = sql::query(
             "UPDATE build SET printer = $1, queue_id = $2, move_to = $3, taken_at = NULL WHERE id = $4 AND state = 'published' \
-             AND move_to IS NULL AND queue_id IS NOT DISTINCT FROM $5",
+             AND move_to IS NULL AND withdraw_by IS NULL AND queue_id IS NOT DISTINCT FROM $5",
         );
         let set =
             set.bind(&found.printer).bind(&found.queue_id).bind(move_to).bind(build).bind(found.instead_of.clone());

@@ -183,7 +183,7 @@ pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, t
 }
 
 /// The copies of a build that count.
-async fn counted_copies(change: &mut LedgerChange, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+pub(super) async fn counted_copies(change: &mut LedgerChange, build: BuildId) -> Result<Vec<(PartId, u32)>> {
     let copies = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy");
     Ok(copies.bind(build).fetch_all(change.db()).await?)
 }

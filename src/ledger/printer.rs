@@ -45,6 +45,27 @@ pub struct OccupyingBuild {
 
 sql_row!(OccupyingBuild { build, printer, state, height_mm, published_at, begun_at });
 
+/// The builds ahead of a printer: made for it, or in its queue.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BuildsAhead {
+    /// The printer; "" = it is not decided for which one they are made.
+    pub printer: String,
+    /// Their number.
+    pub builds: u32,
+    /// Whether a person took the printer out of use.
+    pub is_down: bool,
+}
+
+sql_row!(BuildsAhead { printer, builds, is_down });
+
+/// The builds ahead of each printer, and the printers that are down, by machine.
+pub(super) const BUILDS_AHEAD: &str = "SELECT profile, printer, CAST(sum(builds) AS BIGINT) AS builds, \
+    max(down) > 0 AS is_down FROM (\
+    SELECT profile, coalesce(move_to, printer) AS printer, 1 AS builds, 0 AS down FROM build \
+    WHERE state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
+    UNION ALL SELECT profile, coalesce(printer, ''), 1, 0 FROM build WHERE state IN ('nesting', 'verified') \
+    UNION ALL SELECT profile, printer, 0, 1 FROM printer_down) AS one GROUP BY profile, printer ORDER BY profile, printer";
+
 /// A published build that its printer has not taken, as far as is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QueuedBuild {
@@ -127,9 +148,15 @@ impl Ledger {
     pub async fn newest_queued(&self, profile: &str, limit: u32) -> Result<Vec<QueuedBuild>> {
         let query = sql::query_as(
             "SELECT id AS build, printer, queue_id, file_name FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
-             AND printer IS NOT NULL AND move_to IS NULL ORDER BY id DESC LIMIT $2",
+             AND printer IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL ORDER BY id DESC LIMIT $2",
         );
         Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
+    }
+
+    /// The builds ahead of each printer of a machine, and its printers that are down.
+    pub async fn builds_ahead(&self, profile: &str) -> Result<Vec<BuildsAhead>> {
+        let query = format!("SELECT printer, builds, is_down FROM ({BUILDS_AHEAD}) AS ahead WHERE profile = $1");
+        Ok(sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).fetch_all(self.reader()?).await?)
     }
 
     /// The number of published builds of a machine that were not seen to be taken, by printer.
@@ -170,8 +197,8 @@ impl Ledger {
     pub async fn record_taken(&self, build: BuildId, queue_id: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
-        let set =
-            "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2 AND move_to IS NULL AND queue_id = $3";
+        let set = "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2 AND move_to IS NULL AND withdraw_by IS NULL \
+            AND queue_id = $3";
         sql::query(set).bind(now).bind(build).bind(queue_id).execute(change.db()).await?;
         change.commit().await
     }

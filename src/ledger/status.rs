@@ -7,8 +7,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    BuildId, BuildState, Ledger, NightState, PauseCause, UtcTimestamp,
+    BuildId, BuildState, BuildsAhead, Ledger, NightState, PauseCause, UtcTimestamp,
     error::Result,
+    printer::BUILDS_AHEAD,
     sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
 };
 
@@ -46,6 +47,9 @@ pub struct ProfileStatus {
     pub open: Option<OpenBuildForecast>,
     /// Builds that are being nested or published.
     pub nesting: Vec<NestingBuild>,
+    /// Builds that are made for each printer that is in use, or lie in its queue; "" = the printer is not decided.
+    #[serde(skip)]
+    pub ahead: Vec<BuildsAhead>,
     /// The pause of the profile, if any.
     pub paused: Option<PauseStatus>,
     /// The build that was published last.
@@ -279,6 +283,9 @@ impl Ledger {
         }
         for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {
             profile_entry(&mut profiles, &profile).nesting.push(row);
+        }
+        for WithProfile { profile, row } in fetch_by_profile(db, BUILDS_AHEAD).await? {
+            profile_entry(&mut profiles, &profile).ahead.push(row);
         }
         for WithProfile { profile, row } in
             fetch_by_profile(db, "SELECT profile, paused_by, cause, paused_at FROM pause").await?

@@ -62,9 +62,10 @@ const REFUSED: &str = "SELECT e.profile, e.cause, count(*) FROM event e LEFT JOI
     AND coalesce(p.object_index, 0) = 0 GROUP BY e.profile, e.cause ORDER BY e.profile, e.cause";
 const UNPROVED: &str = "SELECT profile, count(*) FROM event WHERE kind IN ('rejected', 'refused', 'proof_failed') \
     AND kind = 'proof_failed' GROUP BY profile ORDER BY profile";
-const BUILDS: &str = "SELECT profile, state, published_at IS NOT NULL AS is_published, count(*) AS builds FROM build \
-    GROUP BY profile, state, is_published ORDER BY profile, state, is_published";
-const MEASURED: &str = "SELECT profile, height_mm, density, wall_secs FROM build WHERE published_at IS NOT NULL";
+const BUILDS: &str = "SELECT profile, CASE WHEN withdrawn_at IS NULL THEN state ELSE 'withdrawn' END AS state, \
+    published_at IS NOT NULL AS is_published, count(*) AS builds FROM build GROUP BY 1, 2, 3 ORDER BY 1, 2, 3";
+const MEASURED: &str =
+    "SELECT profile, height_mm, density, wall_secs FROM build WHERE published_at IS NOT NULL AND withdrawn_at IS NULL";
 
 impl Ledger {
     /// Reads all totals in one consistent snapshot.

@@ -17,8 +17,8 @@ const HEIGHTS_M: [f64; 9] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6];
 const DENSITIES: [f64; 8] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5];
 /// Upper bounds of the buckets of nesting durations, seconds.
 const SECONDS: [f64; 9] = [1.0, 5.0, 15.0, 60.0, 180.0, 600.0, 1800.0, 3600.0, 14_400.0];
-/// Possible outcomes of a build. All but the first two are entered by people for published builds.
-const OUTCOMES: [&str; 5] = ["published", "given_up", "complete", "interrupted", "failed"];
+/// Possible outcomes of a build. All but the first three are entered by people for published builds.
+const OUTCOMES: [&str; 6] = ["published", "given_up", "withdrawn", "complete", "interrupted", "failed"];
 
 /// Registers the totals. Every configured profile has all of its counters from the start, at 0: Prometheus does not see
 /// an increase if a counter starts at 1.

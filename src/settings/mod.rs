@@ -38,7 +38,7 @@ pub use metrics::MetricsFile;
 pub use node::NodeSettings;
 pub use notification_kind::NotificationKind;
 pub use notify::{NotifySettings, WebhookSettings};
-pub use printer::{ApprovalPolicy, PrinterRules, PrintingRules};
+pub use printer::{ApprovalPolicy, PrinterRules, PrintingRules, WithdrawalPolicy};
 pub use problem::ConfigProblem;
 pub use profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,

@@ -45,6 +45,20 @@ pub enum ApprovalPolicy {
     Always,
 }
 
+/// When nestd takes a published build that its printer has not taken back out of the queue by itself, so that the next build holds
+/// its copies and what has arrived since.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WithdrawalPolicy {
+    /// Never.
+    #[default]
+    Never,
+    /// Where copies of the highest priority have arrived.
+    Urgent,
+    /// Also where any copies have arrived that probably fit into one build with it, while its printer prints for long.
+    Always,
+}
+
 /// How the machine is used: what a print takes beside its height, and which builds wait for a yes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintingRules {
@@ -54,6 +68,10 @@ pub struct PrintingRules {
     pub approve: ApprovalPolicy,
     /// A build lower than this share of the volume's height is thin, 0..1.
     pub thin: f64,
+    /// Builds that lie in a printer's queue, or are made for it, at most; 0 = any number.
+    pub queue_depth: u32,
+    /// When published builds are withdrawn.
+    pub withdraw: WithdrawalPolicy,
 }
 
 impl PrintingRules {

@@ -10,7 +10,6 @@ use super::{
     folders::path_below,
     profile::is_profile_name,
     profile_inputs::{PrintingInputs, ProfileInputs},
-    validation_rules::validate_path,
     validator::ConfigValidator,
 };
 
@@ -41,7 +40,7 @@ pub(super) fn validate_printers(
             days_off: printer.days_off.clone().unwrap_or_else(|| inputs.printing.days_off.clone()),
             ..inputs.printing.clone()
         };
-        printer.queue.iter().for_each(|queue| validate_path("printer.queue", queue, validator));
+        printer.queue.iter().for_each(|queue| validator.require_path("printer.queue", queue));
         let queue = match &printer.queue {
             Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
             _ => path_below(root, farm_queue).join(&printer.name),
@@ -69,7 +68,14 @@ pub(super) fn validate_calendar(inputs: &PrintingInputs, validator: &mut ConfigV
 pub(super) fn validate_printing(inputs: &PrintingInputs, validator: &mut ConfigValidator) -> PrintingRules {
     validator.require_within("cool_down_hours", inputs.cool_down_hours, 0.0..=1000.0);
     validator.require_within("thin", inputs.thin, 0.0..=1.0);
-    PrintingRules { cool_down_hours: inputs.cool_down_hours, approve: inputs.approve, thin: inputs.thin }
+    validator.require_within("queue_depth", f64::from(inputs.queue_depth), 0.0..=1000.0);
+    PrintingRules {
+        cool_down_hours: inputs.cool_down_hours,
+        approve: inputs.approve,
+        thin: inputs.thin,
+        queue_depth: inputs.queue_depth,
+        withdraw: inputs.withdraw,
+    }
 }
 
 /// Reports printers of one name: a person names one without its machine.

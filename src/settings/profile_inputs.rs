@@ -9,7 +9,7 @@ use nester::{FaceNotDown, NestingConfig, OrientationRule, TiltLimit};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy,
+    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
     duration::DurationSecs,
     option_group::{option_group, read_option_table, read_options},
     optional::OptionalValue,
@@ -122,6 +122,8 @@ option_group! {
         days_off: Vec<String> = Vec::new(),
         approve: ApprovalPolicy = ApprovalPolicy::default(),
         thin: f64 = 0.5,
+        queue_depth: u32 = 0,
+        withdraw: WithdrawalPolicy = WithdrawalPolicy::default(),
     }
 }
 

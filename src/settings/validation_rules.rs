@@ -63,7 +63,7 @@ pub(super) fn validate_farm(inputs: &FarmInputs, validator: &mut ConfigValidator
         ("folders.ledger", &folders.ledger),
     ];
     for (key, path) in paths {
-        validate_path(key, path, validator);
+        validator.require_path(key, path);
     }
     validate_ledger(folders, validator);
 }
@@ -206,7 +206,7 @@ fn validate_folders(folders: &ProfileFolders, validator: &mut ConfigValidator) {
         ("folders.archive", &folders.archive),
     ];
     for (key, path) in paths {
-        path.iter().for_each(|path| validate_path(key, path, validator));
+        path.iter().for_each(|path| validator.require_path(key, path));
     }
 }
 
@@ -240,15 +240,6 @@ fn validate_intake(intake: &IntakeInputs, validator: &mut ConfigValidator) {
     validator.require_within("settle_secs", intake.settle_secs.0, 0.0..=86_400.0);
     validator.require_within("unfinished_secs", intake.unfinished_secs.0, 0.0..=604_800.0);
     validator.require_within("incomplete_secs", intake.incomplete_secs.0, 0.0..=604_800.0);
-}
-
-/// Reports surprising paths: an empty path means the folder above, and `~` is only known to shells.
-pub(super) fn validate_path(key: &str, path: &Path, validator: &mut ConfigValidator) {
-    if path.as_os_str().is_empty() {
-        validator.report_problem(key, format!("{key} is empty"), "name a folder or leave the option out");
-    } else if path.starts_with("~") {
-        validator.report_problem(key, format!("{key}: \"~\" means nothing in a configuration"), "write the whole path");
-    }
 }
 
 /// Validates the printable box. The margins must leave some of it.

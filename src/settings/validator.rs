@@ -1,6 +1,10 @@
 //! Collects problems with values, each with the file and line of the value.
 
-use std::{fmt::Display, ops::RangeInclusive, path::PathBuf};
+use std::{
+    fmt::Display,
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+};
 
 use super::{ConfigProblem, fragment::ConfigFragment};
 
@@ -42,6 +46,14 @@ impl<'a> ConfigValidator<'a> {
         if !range.contains(&value) {
             let remedy = format!("give a number from {} to {}", range.start(), range.end());
             self.report_problem(key, format!("{key} = {value} makes no sense"), remedy);
+        }
+    }
+    /// Reports surprising paths: an empty path means the folder above, and `~` is only known to shells.
+    pub fn require_path(&mut self, key: &str, path: &Path) {
+        if path.as_os_str().is_empty() {
+            self.report_problem(key, format!("{key} is empty"), "name a folder or leave the option out");
+        } else if path.starts_with("~") {
+            self.report_problem(key, format!("{key}: \"~\" means nothing in a configuration"), "write the whole path");
         }
     }
 }

@@ -80,6 +80,7 @@ pub fn build_facts(
         optional_fact(fields::PUBLISHED, published),
         optional_fact(fields::PRINTER, printer),
         view.time_fact(fields::TAKEN, row.place.taken_at),
+        view.time_fact(fields::WITHDRAWN, row.place.withdrawn_at),
         fields::FILE.fact(file.as_ref().or(row.staged.file_name.as_ref())),
         optional_fact(fields::CONTENT, content),
     ];

@@ -173,6 +173,8 @@ pub const PRINT_TIMES: FieldDefinition = FieldDefinition::text("Print times");
 pub const TAKEN: FieldDefinition = FieldDefinition::time("Taken");
 /// When a person said that a build may be published.
 pub const RELEASED: FieldDefinition = FieldDefinition::text("Released");
+/// When the file of a build was taken back out of the queue.
+pub const WITHDRAWN: FieldDefinition = FieldDefinition::time("Withdrawn");
 
 /// Number of waiting parts.
 pub const WAITING: FieldDefinition = FieldDefinition::whole("Waiting");

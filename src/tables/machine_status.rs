@@ -12,7 +12,7 @@ use super::{
     time_view::{GivenDate, TimeView},
 };
 use crate::{
-    farm::{FireTrigger, forecast_fire, night_gain_text},
+    farm::{FireTrigger, forecast_fire, held_text, night_gain_text},
     ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
 };
@@ -31,6 +31,8 @@ pub struct MachineForecast {
     pub fires_at_latest: Option<Timestamp>,
     /// The trigger that fires the build at these times.
     pub fires_by: Option<FireTrigger>,
+    /// Why the open build waits although a trigger may hold; `None` = it does not.
+    pub held: Option<String>,
 }
 
 /// The state of a machine at one point in time, for display.
@@ -73,6 +75,7 @@ impl MachineForecast {
             fires_at: fires.map(|fires| fires.at),
             fires_at_latest: fires.map(|fires| fires.latest),
             fires_by: fires.map(|fires| fires.by),
+            held: profile.and_then(|profile| held_text(profile, &status)),
             status,
         }
     }
@@ -98,7 +101,7 @@ impl MachineForecast {
         let gathers = self.fires_at.filter(|at| Some(*at) < self.fires_at_latest);
         let gathers = gathers.map(|at| format!("at {} if nothing more arrives", time(at)));
         let fires = self.fires_at_latest.zip(self.fires_by).map(|(at, by)| format!("by {} ({by})", time(at)));
-        joined([height, night, copies, gathers, fires], ", ")
+        joined([height, night, copies, gathers, fires, self.held.clone()], ", ")
     }
 
     /// `build 3, 87.50 mm, 2026-11-20 04:49:00 CET`.

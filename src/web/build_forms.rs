@@ -59,6 +59,7 @@ enum BuildFormAct {
     Requeue,
     Seen,
     Release,
+    Withdraw,
 }
 
 /// The forms for a published build. `placements` are its copies, those that were printed badly included.
@@ -73,6 +74,13 @@ pub(super) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
                     details { summary { "Print again" }
                         p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }
                         (act_form(web, build.id, "reprint", "Print every copy again"))
+                    }
+                }
+                @if build.state == BuildState::Published && build.place.taken_at.is_none() {
+                    details { summary { "Take it back out of the queue" }
+                        p { "Only while its printer has not taken its file. Its copies wait again, first in line, with all that was asked; they can be changed or cancelled." }
+                        @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
+                        @else { (act_form(web, build.id, "withdraw", "Take it back")) }
                     }
                 }
                 details { summary { "Issue once more" }
@@ -201,6 +209,12 @@ async fn carry_out(
         BuildFormAct::Release => {
             ledger.release_build(build, form.seen.as_deref(), by).await?;
             return Ok(vec![format!("Build {build} is released and goes to the queue.")]);
+        }
+        BuildFormAct::Withdraw => {
+            ledger.begin_withdrawal(build, by, "").await?;
+            return Ok(vec![format!(
+                "Build {build} is taken back out of the queue, unless its printer is first. Its page says what became of it."
+            )]);
         }
         BuildFormAct::Seen => {
             ledger.mark_failure_seen(build, by).await?;

@@ -8,7 +8,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{PrinterView, forecast_fire, night_text},
+    farm::{PrinterView, forecast_fire, held_text, night_text},
     ledger::{
         BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
         UtcTimestamp,
@@ -145,6 +145,7 @@ impl MachineCard<'_> {
                 p { "Fires " b { @if fires.at <= now { "now" } @else { (UtcTimestamp(fires.at).distance_text(now).unwrap_or_default()) } }
                     @if fires.at < fires.latest { " if nothing more arrives" } "." }
             }
+            @if let Some(held) = held_text(self.profile, self.status) { p { "It waits: " (held) "." } }
         }
     }
 

@@ -115,7 +115,8 @@ async fn read_month(
     let (rows, machines) = read_output(web, month).await?;
     let (_, before) = read_output(web, &month.later(-1)).await?;
     let late = web.ledger.late_parts(month.begins_at(), month.later(1).begins_at(), now).await?;
-    let failed = |row: &&HistoryRow| matches!(row.state, BuildState::Failed | BuildState::Interrupted);
+    let is_bad = |state: BuildState| matches!(state, BuildState::Failed | BuildState::Interrupted);
+    let failed = |row: &&HistoryRow| is_bad(row.state) && row.withdrawn_at.is_none();
     let failed = rows.iter().filter(failed).cloned().collect();
     Ok((rows, MonthResponse { month: month.key(), machines, before, late, failed }))
 }

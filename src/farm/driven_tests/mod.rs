@@ -18,5 +18,6 @@ mod reprints;
 mod tickets;
 mod triggers;
 mod week;
+mod withdrawals;
 
 use hand_driven_farm::{HandDrivenFarm, PROFILE, QUICK, block, stl};

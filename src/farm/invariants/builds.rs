@@ -62,10 +62,12 @@ fn sorted_names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Whether a dot-file, without its dot, belongs to a build that is on its way between two printers.
+/// Whether a dot-file, without its dot, belongs to a build that is on its way between two printers, or out of the queue.
 async fn is_of_moving_build(ledger: &Ledger, profile: &MachineProfile, rest: &str) -> Result<bool> {
-    let moving = ledger.builds_to_move(&profile.name).await?;
-    let mut moving = moving.iter().filter(|build| build.place.move_to.is_some());
+    let mut moving = ledger.builds_to_move(&profile.name).await?;
+    moving.retain(|build| build.place.move_to.is_some());
+    moving.extend(ledger.builds_to_withdraw(&profile.name).await?);
+    let mut moving = moving.iter();
     Ok(moving.any(|build| {
         let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         stem.is_some_and(|stem| rest.starts_with(stem))
@@ -116,8 +118,9 @@ async fn check_build_file(
     };
     report.builds_checked += 1;
     let may_be_visible = row.times.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
-    if !may_be_visible {
-        let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
+    if !may_be_visible || row.place.withdrawn_at.is_some() {
+        let state = if may_be_visible { "withdrawn".to_owned() } else { row.state.to_string() };
+        let text = format!("{shown} is in the queue and build {} is {state}", row.id);
         report.add_violation(I3, text, "take it out of the queue, and restart the daemon");
     }
     match intake::hash_file(file) {

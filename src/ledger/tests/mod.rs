@@ -17,6 +17,7 @@ mod query_plans;
 mod random_walks;
 mod shapes;
 mod upgrade;
+mod withdrawals;
 
 use jiff::Timestamp;
 use nester::{OrientationRule, TiltLimit};

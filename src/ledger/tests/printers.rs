@@ -4,7 +4,7 @@ use super::*;
 use crate::ledger::{FoundPlace, MoveEnd, PrintOutcome, ToldOutcome};
 
 /// A published build that was made for a printer.
-async fn published_at(ledger: &Ledger, claim: &str, printer: &str) -> BuildId {
+pub(super) async fn published_at(ledger: &Ledger, claim: &str, printer: &str) -> BuildId {
     let part = waiting(ledger, claim, 1).await;
     let build = nesting(ledger, &[(part, 0)]).await;
     ledger.assign_printer(build, printer).await.unwrap();

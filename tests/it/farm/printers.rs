@@ -137,6 +137,70 @@ fn builds_that_move_under_kills_are_printed_exactly_once() {
     assert_eq!(farm.broken_invariants(&expectations), [""; 0]);
 }
 
+/// Builds are taken back out of the queue again and again, by people and by nestd, while the printer takes files and the daemon is
+/// killed. `NESTD_WITHDRAWALS=1000` makes it longer.
+#[test]
+fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
+    let wanted = std::env::var("NESTD_WITHDRAWALS").ok().and_then(|number| number.parse().ok()).unwrap_or(12);
+    let mut farm = TestFarm::running(&format!("{QUICK}withdraw = \"urgent\"\n[trigger]\ncopies = 1\n"));
+    let mut random = StdRng::seed_from_u64(29);
+    let taken = farm.root().join("taken");
+    fs::create_dir_all(&taken).unwrap();
+    let (mut parts, mut kills) = (0, 0);
+    let log_text = |farm: &TestFarm| farm.log();
+    while farm.log().matches("was taken back out of the queue").count() < wanted {
+        if farm.parts(PartState::Built).len() == parts && list_build_files(&queue(&farm, "test")).is_empty() {
+            let urgent = random.random_bool(0.3).then_some("priority = 100\n");
+            for _ in 0..random.random_range(1..4) {
+                let name = format!("{parts}.stl");
+                urgent
+                    .iter()
+                    .for_each(|ticket| fs::write(farm.folder("inbox").join(format!("{name}.toml")), ticket).unwrap());
+                farm.drop_part(&name, &block(20.0, 20.0, 10.0));
+                parts += 1;
+            }
+        }
+        wait_until_or(
+            "a build is in the queue",
+            60.0,
+            || log_text(&farm),
+            || !list_build_files(&queue(&farm, "test")).is_empty(),
+        );
+        for build in farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()) {
+            if random.random_bool(0.8) {
+                // Its printer may have taken it.
+                drop(farm.query_ledger(async |ledger| ledger.begin_withdrawal(build.id, "a@test", "").await));
+            }
+        }
+        let until = Instant::now() + Duration::from_millis(random.random_range(0..1200));
+        while Instant::now() < until {
+            if random.random_bool(0.002) {
+                take_one(&farm, &taken, "test");
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        if random.random_bool(0.5) {
+            farm.kill();
+            farm.start();
+            kills += 1;
+        }
+    }
+    wait_until_or("all is built", 90.0, || log_text(&farm), || farm.parts(PartState::Built).len() == parts);
+    let withdrawing = || farm.query_ledger(async |ledger| ledger.builds_to_withdraw("test").await.unwrap()).len();
+    wait_until_or("nothing is taken back any more", 60.0, || log_text(&farm), || withdrawing() == 0);
+    wait_until_or("all is built", 90.0, || log_text(&farm), || farm.parts(PartState::Built).len() == parts);
+    farm.stop();
+    let all = [list_build_files(&queue(&farm, "test")), list_build_files(&taken)].concat();
+    assert_each_copy_once(&all, parts);
+    let stayed = farm.log().matches("stays: its printer took it").count();
+    println!(
+        "{wanted} withdrawals, {kills} kills, {parts} parts, {} files taken, {stayed} races won by the printer",
+        all.len()
+    );
+    let expectations = InvariantExpectations { at_rest: true, taken: list_build_files(&taken), ..Default::default() };
+    assert_eq!(farm.broken_invariants(&expectations), [""; 0]);
+}
+
 /// A printer takes the first of its files by renaming it away, as it does when it begins to print.
 fn take_one(farm: &TestFarm, taken: &std::path::Path, printer: &str) {
     if let Some(file) = list_build_files(&queue(farm, printer)).first() {

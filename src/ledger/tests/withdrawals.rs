@@ -1,0 +1,104 @@
+//! Builds that are taken back out of the queue, and how many builds are ahead of a printer.
+
+use super::{printers::published_at, *};
+use crate::ledger::{BuildsAhead, MoveEnd, PrintOutcome, ToldOutcome, WITHDRAWN_BY_NESTD, WithdrawalEnd};
+
+async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
+    ledger.find_build(build).await.unwrap().unwrap().place
+}
+
+async fn to_withdraw(ledger: &Ledger) -> Vec<BuildId> {
+    ledger.builds_to_withdraw("paper-200").await.unwrap().into_iter().map(|build| build.id).collect()
+}
+
+#[tokio::test]
+async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_printed() {
+    let ledger = fresh().await;
+    let build = published_at(&ledger, "a", "left").await;
+    ledger.begin_withdrawal(build, "a@b", "a mistake").await.unwrap();
+    ledger.begin_withdrawal(build, "c@d", "").await.unwrap();
+    assert_eq!(to_withdraw(&ledger).await, [build]);
+    assert_eq!(place(&ledger, build).await.withdraw_by.as_deref(), Some("a@b"), "the first word counts");
+    // On its way out of the queue, it is neither taken nor moved.
+    ledger.record_taken(build, "queue").await.unwrap();
+    ledger.begin_move(build, "right").await.unwrap();
+    let now = place(&ledger, build).await;
+    assert_eq!((now.taken_at, now.move_to), (None, None));
+    let report = ledger.finish_withdrawal(build).await.unwrap().unwrap();
+    assert_eq!(report.put_back_copies(), 1);
+    assert!(ledger.finish_withdrawal(build).await.unwrap().is_none());
+    assert_eq!(to_withdraw(&ledger).await, [build], "its file is still to be removed");
+    ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
+    assert!(to_withdraw(&ledger).await.is_empty());
+    let row = ledger.find_build(build).await.unwrap().unwrap();
+    assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "withdrawn from the queue by a@b: a mistake"));
+    assert!(ledger.unseen_failures().await.unwrap().is_empty());
+    assert!(ledger.height_summaries(&HistoryQuery::default()).await.unwrap().is_empty());
+    let totals = ledger.read_totals().await.unwrap();
+    assert_eq!((totals.measured.len(), totals.builds[0].state.as_str()), (0, "withdrawn"));
+    assert_eq!(ledger.waiting_copies("paper-200").await.unwrap().len(), 0, "its original is fetched first");
+    assert_eq!(ledger.parts_to_fetch().await.unwrap().len(), 1);
+}
+
+#[tokio::test]
+async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
+    let ledger = fresh().await;
+    let [taken, moves, raced] = [
+        published_at(&ledger, "a", "left").await,
+        published_at(&ledger, "b", "left").await,
+        published_at(&ledger, "c", "left").await,
+    ];
+    ledger.record_taken(taken, "queue").await.unwrap();
+    ledger.begin_move(moves, "right").await.unwrap();
+    for build in [taken, moves] {
+        let refused = ledger.begin_withdrawal(build, "a@b", "").await;
+        assert!(matches!(refused, Err(LedgerError::NotInQueue(_))), "{refused:?}");
+    }
+    ledger.end_move(moves, MoveEnd::Dropped).await.unwrap();
+    ledger.begin_withdrawal(moves, "a@b", "").await.unwrap();
+    // Its outcome is told before the file was taken back.
+    ledger.record_outcome(moves, &ToldOutcome::new(PrintOutcome::Complete, "", "a@b")).await.unwrap();
+    assert!(ledger.finish_withdrawal(moves).await.unwrap().is_none());
+    ledger.end_withdrawal(moves, WithdrawalEnd::Removed).await.unwrap();
+    assert_eq!(build_state(&ledger, moves).await, BuildState::Complete);
+    // The printer is first.
+    ledger.begin_withdrawal(raced, "a@b", "").await.unwrap();
+    ledger.end_withdrawal(raced, WithdrawalEnd::Taken).await.unwrap();
+    let now = place(&ledger, raced).await;
+    assert!(now.taken_at.is_some() && now.withdraw_by.is_none() && now.withdrawn_at.is_none());
+    assert_eq!(build_state(&ledger, raced).await, BuildState::Published);
+}
+
+#[tokio::test]
+async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
+    let ledger = fresh().await;
+    let build = published_at(&ledger, "a", "left").await;
+    let open = ledger.open_build("paper-200").await.unwrap();
+    ledger.begin_withdrawal(build, WITHDRAWN_BY_NESTD, "").await.unwrap();
+    assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
+    ledger.finish_withdrawal(build).await.unwrap();
+    assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), Some(build));
+    assert_eq!(ledger.open_build("paper-200").await.unwrap().id, open.id);
+    let other = waiting(&ledger, "b", 1).await;
+    ledger.begin_nesting(open.id, "withdrawn", &[(other, 0)]).await.unwrap();
+    assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
+}
+
+#[tokio::test]
+async fn builds_that_are_made_for_a_printer_or_lie_in_its_queue_are_ahead_of_it() {
+    let ledger = fresh().await;
+    published_at(&ledger, "a", "left").await;
+    let taken = published_at(&ledger, "b", "left").await;
+    ledger.record_taken(taken, "queue").await.unwrap();
+    let moves = published_at(&ledger, "c", "left").await;
+    ledger.begin_move(moves, "right").await.unwrap();
+    let part = waiting(&ledger, "d", 1).await;
+    nesting(&ledger, &[(part, 0)]).await;
+    ledger.take_printer_down("middle", "paper-200", "a@b", "").await.unwrap();
+    let ahead =
+        |printer: &str, builds: u32, is_down: bool| BuildsAhead { printer: printer.to_owned(), builds, is_down };
+    let expected = [ahead("", 1, false), ahead("left", 1, false), ahead("middle", 0, true), ahead("right", 1, false)];
+    assert_eq!(ledger.builds_ahead("paper-200").await.unwrap(), expected);
+    let status = ledger.profile_statuses().await.unwrap().remove(0);
+    assert_eq!(status.ahead, expected);
+}

@@ -118,34 +118,34 @@ fn a_build_whose_printer_is_first_stays() {
     farm.assert_ledger_agrees_with_folders();
 }
 
-/// Where a daemon was killed in a withdrawal.
+/// What a daemon did of a withdrawal before it was killed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Killed {
-    BeforeTheRename,
-    BeforeTheLedger,
-    BeforeTheRemoval,
-    BeforeTheEnd,
+enum DoneBeforeKill {
+    Nothing,
+    Renamed,
+    PutBack,
+    Removed,
 }
 
 #[test]
 fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_whatever_was_told_meanwhile() {
-    let kills = [Killed::BeforeTheRename, Killed::BeforeTheLedger, Killed::BeforeTheRemoval, Killed::BeforeTheEnd];
+    let kills = [DoneBeforeKill::Nothing, DoneBeforeKill::Renamed, DoneBeforeKill::PutBack, DoneBeforeKill::Removed];
     for (kill, tell) in kills.into_iter().flat_map(|kill| [(kill, false), (kill, true)]) {
         let (mut farm, build, file) = one_build("");
         withdraw(&farm, build).unwrap();
         let queue = open_queue(&farm);
-        if kill != Killed::BeforeTheRename {
+        if kill != DoneBeforeKill::Nothing {
             queue.withdraw(&file).unwrap();
         }
         if tell {
             let failed = ToldOutcome::new(PrintOutcome::Failed, "", "b@test");
             farm.ask(async |ledger| ledger.record_outcome(build, &failed).await.unwrap());
         }
-        if matches!(kill, Killed::BeforeTheRemoval | Killed::BeforeTheEnd) {
+        if matches!(kill, DoneBeforeKill::PutBack | DoneBeforeKill::Removed) {
             let report = farm.ask(async |ledger| ledger.finish_withdrawal(build).await.unwrap());
             assert_eq!(report.is_none(), tell);
         }
-        if kill == Killed::BeforeTheEnd {
+        if kill == DoneBeforeKill::Removed {
             queue.remove_withdrawn(&file).unwrap();
         }
         farm.stop();

@@ -47,8 +47,11 @@ async fn wait_until_taken_back(ledger: &Ledger, id: BuildId) -> Result<(String, 
         let build = ledger.find_build(id).await?.with_context(|| format!("there is no build {id}"))?;
         if build.place.withdrawn_at.is_some() {
             let copies = format_count(build.measures.copies.unwrap_or(0), "copy waits", "copies wait");
-            let text =
-                format!("Build {id} was taken back out of the queue: its {copies} again, with all that was asked.");
+            let text = format!(
+                "Build {id} was taken back out of the queue: its {copies} again, with all that was asked. {0} is paused, so that \
+                 they can be changed or cancelled; `nestd resume {0}` lets it go on.",
+                build.profile
+            );
             return Ok((text, CommandExit::Success));
         }
         if build.place.withdraw_by.is_none() {

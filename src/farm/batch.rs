@@ -20,10 +20,12 @@ use super::{
     left_out::{LeftOutNotice, find_cut_off, find_left_out},
     machine_state::RunningSearch,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+    printers,
     queue_depth::has_queue_room,
     state::ReadingState,
     thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     trigger::FireTrigger,
+    withdrawal,
 };
 use crate::{
     ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart},
@@ -80,7 +82,10 @@ pub(super) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
         machine.pacing.is_idle = false;
         return Ok(());
     }
-    let result = update_open_build(farm, name).await;
+    let result = match update_open_build(farm, name).await {
+        Ok(()) => withdrawal::consider_withdrawal(farm, name).await,
+        failed => failed,
+    };
     if let Some(machine) = farm.machines.get_mut(name) {
         machine.pacing.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
     }
@@ -95,8 +100,8 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let mut waiting = farm.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
     let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
-    let takes_over = farm.ledger.withdrawn_for_open(name).await?.is_some();
-    let has_unread_claims = (flush || takes_over)
+    let takes_over = takes_over_withdrawn(farm, name, waiting.is_empty()).await?;
+    let has_unread_claims = flush
         && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
             || fetch_originals::awaits_original(farm, name).await?);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
@@ -114,12 +119,7 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     }
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
     report_left_out(farm, name, None, cut_off).await?;
-    let is_held = match farm.machines.get(name) {
-        Some(machine) if machine.profile.printing.queue_depth > 0 => {
-            !has_queue_room(&machine.profile, &farm.ledger.builds_ahead(name).await?)
-        }
-        _ => false,
-    };
+    let is_held = is_queue_full(farm, name).await?;
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open =
@@ -136,6 +136,25 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
         BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
         BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
     }
+}
+
+/// Whether the open build fires at once because it holds the copies of a build that nestd withdrew: as soon as their originals are
+/// there. Nothing is taken over where none of them waits any more.
+async fn takes_over_withdrawn(farm: &Farm, name: &str, is_nothing_waiting: bool) -> Result<bool> {
+    let Some(build) = farm.ledger.withdrawn_for_open(name).await? else { return Ok(false) };
+    let awaits_originals = farm.ledger.awaits_originals_of(build).await?;
+    if is_nothing_waiting && !awaits_originals {
+        farm.ledger.forget_withdrawn(name).await?;
+    }
+    Ok(!awaits_originals)
+}
+
+/// Whether every printer that can be given a build has as many ahead as may lie in its queue. While none can be given one, builds
+/// wait after they fired, as without a limit.
+async fn is_queue_full(farm: &Farm, name: &str) -> Result<bool> {
+    let Some(machine) = farm.machines.get(name) else { return Ok(false) };
+    let (depth, usable) = (machine.profile.printing.queue_depth, printers::usable_printers(machine));
+    Ok(depth > 0 && !usable.is_empty() && !has_queue_room(depth, &usable, &farm.ledger.builds_ahead(name).await?))
 }
 
 /// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those

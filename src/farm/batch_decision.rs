@@ -34,11 +34,10 @@ pub(super) enum BatchDecision {
 /// Decides what the open build of a machine needs.
 pub(super) fn decide_batch(profile: &MachineProfile, facts: &BatchFacts, now: Timestamp) -> BatchDecision {
     let awaits_claims = facts.open.flush && facts.has_unread_claims;
-    let takes_over = facts.open.takes_over && !facts.has_unread_claims;
     if facts.open.copies == 0 {
         return if awaits_claims { BatchDecision::AwaitClaims } else { BatchDecision::AnswerFlushes };
     }
-    let open = TriggerFacts { flush: facts.open.flush && !awaits_claims, takes_over, ..facts.open };
+    let open = TriggerFacts { flush: facts.open.flush && !awaits_claims, ..facts.open };
     match find_trigger(profile, &open, now) {
         Some(by) if !facts.is_paused && (by == FireTrigger::Flush || !facts.is_held) => BatchDecision::Fire(by),
         _ => BatchDecision::Search,
@@ -97,13 +96,12 @@ mod tests {
     }
 
     #[test]
-    fn what_takes_over_a_withdrawn_build_fires_as_soon_as_its_originals_are_there() {
+    fn what_takes_over_a_withdrawn_build_fires_while_the_queue_has_room() {
         let profile = machine_with_triggers("max_wait_secs = \"24h\"");
         let open = TriggerFacts { takes_over: true, ..facts(2, false).open };
         let ready = BatchFacts { open, ..facts(2, false) };
         let decide = |facts: BatchFacts| decide_batch(&profile, &facts, Timestamp::UNIX_EPOCH);
         assert_eq!(decide(ready), BatchDecision::Fire(FireTrigger::Withdrawn));
-        assert_eq!(decide(BatchFacts { has_unread_claims: true, ..ready }), BatchDecision::Search);
         assert_eq!(decide(BatchFacts { is_held: true, ..ready }), BatchDecision::Search);
     }
 }

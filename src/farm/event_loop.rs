@@ -139,8 +139,6 @@ async fn run_ledger_steps(farm: &mut Farm) {
     farm.run_step("nesting", nest::nest_fired_builds).await;
     for name in names {
         farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(farm, &name).await).await;
-        let consider = async |farm: &mut Farm| withdrawal::consider_withdrawal(farm, &name).await;
-        farm.run_step(&format!("the queue of {name}"), consider).await;
     }
     farm.run_step("withdrawing builds", withdrawal::withdraw_builds).await;
     farm.run_step("publishing", publish::publish_verified_builds).await;

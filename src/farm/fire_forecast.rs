@@ -4,7 +4,7 @@ use build_file::format_count;
 use jiff::Timestamp;
 
 use super::{
-    queue_depth::has_queue_room,
+    queue_depth::has_machine_room,
     trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
 };
 use crate::{ledger::ProfileStatus, settings::MachineProfile};
@@ -61,7 +61,7 @@ fn contents_text(row: &ProfileStatus) -> String {
 
 /// When the next build of a profile fires because of the time alone.
 pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
-    if row.paused.is_some() || row.waiting_parts == 0 || !has_queue_room(profile, &row.ahead) {
+    if row.paused.is_some() || row.waiting_parts == 0 || !has_machine_room(profile, &row.ahead) {
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);

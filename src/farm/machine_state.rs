@@ -237,12 +237,6 @@ impl OpenBuildState {
         (copies, layout)
     }
 
-    /// Whether the layout holds every waiting copy.
-    pub fn holds_all(&self, waiting: &[WaitingPart]) -> bool {
-        let copies = waiting.iter().flat_map(|waiting| waiting.copies.iter().map(|copy| (waiting.part.id, *copy)));
-        self.layout.unplaced.is_empty() && self.covers_copies(&copies.collect())
-    }
-
     /// Whether the layout is a completed search for exactly these copies.
     pub fn covers_copies(&self, wanted: &BTreeSet<CopyId>) -> bool {
         self.search.is_none() && self.tried == *wanted

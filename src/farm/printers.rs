@@ -13,6 +13,7 @@ use super::{
     machine_state::MachineState,
     print_times::{LEARN_FROM, PrintTimes},
     printer_choice::{PrinterLoad, choose_printer, printer_loads},
+    queue_depth::queue_room,
 };
 use crate::{
     ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp},
@@ -154,6 +155,12 @@ pub(super) async fn choose_for_build(farm: &Farm, build: &BuildRow) -> Result<Op
     }
     let now = farm.date();
     let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
+    // A build that fired while there was room goes where it is.
+    let depth = machine.profile.printing.queue_depth;
+    let ahead = if depth > 0 { farm.ledger.builds_ahead(&build.profile).await? } else { Vec::new() };
+    let has_room = |printer: &&&str| queue_room(depth, printer, &ahead) > 0;
+    let with_room: Vec<&str> = usable.iter().filter(has_room).copied().collect();
+    let usable = if with_room.is_empty() { usable } else { with_room };
     Ok(choose_printer(&machine.profile, &usable, (build.id, &builds), &times, now).map(str::to_owned))
 }
 

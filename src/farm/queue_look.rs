@@ -86,9 +86,12 @@ fn report_removed_printers(
     profile: &str,
     builds: &[QueuedBuild],
 ) {
-    let is_left_behind = |build: &&QueuedBuild| printers.find(&build.printer).is_none() && build.queue_id.is_some();
     // The folder of a printer with another name may be opened yet.
-    let left: Vec<&QueuedBuild> = builds.iter().filter(|_| printers.are_all_open()).filter(is_left_behind).collect();
+    if !printers.are_all_open() {
+        return;
+    }
+    let is_left_behind = |build: &&QueuedBuild| printers.find(&build.printer).is_none() && build.queue_id.is_some();
+    let left: Vec<&QueuedBuild> = builds.iter().filter(is_left_behind).collect();
     let Some(first) = left.first() else {
         alerts.clear(AlertKind::QueueReplaced, profile, "removed printers");
         return;

@@ -11,12 +11,14 @@ use super::{
     folder_leases::FolderLeases,
     jobs::BackgroundJob,
     printer_choice::printer_loads,
+    printer_state::PrinterState,
     printers::occupation_of,
+    release_preview::awaits_release,
     withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
 };
 use crate::{
-    ledger::{BuildId, BuildRow, BuildState, Ledger, WITHDRAWN_BY_NESTD, WithdrawalEnd},
-    queue::{QueueFolder, WithdrawalOutcome},
+    ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, OccupyingBuild, WITHDRAWN_BY_NESTD, WithdrawalEnd},
+    queue::{QueueFolder, StagedState, WithdrawalOutcome},
     settings::WithdrawalPolicy,
 };
 
@@ -35,6 +37,10 @@ pub(super) enum WithdrawalStep {
     TakenBack,
     /// It is in the queue folder no more.
     Removed,
+    /// Its outcome was told before its copies were put back. Whether its file was taken back then: nothing was printed.
+    Told { is_taken_back: bool },
+    /// It is at another printer than the ledger says, as after a backup was put back.
+    Elsewhere(FoundPlace),
 }
 
 impl BackgroundJob<Farm> for WithdrawBuildJob {
@@ -58,6 +64,8 @@ impl BackgroundJob<Farm> for WithdrawBuildJob {
 struct WithdrawnBuild {
     build: BuildRow,
     queue: QueueFolder,
+    /// The open queue folders of its machine, by the names of its printers.
+    all_queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
 }
@@ -68,17 +76,37 @@ impl WithdrawnBuild {
         self.ledger.ensure_served()?;
         self.leases.check_publish_folders(self.queue.folder_path())?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
-        if self.build.state != BuildState::Published {
-            // Somebody told that it failed before the file was taken back: its copies wait, and must not be printed from it.
-            if self.build.state == BuildState::Failed {
-                self.queue.withdraw(name)?;
-            }
+        if self.build.place.withdrawn_at.is_some() {
             self.queue.remove_withdrawn(name)?;
             return Ok(WithdrawalStep::Removed);
         }
-        Ok(match self.queue.withdraw(name)? {
-            WithdrawalOutcome::Gone => WithdrawalStep::Taken,
-            WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
+        if self.build.state == BuildState::Published {
+            return Ok(match self.queue.withdraw(name)? {
+                WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
+                WithdrawalOutcome::Gone => {
+                    self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
+                }
+            });
+        }
+        // Copies of a failed print wait again: nobody must print them from this file.
+        let is_taken_back = match self.build.state {
+            BuildState::Failed => self.queue.withdraw(name)? == WithdrawalOutcome::TakenBack,
+            _ => self.queue.withdrawn_path(name).exists(),
+        };
+        self.queue.remove_withdrawn(name)?;
+        Ok(WithdrawalStep::Told { is_taken_back })
+    }
+
+    fn find_elsewhere(&self, name: &str) -> Option<FoundPlace> {
+        let lies_in = |queue: &QueueFolder| {
+            matches!(queue.staged_state(name), Ok(StagedState::Published)) || queue.withdrawn_path(name).exists()
+        };
+        let (printer, queue) = self.all_queues.iter().find(|(_, queue)| lies_in(queue))?;
+        Some(FoundPlace {
+            printer: printer.clone(),
+            queue_id: queue.marker_id().to_owned(),
+            instead_of: self.build.staged.queue_id.clone(),
+            is_taken_back: false,
         })
     }
 }
@@ -90,15 +118,34 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
         for build in farm.ledger.builds_to_withdraw(&name).await? {
             let machine = &farm.machines[&name];
             let is_served = machine.agreed_folders.is_some() && machine.leases.are_fresh();
-            let queue = queue_with_marker(machine, build.staged.queue_id.as_deref());
-            let (true, Some(queue)) = (is_served && !farm.nesting.backoff.is_waiting(&build.id), queue) else {
+            if !is_served || farm.nesting.backoff.is_waiting(&build.id) {
+                continue;
+            }
+            let Some(queue) = queue_with_marker(machine, build.staged.queue_id.as_deref()) else {
+                if machine.printers.are_all_open() {
+                    give_up_withdrawal(farm, &build).await?;
+                }
                 continue;
             };
+            let opened = |printer: &PrinterState| Some((printer.name.clone(), printer.opened.clone()?));
+            let all_queues = machine.printers.0.iter().filter_map(opened).collect();
             let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
-            let withdrawn = WithdrawnBuild { build, queue, leases, ledger };
+            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger };
             farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
         }
     }
+    Ok(())
+}
+
+/// The queue folder of the build is no printer's any more: nobody can say whether its file is there.
+async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+    let id = build.id;
+    farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+    let text = format!(
+        "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
+         printed, `nestd outcome {id} failed` has its copies wait again"
+    );
+    farm.alerts.raise(AlertKind::QueueReplaced, &build.profile, &format!("build {id}, withdrawn"), &text);
     Ok(())
 }
 
@@ -121,6 +168,19 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
         Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
+        Ok(WithdrawalStep::Told { is_taken_back }) => {
+            let is_failed = build.state == BuildState::Failed;
+            let end = if is_taken_back { WithdrawalEnd::Removed } else { WithdrawalEnd::Taken };
+            farm.ledger.end_withdrawal(id, end).await?;
+            if is_failed != is_taken_back {
+                report_told_meanwhile(farm, &build, is_taken_back);
+            }
+        }
+        Ok(WithdrawalStep::Elsewhere(place)) => {
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            farm.ledger.correct_place(id, &place).await?;
+            info!(build.id = %id, profile = %profile, "Build {id} was found at {} and is not taken back: withdraw it once more.", place.printer);
+        }
         Err(failure) => {
             farm.nesting.backoff.record_failure(id);
             farm.report_failure(AlertKind::PublishingFails, &profile, &format!("build {id}"), &failure);
@@ -132,6 +192,22 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
     Ok(())
 }
 
+/// The outcome that was told and what became of the file contradict each other. The alert ends with the daemon.
+fn report_told_meanwhile(farm: &mut Farm, build: &BuildRow, is_taken_back: bool) {
+    let (id, state) = (build.id, build.state);
+    let text = match is_taken_back {
+        true => format!(
+            "build {id} was told to be {state} while its file was taken back out of the queue: where it was not printed, say `nestd \
+             outcome {id} failed --correct`"
+        ),
+        false => format!(
+            "build {id} was told to be {state} while it was to be taken back, but its printer has taken its file: look whether it is \
+             printed, and correct the outcome if it is"
+        ),
+    };
+    farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
+}
+
 /// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.
 pub(super) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<()> {
     let Some(machine) = farm.machines.get(name) else { return Ok(()) };
@@ -140,21 +216,31 @@ pub(super) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<(
     }
     let Some(queued) = farm.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
     let Some(build) = farm.ledger.find_build(queued.build).await? else { return Ok(()) };
-    let Some(published_at) = build.times.published_at else { return Ok(()) };
-    let waiting = farm.ledger.waiting_copies(name).await?;
+    let is_ending = !farm.ledger.builds_to_withdraw(name).await?.is_empty()
+        || farm.ledger.withdrawn_for_open(name).await?.is_some();
+    let mut waiting = farm.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
     let now = farm.date();
     let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
-    let is_making = builds.iter().any(|other| matches!(other.state, BuildState::Nesting | BuildState::Verified));
+    let waits_for_yes = farm.ledger.builds_in_state(BuildState::Verified).await?;
+    let waits_for_yes =
+        |id| waits_for_yes.iter().any(|build| build.id == id && awaits_release(&machine.profile, build));
+    let is_made = |other: &OccupyingBuild| {
+        matches!(other.state, BuildState::Nesting | BuildState::Verified) && !waits_for_yes(other.build)
+    };
+    let is_making = builds.iter().any(is_made);
     let others: Vec<_> = builds.into_iter().filter(|other| other.build != build.id).collect();
     let loads = printer_loads(&machine.profile, &others, &times, now);
     let open = &machine.open;
+    let is_of_now = open.search.is_none() && !open.tried.is_empty();
     let facts = WithdrawalFacts {
-        published_at: published_at.0,
+        fired_at: build.times.nesting_at.or(build.times.published_at).map_or(now, |at| at.0),
         height_mm: build.measures.height_mm.unwrap_or(0.0),
         printer_free_at: loads.get(&queued.printer).map_or(now, |load| load.free_at),
-        open_height_mm: (open.holds_all(&waiting)).then_some(open.layout.height_mm),
+        open_height_mm: open.layout.height_mm,
+        standing: is_of_now.then_some(&open.standing),
         waiting: &waiting,
-        is_hindered: machine.paused || machine.printers.are_all_down() || is_making,
+        is_hindered: machine.paused || machine.printers.are_all_down() || is_making || is_ending,
     };
     if let Some(why) = decide_withdrawal(&machine.profile, &facts, now) {
         farm.ledger.begin_withdrawal(build.id, WITHDRAWN_BY_NESTD, why).await?;

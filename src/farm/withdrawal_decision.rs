@@ -1,31 +1,37 @@
 //! Decides whether nestd takes a published build back out of the queue by itself. This is a function of facts.
 
+use std::collections::BTreeSet;
+
 use jiff::{SignedDuration, Timestamp};
 
-use super::{left_out::HIGHEST_PRIORITY, trigger::secs_between};
+use super::{layout::CopyId, left_out::HIGHEST_PRIORITY, trigger::secs_between};
 use crate::{
     ledger::WaitingPart,
-    settings::{MachineProfile, WithdrawalPolicy},
+    settings::{ApprovalPolicy, MachineProfile, WithdrawalPolicy},
 };
 
 /// Beside the time that the next final search takes, this long must pass before the printer could take the file, seconds: a
 /// printer never waits for a better build.
 const LEAD_SECS: f64 = 900.0;
+/// Parts of the highest priority that are dropped one after another gather for this long at most, seconds.
+const URGENT_GATHER_SECS: f64 = 60.0;
 
 /// What is known of the newest build in the queue, of its printer, and of the copies that wait.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WithdrawalFacts<'a> {
-    /// When the build was published.
-    pub(super) published_at: Timestamp,
+    /// When the copies of the build were taken: what was dropped later is not in it for that reason.
+    pub(super) fired_at: Timestamp,
     /// Its height, mm.
     pub(super) height_mm: f64,
     /// When its printer could begin to print it.
     pub(super) printer_free_at: Timestamp,
     /// The waiting parts.
     pub(super) waiting: &'a [WaitingPart],
-    /// The height of the open build, mm; `None` = its layout does not hold all waiting copies.
-    pub(super) open_height_mm: Option<f64>,
-    /// Whether the machine is paused, or makes another build: that one may take what waits.
+    /// The copies that stand in the open build; `None` = its layout is not of the copies that wait now.
+    pub(super) standing: Option<&'a BTreeSet<CopyId>>,
+    /// The height of the open build, mm.
+    pub(super) open_height_mm: f64,
+    /// Whether the machine is paused or makes another build, which may take what waits, or a withdrawal has not ended.
     pub(super) is_hindered: bool,
 }
 
@@ -35,29 +41,27 @@ pub(super) fn decide_withdrawal(
     facts: &WithdrawalFacts<'_>,
     now: Timestamp,
 ) -> Option<&'static str> {
-    let policy = profile.printing.withdraw;
-    if policy == WithdrawalPolicy::Never || facts.is_hindered {
-        return None;
-    }
-    // What waited when it was published found no place in it.
-    let arrived = facts.waiting.iter().filter(|waiting| waiting.part.arrived_at().0 > facts.published_at);
-    let mut arrived = arrived.peekable();
-    let newest = arrived.peek()?.part.arrived_at().0;
-    let (mut newest, mut is_urgent) = (newest, false);
-    for waiting in arrived {
-        newest = newest.max(waiting.part.arrived_at().0);
-        is_urgent |= waiting.part.terms.priority == HIGHEST_PRIORITY;
-    }
-    if is_urgent {
+    // Where a person says yes to builds, a machine that is idle in the night would wait for one.
+    let may = profile.printing.withdraw != WithdrawalPolicy::Never && profile.printing.approve == ApprovalPolicy::Never;
+    let standing = facts.standing.filter(|_| may && !facts.is_hindered)?;
+    let arrived = facts.waiting.iter().filter(|waiting| waiting.part.times.claimed_at.0 > facts.fired_at);
+    let arrived: Vec<&WaitingPart> = arrived.collect();
+    let newest = arrived.iter().map(|waiting| waiting.part.times.claimed_at.0).max()?;
+    let quiet_secs = secs_between(newest, now);
+    let stands = |waiting: &WaitingPart| waiting.copies.iter().all(|&copy| standing.contains(&(waiting.part.id, copy)));
+    let urgent = arrived.iter().find(|waiting| waiting.part.terms.priority == HIGHEST_PRIORITY && stands(waiting));
+    if urgent.is_some() && quiet_secs >= profile.trigger.gather_secs.min(URGENT_GATHER_SECS) {
         return Some("copies of the highest priority go with it");
     }
     let lead_secs = LEAD_SECS + 2.0 * profile.search.final_secs;
     let lead = SignedDuration::try_from_secs_f64(lead_secs).unwrap_or(SignedDuration::MAX);
     let has_time = now.checked_add(lead).is_ok_and(|ready| ready < facts.printer_free_at);
-    let has_gathered = secs_between(newest, now) >= profile.trigger.gather_secs;
-    let fits = |open_mm: f64| open_mm > 0.0 && open_mm + facts.height_mm <= profile.build_volume().size_mm.z;
-    let is_worth_it = has_time && has_gathered && facts.open_height_mm.is_some_and(fits);
-    (policy == WithdrawalPolicy::Always && is_worth_it).then_some("copies that arrived go with it")
+    let has_gathered = quiet_secs >= profile.trigger.gather_secs;
+    let fits = facts.open_height_mm > 0.0
+        && facts.open_height_mm + facts.height_mm <= profile.build_volume().size_mm.z
+        && facts.waiting.iter().all(stands);
+    (profile.printing.withdraw == WithdrawalPolicy::Always && has_time && has_gathered && fits)
+        .then_some("copies that arrived go with it")
 }
 
 #[cfg(test)]
@@ -69,7 +73,7 @@ mod tests {
         Timestamp::UNIX_EPOCH + SignedDuration::from_hours(hour)
     }
 
-    /// A part that arrived at eight.
+    /// A part that was dropped at eight.
     async fn part(priority: u8) -> WaitingPart {
         let kept = fresh().await;
         let ledger = kept.ledger.clone().with_clock(|| at(8));
@@ -83,34 +87,49 @@ mod tests {
     async fn a_build_is_taken_back_for_what_arrived_after_it_and_only_while_its_printer_prints_for_long() {
         let mut profile = machine_with_triggers("gather_secs = \"15m\"\n");
         let (usual, urgent) = ([part(50).await], [part(HIGHEST_PRIORITY).await]);
+        let standing = BTreeSet::from([(usual[0].part.id, 0)]);
         let facts = WithdrawalFacts {
-            published_at: at(7),
+            fired_at: at(7),
             height_mm: 40.0,
             printer_free_at: at(20),
             waiting: &usual,
-            open_height_mm: Some(30.0),
+            standing: Some(&standing),
+            open_height_mm: 30.0,
             is_hindered: false,
         };
         let is_withdrawn = |profile: &MachineProfile, facts: WithdrawalFacts<'_>, now: i64| {
             decide_withdrawal(profile, &facts, at(now)).is_some()
         };
-        let hurry = WithdrawalFacts { waiting: &urgent, open_height_mm: None, printer_free_at: at(9), ..facts };
+        let hurry = WithdrawalFacts { waiting: &urgent, printer_free_at: at(9), ..facts };
         assert!(!is_withdrawn(&profile, facts, 9) && !is_withdrawn(&profile, hurry, 9), "never");
         profile.printing.withdraw = WithdrawalPolicy::Urgent;
         assert!(!is_withdrawn(&profile, facts, 9) && is_withdrawn(&profile, hurry, 9));
-        assert!(!is_withdrawn(&profile, WithdrawalFacts { is_hindered: true, ..hurry }, 9), "another build takes it");
-        assert!(!is_withdrawn(&profile, WithdrawalFacts { published_at: at(9), ..hurry }, 9), "it found no place");
+        assert!(!is_withdrawn(&profile, hurry, 8), "more may arrive");
+        let nothing = BTreeSet::new();
+        for held in [
+            WithdrawalFacts { is_hindered: true, ..hurry },
+            WithdrawalFacts { fired_at: at(9), ..hurry },
+            WithdrawalFacts { standing: Some(&nothing), ..hurry },
+            WithdrawalFacts { standing: None, ..hurry },
+        ] {
+            assert!(!is_withdrawn(&profile, held, 9), "{held:?}");
+        }
         profile.printing.withdraw = WithdrawalPolicy::Always;
         assert!(is_withdrawn(&profile, facts, 9) && is_withdrawn(&profile, hurry, 9));
         assert!(!is_withdrawn(&profile, facts, 8), "more may arrive");
         for held in [
-            WithdrawalFacts { published_at: at(9), ..facts },
+            WithdrawalFacts { fired_at: at(9), ..facts },
             WithdrawalFacts { printer_free_at: at(9), ..facts },
-            WithdrawalFacts { open_height_mm: Some(70.0), ..facts },
-            WithdrawalFacts { open_height_mm: None, ..facts },
+            WithdrawalFacts { open_height_mm: 70.0, ..facts },
+            WithdrawalFacts { standing: Some(&nothing), ..facts },
             WithdrawalFacts { waiting: &[], ..facts },
         ] {
             assert!(!is_withdrawn(&profile, held, 9), "{held:?}");
         }
+        profile.printing.approve = ApprovalPolicy::Thin;
+        assert!(
+            !is_withdrawn(&profile, facts, 9) && !is_withdrawn(&profile, hurry, 9),
+            "somebody would have to say yes"
+        );
     }
 }

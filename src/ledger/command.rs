@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp,
+    change::LedgerChange,
     error::Result,
     sql::{self, sql_row},
     text_column::own_word,
@@ -201,16 +202,11 @@ impl Ledger {
     /// Pauses a profile. Returns `false` if it was paused already.
     pub async fn pause_profile(&self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let now = change.now;
-        let insert =
-            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
-        let paused = sql::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(change.db()).await?;
-        if paused == 0 {
-            return Ok(false);
+        let is_new = change.pause_profile(profile, by, cause).await?;
+        if is_new {
+            change.commit().await?;
         }
-        change.write_event(EventKind::Paused, profile, None, None, by).await?;
-        change.commit().await?;
-        Ok(true)
+        Ok(is_new)
     }
 
     /// Resumes a profile. Returns `false` if it was not paused.
@@ -229,5 +225,20 @@ impl Ledger {
     pub async fn paused_profiles(&self) -> Result<Vec<String>> {
         let query = sql::query_scalar("SELECT profile FROM pause ORDER BY profile");
         Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+impl LedgerChange {
+    /// Pauses a profile. Returns `false` if it was paused.
+    pub async fn pause_profile(&mut self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
+        let now = self.now;
+        let insert =
+            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
+        let paused = sql::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(self.db()).await?;
+        if paused == 0 {
+            return Ok(false);
+        }
+        self.write_event(EventKind::Paused, profile, None, None, by).await?;
+        Ok(true)
     }
 }

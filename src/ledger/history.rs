@@ -171,6 +171,11 @@ const COLUMNS: &str = "b.id AS build, b.profile, nullif(b.printer, b.profile) AS
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
 
 impl HistoryRow {
+    /// Whether its file was put into the queue and not taken back.
+    pub fn is_published(&self) -> bool {
+        self.published_at.is_some() && self.withdrawn_at.is_none()
+    }
+
     /// Share of the machine's height that the build uses, 0..1.
     pub fn height_share(&self) -> Option<f64> {
         Some(self.measures.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)

@@ -96,6 +96,8 @@ impl Ledger {
         let mut report = PutBackReport::default();
         move_to_outcome(&mut change, build, told).await?;
         record_told(&mut change, build, told).await?;
+        // Somebody says that a withdrawn build was printed all the same.
+        sql::query("UPDATE build SET withdrawn_at = NULL WHERE id = $1").bind(build).execute(change.db()).await?;
         if told.is_correction && told.outcome != PrintOutcome::Failed {
             change.return_bad_copies(build, &mut report).await?;
         }

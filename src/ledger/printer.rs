@@ -198,7 +198,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let now = change.now;
         let set = "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2 AND move_to IS NULL AND withdraw_by IS NULL \
-            AND queue_id = $3";
+            AND withdrawn_at IS NULL AND queue_id = $3";
         sql::query(set).bind(now).bind(build).bind(queue_id).execute(change.db()).await?;
         change.commit().await
     }

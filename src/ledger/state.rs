@@ -110,6 +110,8 @@ impl BuildState {
             // The staged file is not the proved one any more.
             (Verified, Published | Nesting) => Ok(next),
             (Published, Printing) => Ok(next),
+            // Its file was taken back out of the queue.
+            (Published, Failed) => Ok(next),
             (Printing, Complete | Interrupted | Failed) => Ok(next),
             // What was told of a print is corrected.
             (Complete, Interrupted | Failed) | (Interrupted, Complete | Failed) => Ok(next),

@@ -223,7 +223,7 @@ const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
     WHERE machine.profile IS NOT NULL) \
     SELECT b.profile, b.id AS build, b.published_at, b.height_mm, b.density, b.copies, b.file_name FROM machine \
     JOIN build b ON b.id = (SELECT n.id FROM build n WHERE n.profile = machine.profile \
-    AND n.state NOT IN ('open', 'nesting') AND n.published_at IS NOT NULL \
+    AND n.state NOT IN ('open', 'nesting') AND n.published_at IS NOT NULL AND n.withdrawn_at IS NULL \
     ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
 
 impl Ledger {

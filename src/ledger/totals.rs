@@ -64,8 +64,7 @@ const UNPROVED: &str = "SELECT profile, count(*) FROM event WHERE kind IN ('reje
     AND kind = 'proof_failed' GROUP BY profile ORDER BY profile";
 const BUILDS: &str = "SELECT profile, CASE WHEN withdrawn_at IS NULL THEN state ELSE 'withdrawn' END AS state, \
     published_at IS NOT NULL AS is_published, count(*) AS builds FROM build GROUP BY 1, 2, 3 ORDER BY 1, 2, 3";
-const MEASURED: &str =
-    "SELECT profile, height_mm, density, wall_secs FROM build WHERE published_at IS NOT NULL AND withdrawn_at IS NULL";
+const MEASURED: &str = "SELECT profile, height_mm, density, wall_secs FROM build WHERE published_at IS NOT NULL";
 
 impl Ledger {
     /// Reads all totals in one consistent snapshot.

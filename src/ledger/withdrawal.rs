@@ -9,9 +9,10 @@
 //! print holds for its copies, also where a backup is put back.
 
 use super::{
-    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PrintOutcome, PutBackReport, ToldOutcome,
+    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PauseCause, PrintOutcome, PutBackReport,
+    ToldOutcome,
     error::Result,
-    outcome::{counted_copies, move_to_outcome, record_told},
+    outcome::{counted_copies, record_told},
     sql,
 };
 
@@ -27,24 +28,23 @@ impl Ledger {
 
     /// The file of a published build is about to be taken back out of the queue. Asking again changes nothing.
     ///
-    /// `WrongState` unless it is published; `NotInQueue` if its printer has taken it, or it is on its way to another one.
+    /// `WrongState` unless it is published; `NotInQueue` if its printer has taken it, it is on its way to another one, or an earlier
+    /// nestd published it, which did not write down where.
     pub async fn begin_withdrawal(&self, build: BuildId, by: &str, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
+        change.ensure_build_state(build, &[BuildState::Published]).await?;
         let set = sql::query(
             "UPDATE build SET withdraw_by = coalesce(withdraw_by, $1), withdraw_reason = coalesce(withdraw_reason, $2) \
-             WHERE id = $3 AND taken_at IS NULL AND move_to IS NULL",
+             WHERE id = $3 AND taken_at IS NULL AND move_to IS NULL AND printer IS NOT NULL AND queue_id IS NOT NULL",
         );
         if set.bind(by).bind(reason).bind(build).execute(change.db()).await? == 0 {
             return Err(LedgerError::NotInQueue(build));
         }
-        let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-        let detail = format!("{by} wants its file back{why}");
-        change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
         change.commit().await
     }
 
-    /// The file of a build was taken back: its copies wait again. Where nestd itself withdrew it, the open build fires at once.
+    /// The file of a build was taken back: its copies wait again, in the place that they had in the order of precedence. Where nestd
+    /// itself withdrew it, the open build fires at once; where a person did, the machine is paused, so that the copies can be changed.
     /// Returns `None`, and changes nothing, if the outcome of the build was told meanwhile.
     pub async fn finish_withdrawal(&self, build: BuildId) -> Result<Option<PutBackReport>> {
         let mut change = self.begin_change().await?;
@@ -54,17 +54,26 @@ impl Ledger {
         let Some(by) = by.filter(|_| state == BuildState::Published) else { return Ok(None) };
         let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
         let told = ToldOutcome::new(PrintOutcome::Failed, &format!("withdrawn from the queue by {by}{why}"), &by);
-        move_to_outcome(&mut change, build, &told).await?;
+        change.move_build(build, BuildState::Failed, &told.note).await?;
         record_told(&mut change, build, &told).await?;
         let mut report = PutBackReport::default();
         let copies = counted_copies(&mut change, build).await?;
         change.mark_bad(build, &copies, &by, true, &mut report).await?;
         let now = change.now;
+        // They were not printed badly: they do not go before what is more urgent.
+        let usual = sql::query(
+            "UPDATE part SET put_back_at = NULL WHERE put_back_at = $1 \
+             AND id IN (SELECT part_id FROM bad_placement WHERE build_id = $2)",
+        );
+        usual.bind(now).bind(build).execute(change.db()).await?;
         let set = sql::query("UPDATE build SET withdrawn_at = $1, seen_at = $1 WHERE id = $2");
         set.bind(now).bind(build).execute(change.db()).await?;
+        change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &told.note).await?;
         if by == WITHDRAWN_BY_NESTD {
             let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
             set.bind(build).bind(profile).execute(change.db()).await?;
+        } else {
+            change.pause_profile(&profile, &by, PauseCause::Person).await?;
         }
         change.commit().await?;
         Ok(Some(report))
@@ -73,17 +82,36 @@ impl Ledger {
     /// Nothing of a withdrawal is left to do.
     pub async fn end_withdrawal(&self, build: BuildId, end: WithdrawalEnd) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let (profile, _) = change.require_build(build).await?;
+        let (profile, state) = change.require_build(build).await?;
         let now = change.now;
         if end == WithdrawalEnd::Taken {
             let set = sql::query("UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2");
             set.bind(now).bind(build).execute(change.db()).await?;
-            let detail = "its printer took the file first: the build stays";
-            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
+            if state == BuildState::Published {
+                let detail = "not taken back: its printer took the file first";
+                change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
+            }
         }
         let set = sql::query("UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL WHERE id = $1").bind(build);
         set.execute(change.db()).await?;
         change.commit().await
+    }
+
+    /// The open build of a machine does not wait for the copies of a withdrawn build any more: none of them waits.
+    pub async fn forget_withdrawn(&self, profile: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let set = sql::query("UPDATE build SET takes_over = NULL WHERE profile = $1 AND state = 'open'").bind(profile);
+        set.execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// Whether originals of the parts of a withdrawn build are still being fetched.
+    pub async fn awaits_originals_of(&self, build: BuildId) -> Result<bool> {
+        let query = sql::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM part WHERE state = 'waiting' AND fetch_at IS NOT NULL \
+             AND id IN (SELECT part_id FROM bad_placement WHERE build_id = $1))",
+        );
+        Ok(query.bind(build).fetch_one(self.reader()?).await?)
     }
 
     /// The build that nestd withdrew for the open build of a machine; `None` = there is none.
@@ -99,6 +127,6 @@ impl Ledger {
 pub enum WithdrawalEnd {
     /// The printer took the file before it could be taken back.
     Taken,
-    /// The file is in no queue folder, or was told to be printed.
+    /// The file is in no queue folder, or the outcome of its print was told.
     Removed,
 }

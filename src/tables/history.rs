@@ -12,6 +12,7 @@ pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::new("state", fields::STATE, |row| row.state.into()),
     TableColumn::new("at", fields::TIME, |row| row.at.into()),
     TableColumn::for_programs("published_at", fields::PUBLISHED, |row| row.published_at.into()),
+    TableColumn::for_programs("withdrawn_at", fields::WITHDRAWN, |row| row.withdrawn_at.into()),
     TableColumn::new("height_mm", fields::HEIGHT, |row| row.measures.height_mm.into()),
     TableColumn::for_programs("volume_z_mm", fields::VOLUME_Z, |row| row.volume_z_mm.into()),
     TableColumn::for_people("used", fields::USED, |row| row.height_share().into()),

@@ -61,9 +61,7 @@ impl MachineOutput {
         let mut all: Vec<Self> = names
             .into_iter()
             .map(|name| {
-                let own = rows
-                    .iter()
-                    .filter(|row| row.profile == *name && row.published_at.is_some() && row.withdrawn_at.is_none());
+                let own = rows.iter().filter(|row| row.profile == *name && row.is_published());
                 let empty = Self { profile: name.clone(), ..Self::default() };
                 own.fold(empty, |sum, row| sum.with_build(row, bad)).with_shares(hours_per_mm.get(name).copied())
             })

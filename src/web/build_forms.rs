@@ -78,7 +78,7 @@ pub(super) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
                 }
                 @if build.state == BuildState::Published && build.place.taken_at.is_none() {
                     details { summary { "Take it back out of the queue" }
-                        p { "Only while its printer has not taken its file. Its copies wait again, first in line, with all that was asked; they can be changed or cancelled." }
+                        p { "Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it." }
                         @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
                         @else { (act_form(web, build.id, "withdraw", "Take it back")) }
                     }

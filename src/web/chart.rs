@@ -24,7 +24,7 @@ type ChartLines = BTreeMap<String, Vec<(f64, f64)>>;
 
 /// The three charts of published builds; empty when there are fewer than two. The times are those of `zone`.
 pub(super) fn history_charts(rows: &[HistoryRow], zone: &FarmZone) -> Markup {
-    let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.published_at.is_some()).collect();
+    let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.is_published()).collect();
     if published.len() < 2 {
         return html! {};
     }
@@ -129,7 +129,7 @@ pub(super) fn weekly_bars(
 ) -> Markup {
     let mut weeks: BTreeMap<jiff::civil::Date, BTreeMap<&str, f64>> = BTreeMap::new();
     let mut machines: BTreeMap<&str, usize> = BTreeMap::new();
-    for row in rows {
+    for row in rows.iter().filter(|row| row.is_published()) {
         let (Some(at), Some(value)) = (row.published_at, value(row)) else { continue };
         let day = at.0.to_zoned(zone.time_zone().clone()).date();
         let monday = day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());

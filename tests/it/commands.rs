@@ -115,7 +115,10 @@ fn an_empty_history_is_empty_in_every_format() {
     assert_eq!(run(farm.path(), "history").1, "No builds.\n");
     assert_eq!(run(farm.path(), "history --json --since 7d").1, "[]\n");
     let (code, csv, _) = run(farm.path(), "history --format csv --limit 5");
-    assert!(code == 0 && csv.starts_with("build,profile,printer,state,at,published_at,height_mm"), "{csv}");
+    assert!(
+        code == 0 && csv.starts_with("build,profile,printer,state,at,published_at,withdrawn_at,height_mm"),
+        "{csv}"
+    );
 }
 
 #[test]

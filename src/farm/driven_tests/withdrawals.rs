@@ -41,6 +41,9 @@ fn one_build(options: &str) -> (HandDrivenFarm, BuildId, String) {
 }
 
 fn flush_again(farm: &mut HandDrivenFarm, queued: usize) {
+    // A person's withdrawal paused the machine.
+    farm.ask(async |ledger| ledger.resume_profile(PROFILE, "a@test").await.unwrap());
+    farm.tick();
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(queued);
     farm.pass_until("all of it is built", |farm| farm.parts(PartState::Waiting).is_empty());
@@ -86,7 +89,7 @@ fn a_build_that_is_taken_back_can_be_changed_and_comes_again() {
     assert!(farm.ask(async |ledger| ledger.unseen_failures().await.unwrap()).is_empty(), "nobody needs to see to it");
     assert!(matches!(withdraw(&farm, build), Err(LedgerError::WrongState { .. })));
     farm.pass_secs(30.0);
-    assert!(farm.queued().is_empty(), "it waits for a person, or for its triggers");
+    assert!(farm.queued().is_empty() && farm.status_text().contains("PAUSED by a@test"), "it waits for a person");
     let edit = PartEdit { copies: Some(3), ..PartEdit::default() };
     let argument = CommandArgument { edit: Some(edit), ..CommandArgument::default() };
     let command = NewCommand {
@@ -174,6 +177,33 @@ fn what_is_urgent_has_the_build_in_the_queue_taken_back_and_goes_with_it() {
     assert_eq!((now.len(), now[0].fired_by.as_str()), (1, "withdrawn"));
     farm.pass_secs(30.0);
     assert_eq!(published(&farm), now, "it is not taken back again");
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
+fn what_is_urgent_takes_one_build_back_and_goes_before_its_copies() {
+    let options = "withdraw = \"urgent\"\nwall_margin_mm = 0\norientation = \"fixed\"\n";
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}{options}"));
+    // Each of these fills the volume.
+    for name in ["a.stl", "b.stl"] {
+        farm.drop_part(name, &block(118.0, 118.0, 118.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        farm.order(CommandKind::Flush, None);
+        farm.pass_until("it is in the queue", |farm| farm.parts(PartState::Waiting).is_empty());
+    }
+    farm.wait_for_queued(2);
+    let [older, newer] = published(&farm).try_into().unwrap();
+    fs::write(farm.folder("inbox").join("u.stl.toml"), "priority = 100\n").unwrap();
+    farm.drop_part("u.stl", &block(118.0, 118.0, 118.0));
+    farm.pass_until("the newer build is taken back", |farm| find(farm, newer.id).place.withdrawn_at.is_some());
+    farm.pass_until("the urgent part is in the queue", |farm| {
+        farm.parts(PartState::Built).iter().any(|part| part.name == "u.stl")
+    });
+    farm.pass_secs(60.0);
+    let waiting: Vec<String> = farm.parts(PartState::Waiting).into_iter().map(|part| part.name).collect();
+    assert_eq!((find(&farm, older.id).state, waiting), (BuildState::Published, vec!["b.stl".to_owned()]));
+    flush_again(&mut farm, 3);
+    assert_each_copy_once(&farm.queued(), 3);
     farm.assert_ledger_agrees_with_folders();
 }
 

@@ -11,7 +11,7 @@ use super::{
     alert_registry::ServiceBridge,
     batch, build_move, claim_completion, clock_changes, commands, damaged_files,
     farm::{Farm, TICK_INTERVAL},
-    fetch_originals, folder_comparison,
+    fetch_originals, folder_comparison, hurried_scans,
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
@@ -132,6 +132,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
 async fn run_ledger_steps(farm: &mut Farm) {
     let names: Vec<String> = farm.machines.keys().cloned().collect();
     farm.run_step("commands", commands::process_commands).await;
+    farm.run_step("ordered lines", hurried_scans::hurry_scans).await;
     farm.run_step("reading", intake_jobs::start_reading).await;
     farm.run_step("revisions", revisions::take_out_replaced).await;
     farm.run_step("originals", fetch_originals::fetch_originals).await;

@@ -12,6 +12,7 @@ pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan, UnavailableInbox};
 use super::{
     claim_note::{ClaimNote, new_part_row},
     failure::error_chain,
+    arriving_lines::ArrivingLines,
     folder_leases::FolderLeases,
     hot_folder_scan::file_display_name,
     ready_files::{ReadyFiles, refuse_unreadable},
@@ -103,13 +104,14 @@ impl HotFolderScanner {
         self.keep_pending(claim);
     }
 
-    /// One scan: claims settled files and copies them into the store. `find_part` finds the rows of refused parts.
+    /// One scan: claims settled files and ordered lines, and copies them into the store. `find_part` finds the rows of refused parts.
     pub fn scan_and_claim(
         &mut self,
         profile: &MachineProfile,
         leases: &mut FolderLeases,
         store: &ContentStore,
         orphan_secs: f64,
+        ordered: &ArrivingLines,
         find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
     ) -> HotFolderScan {
         let mut scan = HotFolderScan::default();
@@ -129,6 +131,9 @@ impl HotFolderScanner {
         lease.farm_id().clone_into(&mut self.farm_id);
         self.settler.set_rules(settle_rules(profile, orphan_secs));
         let mut claims = self.pending_claims(leases.inbox.farm_id(), &mut scan);
+        if leases.may_take_files() && !scan.may_have_unknown_claims {
+            claims.extend(ordered.place_lines(self.inbox.path(), &self.farm_id, &mut scan.warnings));
+        }
         match self.inbox.scan() {
             Ok(listing) => {
                 scan.warnings.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));

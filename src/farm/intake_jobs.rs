@@ -8,6 +8,7 @@ use tracing::{debug, info, warn};
 
 use super::{
     alert::AlertKind,
+    arriving_lines::ArrivingLines,
     claim_completion,
     claim_note::ClaimNote,
     control_files, damaged_files,
@@ -24,7 +25,7 @@ use super::{
     standing_claim::StandingClaim,
 };
 use crate::{
-    intake::{self, TicketError},
+    intake::{self, PutContents, TicketError},
     ledger::{NewPartRow, PartId, PartRow, PartState, RecordedPart, RefusalCause, UtcTimestamp},
     settings::MachineProfile,
 };
@@ -115,9 +116,11 @@ pub(super) fn start_scans(farm: &mut Farm) {
         let mut leases = machine.leases.clone();
         let (name, status) = (name.clone(), machine.status_files(&farm.alerts, farm.settings.scan_secs));
         let (ledger, runtime) = (farm.ledger.clone(), tokio::runtime::Handle::current());
+        let contents = PutContents::of_farm(&farm.settings.state_dir);
         farm.jobs.start(HotFolderScanJob { profile: name }, move || {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
-            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, find_part);
+            let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
+            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
             if status.1.is_empty() || scan.unavailable.is_some() || leases.inbox.check_usable().is_err() {
                 return (scanner, scan);

@@ -16,6 +16,7 @@ use super::{
     given_back,
     name::numbered_name,
     name_match::fold_path,
+    ordered_claim::is_ordered_claim,
     served_rows::sweep_marks,
     sidecars::short_name,
 };
@@ -113,9 +114,14 @@ fn recover_claim(inbox: &Path, dir: &Path) -> io::Result<Option<ClaimedPart>> {
 }
 
 /// Moves all claimed files back to where they were dropped, under a free name if the name is taken now, and removes the
-/// claim. What the claim holds of a list is only a copy and is deleted. Returns the new path of the (first) part.
+/// claim. What the claim holds of a list is only a copy and is deleted. Returns the new path of the (first) part. The claim of
+/// an ordered line is removed: the farm puts it together again.
 pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<PathBuf>> {
     let dir = &rename_to_unfinished(dir)?;
+    if is_ordered_claim(&dir.file_name().unwrap_or_default().to_string_lossy()) {
+        fs::remove_dir_all(dir)?;
+        return Ok(None);
+    }
     let mut part = None;
     let files = disk::files_below(dir)?;
     // A ticket whose part is still there goes back with the part.

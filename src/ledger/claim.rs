@@ -190,7 +190,11 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
         let now = change.now;
         insert_ticket(change, id, ticket, now).await?;
     }
-    change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &part.name).await?;
+    let detail = match change.take_ordered_line(&part.claim).await? {
+        Some(client) => format!("{}, ordered by {client}", part.name),
+        None => part.name.clone(),
+    };
+    change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &detail).await?;
     change.open_order(&part.terms.order_name).await?;
     Ok(RecordedPart { id, is_new: true })
 }

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(super) const TABLES: [CopiedTable; 19] = [
+pub(super) const TABLES: [CopiedTable; 21] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -51,6 +51,8 @@ pub(super) const TABLES: [CopiedTable; 19] = [
     keyed("lane", None),
     keyed("night_search", None),
     keyed("printer_down", None),
+    keyed("request_key", None),
+    keyed("ordered_line", None),
 ];
 /// All views.
 pub(super) const VIEWS: [&str; 5] =

@@ -28,7 +28,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 10] = [
+const MIGRATIONS: [ServerMigration; 11] = [
     migration(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
@@ -47,6 +47,10 @@ const MIGRATIONS: [ServerMigration; 10] = [
     ServerMigration {
         is_additive: true,
         ..migration(27, "printers", include_str!("../../../migrations/postgres/0027_printers.sql"))
+    },
+    ServerMigration {
+        is_additive: true,
+        ..migration(28, "orders by request", include_str!("../../../migrations/postgres/0028_orders_by_request.sql"))
     },
     ServerMigration {
         is_additive: true,

@@ -1,0 +1,22 @@
+//! A line that was ordered by request is taken at once: the hot folder of its machine is scanned when the ledger has another one.
+
+use anyhow::Result;
+
+use super::{arriving_lines::LINES_PER_SCAN, farm::Farm, intake_jobs::HotFolderScanJob};
+
+/// Has the hot folder of a machine scanned soon for which a line was ordered.
+pub(super) async fn hurry_scans(farm: &mut Farm) -> Result<()> {
+    let now = farm.now();
+    for (name, machine) in &mut farm.machines {
+        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+            continue;
+        }
+        let lines = farm.ledger.arriving_lines(name, LINES_PER_SCAN).await?;
+        let claims: Vec<String> = lines.into_iter().map(|line| line.claim).collect();
+        if claims != machine.inbox.arriving {
+            machine.inbox.next_scan_at = now;
+            machine.inbox.arriving = claims;
+        }
+    }
+    Ok(())
+}

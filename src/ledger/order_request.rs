@@ -1,0 +1,170 @@
+//! Orders that come by request, each under a key of its client: recorded once, whatever is sent again. The farm makes a claim of each
+//! line, and goes on making it until there is a part of that claim.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{
+    Ledger, UtcTimestamp,
+    change::LedgerChange,
+    error::Result,
+    sql::{self, sql_row},
+};
+
+/// A request that was carried out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AnsweredRequest {
+    /// BLAKE3 of what was asked, 64 hex digits.
+    pub fingerprint: String,
+    /// JSON that was answered.
+    pub answer: String,
+}
+
+sql_row!(AnsweredRequest { fingerprint, answer });
+
+/// A line of an order that came by request.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct OrderedLine {
+    /// Its claim: one for ever, made of the client, its key and the request.
+    pub claim: String,
+    /// Who ordered it.
+    pub client: String,
+    /// Machine profile.
+    pub profile: String,
+    /// The order that it belongs to.
+    pub order_name: String,
+    /// File name.
+    pub name: String,
+    /// BLAKE3 of its file, 64 hex digits.
+    pub content_hash: String,
+    /// Copies ordered.
+    pub copies: u32,
+    /// What was asked with it, as a ticket in JSON.
+    pub ticket: String,
+}
+
+sql_row!(OrderedLine { claim, client, profile, order_name, name, content_hash, copies, ticket });
+
+/// An order as it is to be recorded.
+#[derive(Debug, Clone)]
+pub struct NewOrderRequest {
+    /// Who sent it.
+    pub client: String,
+    /// The key that its client gave it.
+    pub key: String,
+    /// What was asked, and what is answered.
+    pub answered: AnsweredRequest,
+    /// Its lines.
+    pub lines: Vec<OrderedLine>,
+}
+
+/// Result of recording an order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RecordedRequest {
+    /// It is recorded now.
+    New,
+    /// A request with this key was carried out before.
+    Known(AnsweredRequest),
+}
+
+/// The lines of which no part was recorded.
+const ARRIVING: &str =
+    "FROM ordered_line l WHERE taken_at IS NULL AND NOT EXISTS (SELECT 1 FROM part p WHERE p.claim = l.claim)";
+
+impl Ledger {
+    /// Records an order and its key in one change, unless its key was used before. A line whose part is there, because the ledger was put
+    /// back to a time before the order came, counts as taken.
+    pub async fn record_order_request(&self, order: &NewOrderRequest) -> Result<RecordedRequest> {
+        let mut change = self.begin_change().await?;
+        if let Some(known) = find_answer(&mut change, &order.client, &order.key).await? {
+            return Ok(RecordedRequest::Known(known));
+        }
+        let now = change.now;
+        sql::query(
+            "INSERT INTO request_key (client, key, fingerprint, answer, answered_at) VALUES ($1, $2, $3, $4, $5)",
+        )
+        .bind(&order.client)
+        .bind(&order.key)
+        .bind(&order.answered.fingerprint)
+        .bind(&order.answered.answer)
+        .bind(now)
+        .execute(change.db())
+        .await?;
+        for line in &order.lines {
+            insert_line(&mut change, line).await?;
+        }
+        change.commit().await?;
+        Ok(RecordedRequest::New)
+    }
+
+    /// The request that was carried out with this key.
+    pub async fn find_answered_request(&self, client: &str, key: &str) -> Result<Option<AnsweredRequest>> {
+        let query = sql::select_as("FROM request_key WHERE client = $1 AND key = $2").bind(client).bind(key);
+        Ok(query.fetch_optional(self.reader()?).await?)
+    }
+
+    /// The lines for a machine of which the ledger has no part, oldest first, at most `most`.
+    pub async fn arriving_lines(&self, profile: &str, most: u32) -> Result<Vec<OrderedLine>> {
+        let query = sql::select_as(&format!("{ARRIVING} AND profile = $1 ORDER BY ordered_at, claim LIMIT $2"));
+        Ok(query.bind(profile).bind(most).fetch_all(self.reader()?).await?)
+    }
+
+    /// The lines of an order of which the ledger has no part.
+    pub async fn arriving_lines_of_order(&self, order_name: &str) -> Result<Vec<OrderedLine>> {
+        let query = sql::select_as(&format!("{ARRIVING} AND order_name = $1 ORDER BY ordered_at, claim"));
+        Ok(query.bind(order_name).fetch_all(self.reader()?).await?)
+    }
+
+    /// The contents that lines need of which the ledger has no part.
+    pub async fn contents_of_arriving_lines(&self) -> Result<Vec<String>> {
+        let query = sql::query_scalar("SELECT DISTINCT content_hash FROM ordered_line WHERE taken_at IS NULL");
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
+    /// Forgets the keys of requests, and the lines that were taken, of before a time.
+    pub async fn forget_order_requests(&self, before: UtcTimestamp) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let keys = sql::query("DELETE FROM request_key WHERE answered_at < $1").bind(before);
+        let forgotten = keys.execute(change.db()).await?;
+        let lines = sql::query("DELETE FROM ordered_line WHERE ordered_at < $1 AND taken_at IS NOT NULL").bind(before);
+        if forgotten + lines.execute(change.db()).await? == 0 {
+            return Ok(());
+        }
+        change.commit().await
+    }
+}
+
+async fn find_answer(change: &mut LedgerChange, client: &str, key: &str) -> Result<Option<AnsweredRequest>> {
+    let query = sql::select_as("FROM request_key WHERE client = $1 AND key = $2").bind(client).bind(key);
+    Ok(query.fetch_optional(change.db()).await?)
+}
+
+async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()> {
+    let now = change.now;
+    sql::query(
+        "INSERT INTO ordered_line (claim, client, profile, order_name, name, content_hash, copies, ticket, ordered_at, taken_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, (SELECT max(p.claimed_at) FROM part p WHERE p.claim = $1)) \
+         ON CONFLICT (claim) DO NOTHING",
+    )
+    .bind(&line.claim)
+    .bind(&line.client)
+    .bind(&line.profile)
+    .bind(&line.order_name)
+    .bind(&line.name)
+    .bind(&line.content_hash)
+    .bind(line.copies)
+    .bind(&line.ticket)
+    .bind(now)
+    .execute(change.db())
+    .await?;
+    Ok(())
+}
+
+impl LedgerChange {
+    /// The part of a claim is being recorded. Returns who ordered it by request.
+    pub(super) async fn take_ordered_line(&mut self, claim: &str) -> Result<Option<String>> {
+        let now = self.now;
+        let take = sql::query_scalar("UPDATE ordered_line SET taken_at = $1 WHERE claim = $2 RETURNING client");
+        Ok(take.bind(now).bind(claim).fetch_optional(self.db()).await?)
+    }
+}

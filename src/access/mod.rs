@@ -2,6 +2,8 @@
 //! umask of the process that started it. Nothing is set until the daemon calls [`FilePermissions::apply_to_process`]: other commands create
 //! files like any other program.
 
+mod tokens;
+
 use std::{
     fs::{self, File},
     io,
@@ -17,6 +19,8 @@ use rustix::{
     fs::{Gid, Mode, fchmod, fchown, fstat},
     io::Errno,
 };
+
+pub use tokens::{StoredToken, TokenError, TokenRole, TokenWatch, add_token, hash_token, read_tokens, revoke_token};
 
 /// Set-group-ID of a folder: files created in it get its group. Whoever created the farm's folders may have set this
 /// bit.

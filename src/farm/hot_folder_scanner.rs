@@ -10,9 +10,9 @@ use std::{
 
 pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan, UnavailableInbox};
 use super::{
+    arriving_lines::ArrivingLines,
     claim_note::{ClaimNote, new_part_row},
     failure::error_chain,
-    arriving_lines::ArrivingLines,
     folder_leases::FolderLeases,
     hot_folder_scan::file_display_name,
     ready_files::{ReadyFiles, refuse_unreadable},

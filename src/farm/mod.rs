@@ -36,6 +36,7 @@ mod event_loop;
 mod failure;
 mod farm;
 mod fetch_originals;
+mod file_fault;
 mod fire_forecast;
 mod folder_builds;
 mod folder_check;
@@ -53,6 +54,7 @@ mod invariants;
 mod isolated_read;
 mod job_events;
 mod jobs;
+mod judged_file;
 mod kept_build;
 mod known_folders;
 mod lane_job;
@@ -150,6 +152,7 @@ pub use invariants::{
     AskedCopies, Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants,
 };
 pub use isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
+pub use judged_file::judge_file;
 pub use known_folders::is_known_folder;
 pub use ledger_copy::copy_ledger;
 pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unknown_to_ledger};

@@ -194,6 +194,8 @@ mod tests {
         ] {
             assert_ne!(id, other);
         }
-        assert!(is_ordered_claim(&format!(".new-{id}@farm")) && !is_ordered_claim("20261123T200000000Z-0000-00000000@f"));
+        assert!(
+            is_ordered_claim(&format!(".new-{id}@farm")) && !is_ordered_claim("20261123T200000000Z-0000-00000000@f")
+        );
     }
 }

@@ -42,6 +42,14 @@ pub struct OrderRow {
 
 sql_row!(OrderRow { name, state, opened_at, state_at });
 
+impl OrderRow {
+    /// An order of which no part has come yet.
+    pub fn arriving(name: &str) -> Self {
+        let now = UtcTimestamp(jiff::Timestamp::now());
+        Self { name: name.to_owned(), state: OrderState::Open, opened_at: now, state_at: now }
+    }
+}
+
 /// A line of an order: a part and what became of its copies.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct OrderLine {

@@ -154,6 +154,8 @@ impl Default for LogInputs {
 pub(super) struct WebInputs {
     pub listen: String,
     pub token_file: OptionalValue<PathBuf>,
+    pub tokens_file: OptionalValue<PathBuf>,
+    pub without_token: String,
     pub hosts: Vec<String>,
     pub orders: bool,
     pub user_header: OptionalValue<String>,
@@ -162,7 +164,15 @@ pub(super) struct WebInputs {
 impl Default for WebInputs {
     fn default() -> Self {
         let (listen, hosts) = ("off".to_owned(), Vec::new());
-        Self { listen, token_file: OptionalValue::OFF, hosts, orders: true, user_header: OptionalValue::OFF }
+        Self {
+            listen,
+            token_file: OptionalValue::OFF,
+            tokens_file: OptionalValue::OFF,
+            without_token: "nothing".to_owned(),
+            hosts,
+            orders: true,
+            user_header: OptionalValue::OFF,
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::{fmt, net::SocketAddr, path::PathBuf};
 use serde::Serialize;
 
 use super::{inputs::WebInputs, validator::ConfigValidator};
+use crate::access::TokenRole;
 
 /// Where the dashboard listens.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -24,6 +25,10 @@ pub struct WebSettings {
     pub listen: ListenAddress,
     /// File with the bearer token that every request must carry; `None` = no token is required.
     pub token_file: Option<PathBuf>,
+    /// File with the tokens of clients that have names and roles; `None` = there are none.
+    pub tokens_file: Option<PathBuf>,
+    /// What requests without a token may where there are tokens; `None` = nothing.
+    pub without_token: Option<TokenRole>,
     /// Additional host names that browsers may use besides those of this machine, for instance behind a reverse proxy.
     pub hosts: Vec<String>,
     /// Whether pages may send commands (flush, pause, resume, retry, cancel). Otherwise they are read-only.
@@ -61,8 +66,11 @@ pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) 
     if let ListenAddress::Tcp(address) = listen
         && !address.ip().is_loopback()
         && inputs.token_file.0.is_none()
+        && inputs.tokens_file.0.is_none()
     {
-        let text = format!("web.listen = \"{address}\" is open to other machines, and there is no web.token_file");
+        let text = format!(
+            "web.listen = \"{address}\" is open to other machines, and there is no web.token_file or web.tokens_file"
+        );
         let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 16 letters or more";
         validator.report_problem("web.listen", text, remedy);
     }
@@ -70,9 +78,25 @@ pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) 
         user_header: validate_user_header(inputs, &listen, validator),
         listen,
         token_file: inputs.token_file.0.clone(),
+        tokens_file: inputs.tokens_file.0.clone(),
+        without_token: validate_without_token(inputs, validator),
         hosts: inputs.hosts.clone(),
         orders: inputs.orders,
     })
+}
+
+/// Whoever can connect has no token.
+fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<TokenRole> {
+    match inputs.without_token.as_str() {
+        "nothing" => None,
+        "read" => Some(TokenRole::Read),
+        "order" => Some(TokenRole::Order),
+        other => {
+            let text = format!("web.without_token = \"{}\" is no role for it", other.escape_debug());
+            validator.report_problem("web.without_token", text, "write \"nothing\", \"read\" or \"order\"");
+            None
+        }
+    }
 }
 
 /// A name in a header is believed only where nobody but programs of this server can connect.

@@ -105,7 +105,8 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         let answer = dashboard.get(asked).await;
         assert_eq!(answer.status, status, "{asked}");
         let value = serde_json::from_str(&answer.text).unwrap_or_else(|_| panic!("{asked}: {}", answer.text));
-        let schema = &all["paths"][path]["get"]["responses"][status.as_str()]["content"]["application/json"]["schema"];
+        let schema =
+            &all["paths"][path]["get"]["responses"][status.as_str()]["content"]["application/problem+json"]["schema"];
         unlike(schema, &value, &all, asked, &mut faults);
     }
     assert!(faults.is_empty(), "{faults:#?}");

@@ -85,14 +85,28 @@ pub(super) async fn post_command(
     send_commands(&web, vec![command], &back).await
 }
 
+/// Refuses whatever changes something where the farm takes no orders from pages and programs.
+pub(super) fn check_takes_orders(web: &DashboardState) -> HandlerResult<()> {
+    let text = "this farm takes no orders from pages; see web.orders";
+    if web.orders { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
+}
+
 /// Refuses a form where the farm takes none, or that comes from no page of this daemon.
 pub(super) fn check_form_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
-    let refused = |text: &str| Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned()));
-    match () {
-        () if !web.orders => refused("this farm takes no orders from pages; see web.orders"),
-        () if key != web.form_key => refused("the page is older than the daemon: load it again and press once more"),
-        () => Ok(()),
-    }
+    check_takes_orders(web)?;
+    let text = "the page is older than the daemon: load it again and press once more";
+    if key == web.form_key { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
+}
+
+/// What the daemon answered to commands.
+#[derive(Debug, Default)]
+pub(super) struct CommandAnswers {
+    /// What was done, a sentence each.
+    pub(super) done: Vec<String>,
+    /// What was refused, a sentence each.
+    pub(super) refusals: Vec<String>,
+    /// Whether all were answered. The others are done when the daemon comes to them.
+    pub(super) is_complete: bool,
 }
 
 /// Sends commands to the daemon and waits for the answers; then shows the page `back` again, or what was refused.
@@ -101,24 +115,8 @@ pub(super) async fn send_commands(
     commands: Vec<NewCommand>,
     back: &str,
 ) -> HandlerResult<Response> {
-    let mut open = Vec::new();
-    for command in &commands {
-        open.push(web.ledger.submit_command(command).await?);
-    }
-    let (asked, mut refusals) = (std::time::Instant::now(), Vec::new());
-    while !open.is_empty() && asked.elapsed() < ANSWER_TIMEOUT {
-        tokio::time::sleep(POLL_INTERVAL).await;
-        let mut unanswered = Vec::new();
-        for id in open {
-            match web.ledger.find_command(id).await? {
-                Some(row) if row.state == CommandState::Done => {}
-                Some(row) if row.state == CommandState::Refused => refusals.push(format!("{}.", row.answer)),
-                _ => unanswered.push(id),
-            }
-        }
-        open = unanswered;
-    }
-    if !open.is_empty() {
+    let CommandAnswers { mut refusals, is_complete, .. } = run_commands(web, commands).await?;
+    if !is_complete {
         refusals.push("The daemon has not answered; the order is noted and is done when it runs.".to_owned());
         return Ok(result_page("Not answered yet", &refusals, back));
     }
@@ -126,6 +124,29 @@ pub(super) async fn send_commands(
         true => Ok(Redirect::to(back).into_response()),
         false => Ok(result_page("Refused", &refusals, back)),
     }
+}
+
+/// Sends commands to the daemon and waits for the answers.
+pub(super) async fn run_commands(web: &DashboardState, commands: Vec<NewCommand>) -> HandlerResult<CommandAnswers> {
+    let mut open = Vec::new();
+    for command in &commands {
+        open.push(web.ledger.submit_command(command).await?);
+    }
+    let (asked, mut answers) = (std::time::Instant::now(), CommandAnswers::default());
+    while !open.is_empty() && asked.elapsed() < ANSWER_TIMEOUT {
+        tokio::time::sleep(POLL_INTERVAL).await;
+        let mut unanswered = Vec::new();
+        for id in open {
+            match web.ledger.find_command(id).await? {
+                Some(row) if row.state == CommandState::Done => answers.done.push(format!("{}.", row.answer)),
+                Some(row) if row.state == CommandState::Refused => answers.refusals.push(format!("{}.", row.answer)),
+                _ => unanswered.push(id),
+            }
+        }
+        open = unanswered;
+    }
+    answers.is_complete = open.is_empty();
+    Ok(answers)
 }
 
 /// What the ledger answers to a form that it carries out itself: sentences, or why it refuses.
@@ -139,7 +160,7 @@ pub(super) fn answer_page(answer: Result<Vec<String>, LedgerError>, back: &str) 
 }
 
 /// Whether the ledger could not be read or written, so that nothing was refused.
-fn is_failure_of_ledger(error: &LedgerError) -> bool {
+pub(super) fn is_failure_of_ledger(error: &LedgerError) -> bool {
     error.is_disk_failure() || error.is_damage() || matches!(error, LedgerError::Sql(_))
 }
 

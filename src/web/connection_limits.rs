@@ -16,7 +16,7 @@ use std::{
 use axum::{
     body::{Body, to_bytes},
     extract::{ConnectInfo, Request, connect_info::Connected},
-    http::{Method, StatusCode},
+    http::{Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
     serve::{IncomingStream, Listener},
@@ -32,6 +32,9 @@ use super::error::HandlerError;
 
 /// Largest request body, bytes.
 pub(super) const MAX_BODY_BYTES: usize = 4096;
+
+/// Largest body of a program's request that brings no file, bytes.
+pub(super) const MAX_JSON_BYTES: usize = 1 << 20;
 
 /// Most connections at once, unless the limit of open files allows fewer.
 const MAX_CONNECTIONS: u64 = 128;
@@ -142,10 +145,17 @@ impl Drop for InProgressGuard {
     }
 }
 
-/// Whether a request brings files: the address of the form that adds them to a machine.
+/// Whether a request brings files: to the form that adds them to a machine, as content, as a piece of an upload, or with an order.
 fn brings_files(request: &Request) -> bool {
     let path = request.uri().path();
-    *request.method() == Method::POST && path.starts_with("/machines/") && path.ends_with("/files")
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    match *request.method() {
+        Method::POST if path.starts_with("/machines/") => path.ends_with("/files"),
+        Method::POST => path.starts_with("/api/v1/orders") && kind.starts_with("multipart/"),
+        Method::PUT => path.starts_with("/api/v1/content/"),
+        Method::PATCH => path.starts_with("/api/v1/uploads/"),
+        _ => false,
+    }
 }
 
 /// Receives the whole request while the timeout of its connection runs, then answers it without that timeout. Files are received by
@@ -154,7 +164,8 @@ pub(super) async fn buffer_then_answer(mut request: Request, next: Next) -> Resp
     let is_upload = brings_files(&request);
     if !is_upload && !matches!(*request.method(), Method::GET | Method::HEAD) {
         let (head, body) = request.into_parts();
-        let Ok(body) = to_bytes(body, MAX_BODY_BYTES).await else {
+        let most = if head.uri.path().starts_with("/api/") { MAX_JSON_BYTES } else { MAX_BODY_BYTES };
+        let Ok(body) = to_bytes(body, most).await else {
             let text = "the form is too long, or did not arrive as a whole".to_owned();
             return HandlerError::Refused(StatusCode::PAYLOAD_TOO_LARGE, text).into_response();
         };

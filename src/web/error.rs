@@ -2,7 +2,7 @@
 
 use axum::{
     Json,
-    http::StatusCode,
+    http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
@@ -21,6 +21,9 @@ pub(super) enum HandlerError {
     /// The request is invalid or forbidden.
     #[error("{1}")]
     Refused(StatusCode, String),
+    /// The client asks too much; it may ask again after this many seconds.
+    #[error("{1}")]
+    TooMany(u64, String),
     /// The ledger does not answer.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
@@ -37,6 +40,7 @@ impl HandlerError {
         match self {
             Self::NotFound(_) => StatusCode::NOT_FOUND,
             Self::Refused(status, _) => *status,
+            Self::TooMany(..) => StatusCode::TOO_MANY_REQUESTS,
             Self::Ledger(_) => StatusCode::SERVICE_UNAVAILABLE,
             Self::Failed(_) => StatusCode::INTERNAL_SERVER_ERROR,
         }
@@ -51,6 +55,9 @@ impl IntoResponse for HandlerError {
         }
         let text = self.to_string();
         let mut response = (status, page::error_page(status, &text)).into_response();
+        if let Self::TooMany(secs, _) = self {
+            response.headers_mut().insert(header::RETRY_AFTER, secs.into());
+        }
         response.extensions_mut().insert(ErrorMessage(text));
         response
     }
@@ -60,24 +67,39 @@ impl IntoResponse for HandlerError {
 #[derive(Debug, Clone)]
 struct ErrorMessage(String);
 
-/// What the JSON interface answers when it cannot answer.
+/// What programs are answered when they cannot be answered: application/problem+json (RFC 9457).
 #[derive(Serialize, JsonSchema)]
-#[schemars(rename = "Error")]
-pub(super) struct ApiError {
-    /// What is wrong.
-    error: String,
+#[schemars(rename = "Problem")]
+pub(super) struct ProblemDetails {
+    /// about:blank: the status says what kind of problem it is.
+    r#type: &'static str,
+    /// The status in words.
+    title: &'static str,
+    /// The status.
+    status: u16,
+    /// What is wrong, in whole sentences where a file is refused: as its reason file would say it.
+    detail: String,
 }
 
-/// Puts an error response into the format of its address: JSON below `/api/`, else a page.
-pub(super) fn format_error_response(response: Response, path: &str) -> Response {
+/// Puts an error response into the format of its address: problem+json below `/api/`, else a page.
+pub(super) fn format_error_response(mut response: Response, path: &str) -> Response {
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
         return response;
     }
     let why = response.extensions().get::<ErrorMessage>().map(|why| why.0.clone());
     if path.starts_with("/api/") {
-        let reason = || status.canonical_reason().unwrap_or("error").to_lowercase();
-        return (status, Json(ApiError { error: why.unwrap_or_else(reason) })).into_response();
+        let title = status.canonical_reason().unwrap_or("Error");
+        let detail = why.unwrap_or_else(|| title.to_lowercase());
+        let problem = ProblemDetails { r#type: "about:blank", title, status: status.as_u16(), detail };
+        let mut told = (status, Json(problem)).into_response();
+        told.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        // Such as when to ask again, and where an upload is.
+        told.headers_mut().extend(response.headers_mut().drain().filter_map(|(name, value)| {
+            let name = name.filter(|name| *name == header::RETRY_AFTER || *name == header::ALLOW)?;
+            Some((name, value))
+        }));
+        return told;
     }
     // The error comes from axum, as one line of plain text: a number in the address or a form that cannot be parsed.
     if why.is_none() && status.is_client_error() {

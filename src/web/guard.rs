@@ -1,6 +1,6 @@
 //! Decides which requests are answered:
 //! - The Host header must name this machine: a page of another site must not reach the farm through a browser here.
-//! - Where a bearer token is configured, the request must carry it.
+//! - Where there are bearer tokens, the request must carry one, whose role allows what it asks.
 //! - Pages of other sites may only link here; a link must be followed by a person.
 //! - Commands must come from the dashboard's own pages.
 //!
@@ -16,7 +16,9 @@ use axum::{
 };
 
 use super::{
+    client::RequestClient,
     error::{HandlerError, format_error_response},
+    role_rules::needed_role,
     state::DashboardState,
 };
 
@@ -25,10 +27,17 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
     connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
 /// Passes a request on or refuses it, and adds the security headers.
-pub(super) async fn guard_request(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
+pub(super) async fn guard_request(
+    State(web): State<Arc<DashboardState>>,
+    mut request: Request,
+    next: Next,
+) -> Response {
     let path = request.uri().path().to_owned();
     let response = match check_request(&web, &request) {
-        Ok(()) => next.run(request).await,
+        Ok(client) => {
+            request.extensions_mut().insert(client);
+            next.run(request).await
+        }
         Err(problem) => problem.into_response(),
     };
     let mut response = format_error_response(response, &path);
@@ -50,20 +59,21 @@ pub(super) async fn guard_request(State(web): State<Arc<DashboardState>>, reques
     response
 }
 
-fn check_request(web: &DashboardState, request: &Request) -> Result<(), HandlerError> {
+fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
     let refused = |status, text: &str| Err(HandlerError::Refused(status, text.to_owned()));
     let header = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
-    // A watchdog asks without a token whether the process is alive.
-    if request.uri().path() == "/healthz" {
-        return Ok(());
-    }
-    if let Some(token) = &web.token {
-        let given = header("authorization").and_then(|value| value.strip_prefix("Bearer ")).unwrap_or_default();
-        if !tokens_match(given, token) {
-            return refused(StatusCode::UNAUTHORIZED, "this farm asks for a bearer token");
-        }
-    } else if !is_known_host(web, header("host").unwrap_or_default()) {
+    let client = match request.uri().path() {
+        // A watchdog asks without a token whether the process is alive.
+        "/healthz" => return Ok(RequestClient::nobody()),
+        _ => web.clients.identify_client(request.headers())?,
+    };
+    if !client.has_token && !is_known_host(web, header("host").unwrap_or_default()) {
         return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");
+    }
+    let needed = needed_role(request.method(), request.uri().path());
+    if client.role < needed {
+        let text = format!("this needs the role {}, and you have {}", needed.as_str(), client.role.as_str());
+        return Err(HandlerError::Refused(StatusCode::FORBIDDEN, text));
     }
     let is_link = *request.method() == Method::GET && is_followed_link(&header);
     if !is_link && !is_same_origin(&header) {
@@ -78,7 +88,7 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<(), HandlerE
             "orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts",
         );
     }
-    Ok(())
+    Ok(client)
 }
 
 /// Whether a request that changes something was sent by one of our own pages, or by a program. Over plain HTTP to a
@@ -108,11 +118,6 @@ fn is_followed_link<'r>(header: &impl Fn(&'static str) -> Option<&'r str>) -> bo
     header("sec-fetch-mode") == Some("navigate")
         && header("sec-fetch-dest").is_none_or(|place| place == "document")
         && header("sec-purpose").is_none()
-}
-
-/// Compares in a time that does not depend on how many characters are equal.
-fn tokens_match(given: &str, token: &str) -> bool {
-    blake3::hash(given.as_bytes()) == blake3::hash(token.as_bytes())
 }
 
 /// Whether the Host header names this machine or a configured host. On a Unix socket every name is accepted, because no

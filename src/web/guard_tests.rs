@@ -18,7 +18,7 @@ async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured
 
 #[tokio::test]
 async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
-    let dashboard = TestDashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
+    let dashboard = TestDashboard::new(|web| web.clients.token = Some("a-token-of-some-length".to_owned())).await;
     let ask = async |given: &str| {
         let request = Request::get("/").header("host", "farm").header("authorization", given);
         dashboard.send(request.body(Body::empty()).unwrap()).await.status

@@ -39,12 +39,12 @@ impl DashboardListener {
     }
 
     /// Requires a token when the socket can be reached from other machines, no matter who opened the socket.
-    pub(super) fn require_token(&self, token: Option<&str>) -> Result<()> {
+    pub(super) fn require_token(&self, has_tokens: bool) -> Result<()> {
         let Self::Tcp(listener) = self else { return Ok(()) };
         let address = listener.local_addr()?;
         ensure!(
-            token.is_some() || address.ip().is_loopback(),
-            "{address} can be reached from other machines: set web.token_file, or listen to this machine only"
+            has_tokens || address.ip().is_loopback(),
+            "{address} can be reached from other machines: set web.tokens_file or web.token_file, or listen to this machine only"
         );
         Ok(())
     }
@@ -72,8 +72,8 @@ mod tests {
         for (address, reachable) in [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true)] {
             let Ok(listener) = TcpListener::bind(address).await else { continue };
             let listener = DashboardListener::Tcp(listener);
-            assert_eq!(listener.require_token(None).is_err(), reachable, "{address}");
-            assert!(listener.require_token(Some("a token of some letters")).is_ok());
+            assert_eq!(listener.require_token(false).is_err(), reachable, "{address}");
+            assert!(listener.require_token(true).is_ok());
         }
     }
 

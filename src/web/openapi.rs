@@ -1,164 +1,33 @@
-//! The addresses of the JSON interface, in one list. The server serves them, and `openapi.json` is derived from the
-//! list, from the response types and from the query types.
+//! The description of the JSON interface, `openapi.json`: derived from the list of its addresses, from the types of what is answered
+//! and from those of what is asked.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use axum::{
-    Router,
     http::header,
     response::{IntoResponse, Response},
-    routing::{MethodRouter, get},
 };
-use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
+use schemars::{Schema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use super::{
-    api,
-    dto::{BuildResponse, PartResource, PartResponse},
-    error::ApiError,
-    history, month, order, part, pick_page,
-    state::DashboardState,
-};
-use crate::{
-    ledger::{HeightSummary, HistoryRow, OrderSummary},
-    tables::PickList,
+    api_routes::{ApiRoute, RequestBody, all_routes, schema_of},
+    error::ProblemDetails,
 };
 
-const ABOUT: &str = "What the pages of the dashboard show. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
+const ABOUT: &str = "What the pages of the dashboard show, and orders of programs. docs/api.md shows how to use it. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
     _bytes; density is a share, 0 to 1; rotations and directions have no unit; times are UTC, RFC 3339.";
 
 /// Path of the schemas in the document.
 const SCHEMAS: &str = "/components/schemas";
 
-/// Creates the schema of a type.
-type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
-
-/// Creates the handler of an address.
-type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
-
-/// An address of the interface.
-struct ApiRoute {
-    path: &'static str,
-    name: &'static str,
-    summary: &'static str,
-    answer: SchemaMaker,
-    /// Schema of its query parameters; `None` = no query.
-    query: Option<SchemaMaker>,
-    /// Fields of that schema that do not apply to this address.
-    without: &'static [&'static str],
-    handler: HandlerMaker,
-}
-
-const ROUTES: [ApiRoute; 10] = [
-    ApiRoute {
-        path: "/api/v1/farm",
-        name: "farm",
-        summary: "The farm as it stands",
-        answer: schema_of::<api::FarmResponse>,
-        query: None,
-        without: &[],
-        handler: || get(api::get_farm),
-    },
-    ApiRoute {
-        path: "/api/v1/builds",
-        name: "builds",
-        summary: "Builds past nesting, newest first unless sorted otherwise, 500 at a time",
-        answer: schema_of::<Vec<HistoryRow>>,
-        query: Some(schema_of::<history::HistoryFilter>),
-        without: &[],
-        handler: || get(api::list_builds),
-    },
-    ApiRoute {
-        path: "/api/v1/heights",
-        name: "heights",
-        summary: "What the published builds come to, by machine; filtered as the builds are",
-        answer: schema_of::<Vec<HeightSummary>>,
-        query: Some(schema_of::<history::HistoryFilter>),
-        without: &["sort", "after"],
-        handler: || get(api::list_height_sums),
-    },
-    ApiRoute {
-        path: "/api/v1/builds/{build}",
-        name: "build",
-        summary: "A build with its parts and placements",
-        answer: schema_of::<BuildResponse>,
-        query: None,
-        without: &[],
-        handler: || get(api::get_build),
-    },
-    ApiRoute {
-        path: "/api/v1/builds/{build}/pick",
-        name: "pick",
-        summary: "The copies of a build in the order in which they come out of the cake",
-        answer: schema_of::<PickList>,
-        query: None,
-        without: &[],
-        handler: || get(pick_page::get_pick_list),
-    },
-    ApiRoute {
-        path: "/api/v1/parts",
-        name: "parts",
-        summary: "Parts, newest first, 500 at a time; without a state or a name those that are not built yet, of the refused ones \
-            those of the last 30 days",
-        answer: schema_of::<Vec<PartResource>>,
-        query: Some(schema_of::<part::PartFilter>),
-        without: &[],
-        handler: || get(api::list_parts),
-    },
-    ApiRoute {
-        path: "/api/v1/parts/{part}",
-        name: "part",
-        summary: "A part, where its copies are and what happened to it",
-        answer: schema_of::<PartResponse>,
-        query: None,
-        without: &[],
-        handler: || get(api::get_part),
-    },
-    ApiRoute {
-        path: "/api/v1/orders",
-        name: "orders",
-        summary: "Orders with what became of their copies, open ones first, newest first",
-        answer: schema_of::<Vec<OrderSummary>>,
-        query: Some(schema_of::<order::OrderFilter>),
-        without: &[],
-        handler: || get(order::get_orders),
-    },
-    ApiRoute {
-        path: "/api/v1/month",
-        name: "month",
-        summary: "What each machine made in a month and in the one before, what came late and what failed",
-        answer: schema_of::<month::MonthResponse>,
-        query: Some(schema_of::<month::MonthQuestion>),
-        without: &[],
-        handler: || get(month::get_month),
-    },
-    ApiRoute {
-        path: "/api/v1/orders/{order}",
-        name: "order",
-        summary: "An order with its lines: what became of their copies, and the builds that hold them",
-        answer: schema_of::<order::OrderResponse>,
-        query: None,
-        without: &[],
-        handler: || get(order::get_order),
-    },
-];
-
-/// The addresses of the interface, and of the document that describes them.
-pub(super) fn routes() -> Router<Arc<DashboardState>> {
-    let router = Router::new().route("/api/v1/openapi.json", get(document));
-    ROUTES.iter().fold(router, |router, route| router.route(route.path, (route.handler)()))
-}
-
-async fn document() -> Response {
+/// The document.
+pub(super) async fn document() -> Response {
     ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str()).into_response()
 }
 
 /// The document as text. It does not change while the program runs.
 static DOCUMENT: LazyLock<String> = LazyLock::new(|| format!("{:#}", described()));
-
-fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    generator.subschema_for::<T>()
-}
 
 /// Creates the whole document.
 pub(super) fn described() -> Value {
@@ -166,10 +35,12 @@ pub(super) fn described() -> Value {
     settings.definitions_path = SCHEMAS.into();
     settings.meta_schema = None;
     let mut generator = settings.into_generator();
-    let error = schema_of::<ApiError>(&mut generator);
-    let paths: Map<String, Value> = (ROUTES.iter())
-        .map(|route| (route.path.to_owned(), json!({ "get": operation(route, &error, &mut generator) })))
-        .collect();
+    let error = schema_of::<ProblemDetails>(&mut generator);
+    let mut paths: Map<String, Value> = Map::new();
+    for route in all_routes() {
+        let of_path = paths.entry(route.path).or_insert_with(|| json!({}));
+        of_path[route.method.to_lowercase()] = operation(route, &error, &mut generator);
+    }
     let mut document = json!({
         "openapi": "3.1.0",
         "info": {
@@ -182,7 +53,7 @@ pub(super) fn described() -> Value {
         "paths": paths,
         "components": {
             "securitySchemes": {
-                "token": { "type": "http", "scheme": "bearer", "description": "Only where web.token_file is set." },
+                "token": { "type": "http", "scheme": "bearer", "description": "Only where web.token_file or web.tokens_file is set; each operation says which role it needs." },
             },
             "schemas": generator.take_definitions(true),
         },
@@ -192,40 +63,87 @@ pub(super) fn described() -> Value {
 }
 
 fn operation(route: &ApiRoute, error: &Schema, generator: &mut SchemaGenerator) -> Value {
-    let mut parameters = Vec::new();
-    let subject = route.path.split(['{', '}']).nth(1);
-    parameters.extend(subject.map(|name| {
-        let schema = match name {
-            "order" => json!({ "type": "string" }),
-            _ => json!({ "type": "integer", "format": "int64" }),
-        };
-        json!({ "name": name, "in": "path", "required": true, "schema": schema })
-    }));
+    let mut parameters: Vec<Value> = route.path.split(['{', '}']).skip(1).step_by(2).map(path_parameter).collect();
+    let names_something = !parameters.is_empty();
     if let Some(query) = route.query {
         let schema = query(generator);
         parameters.extend(query_parameters(&schema, route.without));
     }
-    let content = |schema: &Schema| json!({ "application/json": { "schema": schema } });
-    let mut responses = json!({
-        "200": { "description": route.summary, "content": content(&(route.answer)(generator)) },
-    });
-    let mut fails = |status: &str, why: &str| {
-        responses[status] = json!({ "description": why, "content": content(error) });
+    if route.needs_key {
+        let about = "A text that no other order of this client has, such as a UUID: the same request with the same key is one order";
+        let schema = json!({ "type": "string", "minLength": 1, "maxLength": 255 });
+        let key = json!({ "name": "Idempotency-Key", "in": "header", "required": true, "description": about, "schema": schema });
+        parameters.push(key);
+    }
+    let (status, answer) = route.answer;
+    let answer = json!({ "application/json": { "schema": answer(generator) } });
+    let mut responses = json!({ status: { "description": route.summary, "content": answer } });
+    let fails = |status: &str, why: &str| {
+        responses[status] =
+            json!({ "description": why, "content": { "application/problem+json": { "schema": error } } });
     };
-    if !parameters.is_empty() {
-        fails("400", "A date, a state or a number is none.");
-    }
-    fails("401", "The farm asks for a bearer token.");
-    if subject.is_some() {
-        fails("404", "There is none of that number or name.");
-    }
-    fails("421", "The farm does not answer to the name it was asked by.");
-    fails("503", "The ledger does not answer.");
-    let mut operation = json!({ "summary": route.summary, "operationId": route.name, "responses": responses });
+    failures(route, names_something, !parameters.is_empty(), fails);
+    let mut operation = json!({
+        "summary": route.summary,
+        "description": format!("Needs the role {}.", route.role.as_str()),
+        "operationId": route.name,
+        "responses": responses,
+    });
     if !parameters.is_empty() {
         operation["parameters"] = parameters.into();
     }
+    if let Some(content) = body_of(route.body, generator) {
+        operation["requestBody"] = json!({ "required": true, "content": content });
+    }
     operation
+}
+
+fn path_parameter(name: &str) -> Value {
+    let schema = match name {
+        "order" | "line" | "machine" | "upload" => json!({ "type": "string" }),
+        "hash" => json!({ "type": "string", "pattern": "^[0-9a-f]{64}$" }),
+        _ => json!({ "type": "integer", "format": "int64" }),
+    };
+    json!({ "name": name, "in": "path", "required": true, "schema": schema })
+}
+
+/// What a request brings, by media type.
+fn body_of(body: RequestBody, generator: &mut SchemaGenerator) -> Option<Value> {
+    match body {
+        RequestBody::Nothing => None,
+        RequestBody::Json(schema) => Some(json!({ "application/json": { "schema": schema(generator) } })),
+        RequestBody::Bytes => {
+            Some(json!({ "application/octet-stream": { "schema": { "type": "string", "format": "binary" } } }))
+        }
+        RequestBody::Order(schema) => {
+            let order = schema(generator);
+            let files = json!({ "type": "array", "items": { "type": "string", "format": "binary" } });
+            let form =
+                json!({ "type": "object", "required": ["order"], "properties": { "order": order, "file": files } });
+            Some(json!({ "application/json": { "schema": order }, "multipart/form-data": { "schema": form } }))
+        }
+    }
+}
+
+/// How an operation may fail.
+fn failures(route: &ApiRoute, names_something: bool, has_parameters: bool, mut fails: impl FnMut(&str, &str)) {
+    if has_parameters {
+        fails("400", "A date, a state, a number or a key is none.");
+    }
+    fails("401", "The farm asks for a bearer token.");
+    fails("403", "The token has another role, or the farm takes no orders from pages and programs.");
+    if names_something {
+        fails("404", "There is none of that number or name.");
+    }
+    if route.method != "GET" {
+        fails("409", "What is there does not allow it, or a request with this key is being carried out.");
+        fails("413", "It is larger than the farm takes.");
+        fails("422", "What is asked cannot be done; the reason is that of a refused file.");
+        fails("507", "The disk of the farm has no room.");
+    }
+    fails("421", "The farm does not answer to the name it was asked by.");
+    fails("429", "The client asks too much; Retry-After says when to ask again.");
+    fails("503", "The ledger does not answer.");
 }
 
 /// The fields of a query type as parameters of an address.

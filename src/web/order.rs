@@ -20,7 +20,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    ledger::{EventRow, OrderLine, OrderQuery, OrderState, OrderSummary},
+    ledger::{EventRow, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine},
     tables::{
         BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
         fields,
@@ -57,6 +57,8 @@ pub(super) struct OrderResponse {
     summary: OrderSummary,
     /// Its lines, oldest first.
     lines: Vec<OrderLineResource>,
+    /// Lines that came by request and are no parts yet.
+    arriving: Vec<OrderedLine>,
 }
 
 /// A line of an order: a part, what became of its copies, and the builds that hold them.
@@ -85,8 +87,12 @@ async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResul
 
 /// An order with its lines; an error if there is none of that name.
 async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResponse> {
-    let order =
-        web.ledger.find_order(name).await?.ok_or_else(|| HandlerError::NotFound(format!("order named '{name}'")))?;
+    let arriving = web.ledger.arriving_lines_of_order(name).await?;
+    let order = match web.ledger.find_order(name).await? {
+        None if arriving.is_empty() => return Err(HandlerError::NotFound(format!("order named '{name}'"))),
+        None => OrderRow::arriving(name),
+        Some(order) => order,
+    };
     let lines = web.ledger.order_lines(name).await?;
     let summary = OrderSummary::of_lines(order, &lines);
     let mut with_builds = Vec::with_capacity(lines.len());
@@ -94,7 +100,7 @@ async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResp
         let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?);
         with_builds.push(OrderLineResource { line, builds });
     }
-    Ok(OrderResponse { summary, lines: with_builds })
+    Ok(OrderResponse { summary, lines: with_builds, arriving })
 }
 
 /// The orders as JSON.
@@ -143,7 +149,7 @@ pub(super) async fn show_order(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
 ) -> HandlerResult<Markup> {
-    let OrderResponse { summary, lines } = read_order(&web, &name).await?;
+    let OrderResponse { summary, lines, arriving } = read_order(&web, &name).await?;
     let (lines, builds): (Vec<OrderLine>, Vec<Vec<BuiltCopies>>) =
         lines.into_iter().map(|line| (line.line, line.builds)).unzip();
     let mut builds = builds.concat();
@@ -160,6 +166,7 @@ pub(super) async fn show_order(
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
         (line_forms(&web, &lines, &parts))
+        @if !arriving.is_empty() { p { (count(arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
         h2 { "Where the copies are" }
         @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }

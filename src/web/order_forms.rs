@@ -36,7 +36,7 @@ pub(super) struct OrderButtonForm {
     profile: String,
 }
 
-fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
+pub(super) fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
     lines.iter().filter(|line| line.state == PartState::Waiting)
 }
 
@@ -208,6 +208,6 @@ pub(super) async fn post_cancel(
 }
 
 /// The waiting copies of a line, if others of it are in builds; `None` = all copies wait.
-fn waiting_of_several(line: &OrderLine) -> Option<u32> {
+pub(super) fn waiting_of_several(line: &OrderLine) -> Option<u32> {
     (line.copies.waiting < line.copies.wanted).then_some(line.copies.waiting)
 }

@@ -26,9 +26,9 @@ use crate::{
 };
 
 /// Greatest number of copies of a part.
-const MAX_COPIES: u32 = 10_000;
+pub(super) const MAX_COPIES: u32 = 10_000;
 /// Greatest priority.
-const MAX_PRIORITY: u8 = 100;
+pub(super) const MAX_PRIORITY: u8 = 100;
 
 /// The form that changes what was asked. Each field comes with the value that the page showed, so that only what a
 /// person changed is changed.

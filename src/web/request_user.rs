@@ -1,6 +1,6 @@
 //! Who gives a command on a page. Pages have no login: a reverse proxy that asks people for their names says it in a header
 //! (`web.user_header`). Settings allow that only where nobody but programs of this server can connect. Without one, people say their
-//! name once on each device; the browser keeps it in a cookie.
+//! name once on each device; the browser keeps it in a cookie. Who comes with a token that has a name is known by that.
 
 use std::{convert::Infallible, sync::Arc};
 
@@ -9,7 +9,7 @@ use axum::{
     http::{HeaderMap, HeaderName, HeaderValue, header, request::Parts},
 };
 
-use super::state::DashboardState;
+use super::{client::RequestClient, state::DashboardState};
 
 /// Who gives the commands of pages when no proxy says it.
 const NOBODY: &str = "dashboard";
@@ -27,13 +27,18 @@ impl FromRequestParts<Arc<DashboardState>> for RequestUser {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, web: &Arc<DashboardState>) -> Result<Self, Infallible> {
-        Ok(Self(user_of_request(&parts.headers, web.user_header.as_ref())))
+        let client = parts.extensions.get::<RequestClient>().and_then(|client| client.name.as_deref());
+        Ok(Self(user_of_request(&parts.headers, web.user_header.as_ref(), client)))
     }
 }
 
-fn user_of_request(headers: &HeaderMap, user_header: Option<&HeaderName>) -> String {
-    let given = match user_header {
-        Some(header) => headers.get(header).and_then(|value| value.to_str().ok()).map(ToOwned::to_owned),
+/// `token` = the name of the token that the request came with.
+fn user_of_request(headers: &HeaderMap, user_header: Option<&HeaderName>, token: Option<&str>) -> String {
+    let by_proxy = |header| headers.get(header).and_then(|value| value.to_str().ok()).filter(|name| !name.is_empty());
+    let given = match user_header.map(by_proxy) {
+        Some(Some(name)) => Some(name.to_owned()),
+        _ if token.is_some() => return format!("{}@token", token.unwrap_or_default()),
+        Some(None) => None,
         None => name_in_cookies(headers).map(|name| name.replace('@', " at ")),
     };
     let name: String = given.unwrap_or_default().trim().chars().take(MAX_NAME).collect();
@@ -92,22 +97,31 @@ mod tests {
             headers.insert(&header_name, HeaderValue::from_str(value).unwrap());
             headers
         };
-        assert_eq!(user_of_request(&named("ann"), Some(&header_name)), "ann@dashboard");
-        assert_eq!(user_of_request(&named("ann@example.org"), Some(&header_name)), "ann@example.org");
-        assert_eq!(user_of_request(&named(" "), Some(&header_name)), "dashboard");
-        assert_eq!(user_of_request(&named("ann"), None), "dashboard");
-        assert_eq!(user_of_request(&HeaderMap::new(), Some(&header_name)), "dashboard");
+        assert_eq!(user_of_request(&named("ann"), Some(&header_name), None), "ann@dashboard");
+        assert_eq!(user_of_request(&named("ann@example.org"), Some(&header_name), None), "ann@example.org");
+        assert_eq!(user_of_request(&named(" "), Some(&header_name), None), "dashboard");
+        assert_eq!(user_of_request(&named("ann"), None, None), "dashboard");
+        assert_eq!(user_of_request(&named("ann"), Some(&header_name), Some("proxy")), "ann@dashboard");
+        assert_eq!(user_of_request(&HeaderMap::new(), Some(&header_name), Some("mes")), "mes@token");
+        assert_eq!(user_of_request(&HeaderMap::new(), Some(&header_name), None), "dashboard");
         let mut device = HeaderMap::new();
         set_name_cookie(&mut device, " Jörg; x=1 ");
         let cookie = device[header::SET_COOKIE].to_str().unwrap();
         assert!(cookie.contains("SameSite=Strict") && cookie.contains("HttpOnly"), "{cookie}");
         let kept = format!("other=1; {}", cookie.split(';').next().unwrap());
         device.insert(header::COOKIE, HeaderValue::from_str(&kept).unwrap());
-        assert_eq!(user_of_request(&device, None), "Jörg; x=1@dashboard");
-        assert_eq!(user_of_request(&device, Some(&header_name)), "dashboard", "only the proxy says who it is");
+        assert_eq!(user_of_request(&device, None, None), "Jörg; x=1@dashboard");
+        assert_eq!(user_of_request(&device, Some(&header_name), None), "dashboard", "only the proxy says who it is");
         device.insert(header::COOKIE, HeaderValue::from_static("nestd_name=root%40host"));
-        assert_eq!(user_of_request(&device, None), "root at host@dashboard", "nobody poses as a user of the terminal");
+        assert_eq!(
+            user_of_request(&device, None, None),
+            "root at host@dashboard",
+            "nobody poses as a user of the terminal"
+        );
         assert_eq!((name_of_user("Jörg@dashboard"), name_of_user("op@host")), ("Jörg", "op@host"));
-        assert_eq!(user_of_request(&named(&"a".repeat(200)), Some(&header_name)).len(), MAX_NAME + "@dashboard".len());
+        assert_eq!(
+            user_of_request(&named(&"a".repeat(200)), Some(&header_name), None).len(),
+            MAX_NAME + "@dashboard".len()
+        );
     }
 }

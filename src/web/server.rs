@@ -1,6 +1,6 @@
 //! The web server: its routes and its start.
 
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 use axum::{
@@ -13,15 +13,18 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    asset_route, break_out, build, build_forms,
+    api_routes, asset_route, break_out, build, build_forms,
     cache::RecentCache,
+    client::ClientGate,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
     content, device_name, drop,
     error::HandlerError,
     farm as farm_page, flush, guard, history,
     listener::DashboardListener,
-    live, metrics, month, needs, openapi, order, order_forms, part, part_forms, pick_page, picture, scene, search,
+    live, metrics, month, needs, order,
+    order_door::OrderDoor,
+    order_forms, part, part_forms, pick_page, picture, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -37,13 +40,18 @@ use crate::{
 /// # Errors
 /// When the address cannot be bound, when it needs a token and none is configured, or when the token cannot be read.
 pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Result<()> {
-    let token = web.token_file.as_deref().map(access::read_secret).transpose()?;
+    let clients = ClientGate {
+        token: web.token_file.as_deref().map(access::read_secret).transpose()?,
+        tokens_file: web.tokens_file,
+        without_token: web.without_token,
+        watch: Mutex::default(),
+    };
     let path = settings.read().unwrap_or_else(PoisonError::into_inner).ledger.clone();
     let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
     // Requests that are still in progress hold the ledger as well.
     let _closed = LedgerCloseGuard(ledger.clone());
     let listener = DashboardListener::bind_socket(&web.listen).await?;
-    listener.require_token(token.as_deref())?;
+    listener.require_token(clients.has_tokens())?;
     let changes = watch::Sender::new(0);
     info!("The dashboard is at {}.", web.listen);
     let shared = Arc::new(DashboardState {
@@ -53,7 +61,8 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         hosts: web.hosts,
         user_header: web.user_header.and_then(|header| header.parse().ok()),
         orders: web.orders,
-        token,
+        clients,
+        door: OrderDoor::default(),
         form_key: format!("{:032x}", rand::random::<u128>()),
         caches: PageCaches {
             scenes: RecentCache::new(scene::CACHED_SCENES),
@@ -79,7 +88,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
 
 /// All routes of the dashboard.
 pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
-    openapi::routes()
+    api_routes::routes()
         .route("/", get(farm_page::show_farm))
         .route("/builds/{build}", get(build::show_build))
         .route("/builds/{build}/told", post(build_forms::post_told))

@@ -5,7 +5,10 @@ use std::sync::{Arc, PoisonError};
 use axum::body::Bytes;
 use tokio::sync::{Semaphore, watch};
 
-use super::{cache::RecentCache, compressed::CompressedBody, error::HandlerResult, pick_map::CachedPickMap};
+use super::{
+    cache::RecentCache, client::ClientGate, compressed::CompressedBody, error::HandlerResult, order_door::OrderDoor,
+    pick_map::CachedPickMap,
+};
 use crate::{
     farm,
     ledger::Ledger,
@@ -24,7 +27,10 @@ pub(super) struct DashboardState {
     pub(super) orders: bool,
     /// Header in which a reverse proxy names the user.
     pub(super) user_header: Option<axum::http::HeaderName>,
-    pub(super) token: Option<String>,
+    /// Who may ask what.
+    pub(super) clients: ClientGate,
+    /// Orders that are being taken.
+    pub(super) door: OrderDoor,
     /// A random key that every form carries, so that no other site can post one (CSRF token).
     pub(super) form_key: String,
     pub(super) caches: PageCaches,

@@ -25,6 +25,8 @@ mod api;
 mod asset_tests;
 #[path = "break_out_tests.rs"]
 mod break_out_tests;
+#[path = "door_tests.rs"]
+mod door_tests;
 #[path = "drop_tests.rs"]
 mod drop_tests;
 #[path = "guard_tests.rs"]
@@ -63,7 +65,8 @@ impl TestDashboard {
             hosts: Vec::new(),
             user_header: None,
             orders: true,
-            token: None,
+            clients: Default::default(),
+            door: Default::default(),
             form_key: "key".to_owned(),
             caches: PageCaches {
                 scenes: RecentCache::new(2),

@@ -9,6 +9,7 @@ mod nodes;
 #[cfg(feature = "postgres")]
 mod on_postgres;
 mod opening;
+mod order_requests;
 mod orders;
 mod pick;
 mod printers;

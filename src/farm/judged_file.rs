@@ -1,0 +1,49 @@
+//! A file is judged before an order is taken: what would be refused later is refused at once, with the same reason.
+
+use std::{fs, path::Path};
+
+use build_file::ReadLimits;
+use nester::OrientationLimits;
+
+use super::{
+    failure::PartReadError,
+    file_fault::{FileTerms, find_file_fault},
+    isolated_read::PartReadRequest,
+};
+use crate::{intake::Ticket, settings::MachineProfile};
+
+/// A larger file is judged when it is taken: reading it takes longer than a client waits.
+const MAX_JUDGED_BYTES: u64 = 64 << 20;
+
+/// Why a file cannot be printed as its ticket asks, in whole sentences: what its reason file would say. It is read in a separate process.
+/// `None` = nothing speaks against it so far.
+pub fn judge_file(
+    file: &Path,
+    name: &str,
+    ticket: &Ticket,
+    profile: &MachineProfile,
+    limits: &ReadLimits,
+) -> Option<String> {
+    if fs::metadata(file).map_or(0, |found| found.len()) > MAX_JUDGED_BYTES {
+        return None;
+    }
+    let errand = PartReadRequest {
+        file: file.to_owned(),
+        name: name.to_owned(),
+        unit: ticket.unit,
+        default_unit: profile.intake.unit,
+        limits: limits.clone(),
+    };
+    let contents = match errand.read_isolated() {
+        Ok(contents) => contents,
+        Err(PartReadError::Refused(_, reason)) => return Some(reason),
+        Err(PartReadError::TryLater(_)) => return None,
+    };
+    let limits_of_turning = OrientationLimits::new(
+        ticket.orientation.unwrap_or(profile.turning.orientation),
+        ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
+        ticket.not_down.as_deref().unwrap_or(&profile.turning.not_down),
+    );
+    let terms = FileTerms { limits: limits_of_turning, unit: ticket.unit, copies: ticket.copies.unwrap_or(1) };
+    find_file_fault(&contents, &terms, profile, limits).map(|(_, reason)| reason)
+}

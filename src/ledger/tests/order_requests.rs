@@ -1,0 +1,75 @@
+//! Orders that come by request: once for each key, and a part for each line.
+
+use super::*;
+
+fn line(claim: &str) -> OrderedLine {
+    OrderedLine {
+        claim: claim.to_owned(),
+        client: "mes".to_owned(),
+        profile: "paper-200".to_owned(),
+        order_name: "K-1".to_owned(),
+        name: "a.stl".to_owned(),
+        content_hash: "ab".repeat(32),
+        copies: 2,
+        ticket: "{}".to_owned(),
+    }
+}
+
+fn order(client: &str, key: &str, fingerprint: &str, claims: &[&str]) -> NewOrderRequest {
+    let answered = AnsweredRequest { fingerprint: fingerprint.to_owned(), answer: format!("{{\"{key}\":1}}") };
+    let lines = claims.iter().map(|claim| line(claim)).collect();
+    NewOrderRequest { client: client.to_owned(), key: key.to_owned(), answered, lines }
+}
+
+#[tokio::test]
+async fn a_key_is_one_order_of_its_client_and_a_line_arrives_until_it_has_a_part() {
+    let ledger = fresh().await;
+    let first = order("mes", "k", "f", &["order-1", "order-2"]);
+    assert_eq!(ledger.record_order_request(&first).await.unwrap(), RecordedRequest::New);
+    let known = RecordedRequest::Known(first.answered.clone());
+    assert_eq!(ledger.record_order_request(&first).await.unwrap(), known);
+    assert_eq!(ledger.record_order_request(&order("mes", "k", "other", &["order-3"])).await.unwrap(), known);
+    assert_eq!(ledger.find_answered_request("mes", "k").await.unwrap(), Some(first.answered));
+    assert_eq!(ledger.find_answered_request("shop", "k").await.unwrap(), None);
+    let arriving = async || -> Vec<String> {
+        let lines = ledger.arriving_lines("paper-200", 100).await.unwrap();
+        assert_eq!(lines, ledger.arriving_lines_of_order("K-1").await.unwrap());
+        lines.into_iter().map(|line| line.claim).collect()
+    };
+    assert_eq!(arriving().await, ["order-1", "order-2"]);
+    assert_eq!(ledger.arriving_lines("paper-200", 1).await.unwrap().len(), 1);
+    assert!(ledger.arriving_lines("other", 100).await.unwrap().is_empty());
+    for _ in 0..2 {
+        let part = ledger.record_claim(&new_part("order-2", 2)).await.unwrap().id;
+        let events = ledger.events_of_part(part).await.unwrap();
+        assert!(events.len() == 1 && events[0].detail.ends_with(", ordered by mes"), "{events:?}");
+    }
+    assert_eq!(arriving().await, ["order-1"]);
+    assert_eq!(ledger.contents_of_arriving_lines().await.unwrap(), ["ab".repeat(32)]);
+}
+
+#[tokio::test]
+async fn a_request_that_comes_again_after_a_ledger_was_put_back_finds_its_parts() {
+    let ledger = fresh().await;
+    // What a reconciliation takes in from the note of the claim.
+    ledger.record_claim(&new_part("order-1", 2)).await.unwrap();
+    ledger.record_order_request(&order("mes", "k", "f", &["order-1", "order-2"])).await.unwrap();
+    let lines = ledger.arriving_lines("paper-200", 100).await.unwrap();
+    assert_eq!(lines.iter().map(|line| line.claim.as_str()).collect::<Vec<_>>(), ["order-2"]);
+}
+
+#[tokio::test]
+async fn keys_are_forgotten_after_their_time_and_lines_once_they_are_parts() {
+    let ledger = fresh().await;
+    ledger.record_order_request(&order("mes", "k", "f", &["order-1", "order-2"])).await.unwrap();
+    ledger.record_claim(&new_part("order-2", 2)).await.unwrap();
+    let now = Timestamp::now();
+    ledger.forget_order_requests(UtcTimestamp(now - jiff::SignedDuration::from_secs(60))).await.unwrap();
+    assert!(ledger.find_answered_request("mes", "k").await.unwrap().is_some());
+    ledger.forget_order_requests(UtcTimestamp(now + jiff::SignedDuration::from_secs(60))).await.unwrap();
+    assert_eq!(ledger.find_answered_request("mes", "k").await.unwrap(), None);
+    assert_eq!(ledger.arriving_lines("paper-200", 100).await.unwrap().len(), 1, "it is still owed");
+    let again = order("mes", "k", "f", &["order-1", "order-2"]);
+    assert_eq!(ledger.record_order_request(&again).await.unwrap(), RecordedRequest::New);
+    assert_eq!(ledger.arriving_lines("paper-200", 100).await.unwrap().len(), 1, "and is not owed twice");
+}

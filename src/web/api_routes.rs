@@ -1,0 +1,320 @@
+//! The addresses of the JSON interface, in one list: the server serves them, the guard learns from it who may ask, and `openapi.json` is
+//! derived from it.
+
+use std::sync::Arc;
+
+use axum::{
+    Router,
+    extract::DefaultBodyLimit,
+    http::Method,
+    routing::{MethodRouter, delete, get, patch, post, put},
+};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+
+use super::{
+    api,
+    dto::{BuildResponse, PartResource, PartResponse},
+    edit_door, history, month, openapi, operate_door, order, order_door, order_request, part, pick_page, put_content,
+    state::DashboardState,
+};
+use crate::{
+    access::TokenRole,
+    ledger::{HeightSummary, HistoryRow, OrderSummary},
+    tables::PickList,
+};
+
+/// Creates the schema of a type.
+pub(super) type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
+
+/// Creates the handler of an address.
+type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
+
+/// What a request brings.
+#[derive(Clone, Copy)]
+pub(super) enum RequestBody {
+    /// Nothing.
+    Nothing,
+    /// JSON.
+    Json(SchemaMaker),
+    /// JSON, or a form with that JSON and files.
+    Order(SchemaMaker),
+    /// A file.
+    Bytes,
+}
+
+/// What may be done at an address.
+pub(super) struct ApiRoute {
+    /// GET, PUT, POST, PATCH or DELETE.
+    pub method: &'static str,
+    pub path: &'static str,
+    pub name: &'static str,
+    pub summary: &'static str,
+    /// Who may.
+    pub role: TokenRole,
+    pub body: RequestBody,
+    /// Status and content of the answer.
+    pub answer: (&'static str, SchemaMaker),
+    /// Schema of its query parameters; `None` = no query.
+    pub query: Option<SchemaMaker>,
+    /// Fields of that schema that do not apply to this address.
+    pub without: &'static [&'static str],
+    /// Whether it needs a key, so that it is carried out once.
+    pub needs_key: bool,
+    handler: HandlerMaker,
+}
+
+pub(super) fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    generator.subschema_for::<T>()
+}
+
+/// A question.
+const fn ask(
+    path: &'static str,
+    name: &'static str,
+    summary: &'static str,
+    answer: SchemaMaker,
+    handler: HandlerMaker,
+) -> ApiRoute {
+    ApiRoute {
+        method: "GET",
+        path,
+        name,
+        summary,
+        role: TokenRole::Read,
+        body: RequestBody::Nothing,
+        answer: ("200", answer),
+        query: None,
+        without: &[],
+        needs_key: false,
+        handler,
+    }
+}
+
+/// Something that changes what the farm does.
+const fn tell(
+    (method, path): (&'static str, &'static str),
+    name: &'static str,
+    summary: &'static str,
+    body: RequestBody,
+    handler: HandlerMaker,
+) -> ApiRoute {
+    let answer: SchemaMaker = schema_of::<edit_door::CarriedOut>;
+    ApiRoute { method, role: TokenRole::Order, body, ..ask(path, name, summary, answer, handler) }
+}
+
+const EDIT: RequestBody = RequestBody::Json(schema_of::<edit_door::EditRequest>);
+const ORDER: RequestBody = RequestBody::Order(schema_of::<order_request::OrderRequest>);
+const ACCEPTED: (&str, SchemaMaker) = ("202", schema_of::<order_door::OrderAccepted>);
+
+/// What programs may ask.
+const QUESTIONS: [ApiRoute; 12] = [
+    ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, || get(api::get_farm)),
+    ApiRoute {
+        query: Some(schema_of::<history::HistoryFilter>),
+        ..ask(
+            "/api/v1/builds",
+            "builds",
+            "Builds past nesting, newest first unless sorted otherwise, 500 at a time",
+            schema_of::<Vec<HistoryRow>>,
+            || get(api::list_builds),
+        )
+    },
+    ApiRoute {
+        query: Some(schema_of::<history::HistoryFilter>),
+        without: &["sort", "after"],
+        ..ask(
+            "/api/v1/heights",
+            "heights",
+            "What the published builds come to, by machine; filtered as the builds are",
+            schema_of::<Vec<HeightSummary>>,
+            || get(api::list_height_sums),
+        )
+    },
+    ask("/api/v1/builds/{build}", "build", "A build with its parts and placements", schema_of::<BuildResponse>, || {
+        get(api::get_build)
+    }),
+    ask(
+        "/api/v1/builds/{build}/pick",
+        "pick",
+        "The copies of a build in the order in which they come out of the cake",
+        schema_of::<PickList>,
+        || get(pick_page::get_pick_list),
+    ),
+    ApiRoute {
+        query: Some(schema_of::<part::PartFilter>),
+        ..ask(
+            "/api/v1/parts",
+            "parts",
+            "Parts, newest first, 500 at a time; without a state or a name those that are not built yet, of the refused ones \
+                those of the last 30 days",
+            schema_of::<Vec<PartResource>>,
+            || get(api::list_parts),
+        )
+    },
+    ask(
+        "/api/v1/parts/{part}",
+        "part",
+        "A part, where its copies are and what happened to it",
+        schema_of::<PartResponse>,
+        || get(api::get_part),
+    ),
+    ApiRoute {
+        query: Some(schema_of::<order::OrderFilter>),
+        ..ask(
+            "/api/v1/orders",
+            "orders",
+            "Orders with what became of their copies, open ones first, newest first",
+            schema_of::<Vec<OrderSummary>>,
+            || get(order::get_orders),
+        )
+    },
+    ApiRoute {
+        query: Some(schema_of::<month::MonthQuestion>),
+        ..ask(
+            "/api/v1/month",
+            "month",
+            "What each machine made in a month and in the one before, what came late and what failed",
+            schema_of::<month::MonthResponse>,
+            || get(month::get_month),
+        )
+    },
+    ask(
+        "/api/v1/orders/{order}",
+        "order",
+        "An order with its lines: what became of their copies, and the builds that hold them",
+        schema_of::<order::OrderResponse>,
+        || get(order::get_order),
+    ),
+    ask(
+        "/api/v1/orders/{order}/lines/{line}",
+        "line",
+        "A line, as the order was answered or by the number of its part: its parts, and why one was refused",
+        schema_of::<edit_door::LineResponse>,
+        || get(edit_door::get_line),
+    ),
+    ask(
+        "/api/v1/content/{hash}",
+        "content",
+        "Whether the farm has a file of this BLAKE3 that was put",
+        schema_of::<put_content::ContentResource>,
+        || get(put_content::get_put_content),
+    ),
+];
+
+/// What programs may order and tell.
+const DOORS: [ApiRoute; 10] = [
+    ApiRoute {
+        answer: ("201", schema_of::<put_content::ContentResource>),
+        ..tell(
+            ("PUT", "/api/v1/content/{hash}"),
+            "put_content",
+            "Puts a file whose BLAKE3 this is, so that lines can order copies of it; kept for 7 days after it was last put or ordered",
+            RequestBody::Bytes,
+            || put(put_content::put_content),
+        )
+    },
+    ApiRoute {
+        answer: ACCEPTED,
+        needs_key: true,
+        ..tell(
+            ("POST", "/api/v1/orders"),
+            "post_order",
+            "Orders copies of files. The order is durable when it is answered; its parts follow within seconds",
+            ORDER,
+            || post(order_door::post_order),
+        )
+    },
+    ApiRoute {
+        answer: ACCEPTED,
+        needs_key: true,
+        ..tell(
+            ("POST", "/api/v1/orders/{order}/lines"),
+            "post_lines",
+            "Adds lines to an order; a line of a name that still waits there is a revision of it",
+            ORDER,
+            || post(order_door::post_lines),
+        )
+    },
+    tell(
+        ("PATCH", "/api/v1/orders/{order}"),
+        "patch_order",
+        "Changes what was asked with the waiting lines of an order",
+        EDIT,
+        || patch(edit_door::patch_order),
+    ),
+    tell(
+        ("DELETE", "/api/v1/orders/{order}"),
+        "delete_order",
+        "Cancels what waits of an order; copies in builds stay there",
+        RequestBody::Nothing,
+        || delete(edit_door::delete_order),
+    ),
+    tell(
+        ("PATCH", "/api/v1/orders/{order}/lines/{line}"),
+        "patch_line",
+        "Changes what was asked with a line",
+        EDIT,
+        || patch(edit_door::patch_line),
+    ),
+    tell(
+        ("DELETE", "/api/v1/orders/{order}/lines/{line}"),
+        "delete_line",
+        "Cancels what waits of a line",
+        RequestBody::Nothing,
+        || delete(edit_door::delete_line),
+    ),
+    ApiRoute {
+        role: TokenRole::Operate,
+        ..tell(
+            ("POST", "/api/v1/builds/{build}/outcome"),
+            "post_outcome",
+            "Tells what became of the print of a build; bad copies wait again",
+            RequestBody::Json(schema_of::<operate_door::OutcomeRequest>),
+            || post(operate_door::post_outcome),
+        )
+    },
+    ApiRoute {
+        role: TokenRole::Operate,
+        ..tell(
+            ("POST", "/api/v1/builds/{build}/release"),
+            "post_release",
+            "Says that a proved build may be published",
+            RequestBody::Json(schema_of::<operate_door::ReleaseRequest>),
+            || post(operate_door::post_release),
+        )
+    },
+    ApiRoute {
+        role: TokenRole::Operate,
+        ..tell(
+            ("POST", "/api/v1/machines/{machine}/flush"),
+            "post_flush",
+            "Nests and publishes the waiting parts of a machine now",
+            RequestBody::Nothing,
+            || post(operate_door::post_flush),
+        )
+    },
+];
+
+/// All routes of the interface.
+pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
+    static ALL: [&[ApiRoute]; 2] = [&QUESTIONS, &DOORS];
+    ALL.iter().flat_map(|routes| routes.iter())
+}
+
+/// The addresses of the interface, and of the document that describes them.
+pub(super) fn routes() -> Router<Arc<DashboardState>> {
+    let router = Router::new().route("/api/v1/openapi.json", get(openapi::document));
+    let add = |router: Router<Arc<DashboardState>>, route: &ApiRoute| router.route(route.path, (route.handler)());
+    all_routes().fold(router, add).layer(DefaultBodyLimit::disable())
+}
+
+/// Who may do this at this address; `None` = it is none of the interface.
+pub(super) fn role_of_route(method: &Method, path: &str) -> Option<TokenRole> {
+    let given: Vec<&str> = path.split('/').collect();
+    let matches = |pattern: &str| {
+        let wanted: Vec<&str> = pattern.split('/').collect();
+        let is_alike = |(wanted, given): (&&str, &&str)| wanted.starts_with('{') || wanted == given;
+        wanted.len() == given.len() && wanted.iter().zip(&given).all(is_alike)
+    };
+    all_routes().find(|route| route.method == method.as_str() && matches(route.path)).map(|route| route.role)
+}

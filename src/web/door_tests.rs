@@ -1,0 +1,228 @@
+//! The door for programs: content, orders, keys, roles, and how they are refused.
+
+use serde_json::{Value, json};
+
+use super::*;
+use crate::access::{TokenRole, add_token};
+
+const CUBE: &[u8] = b"solid a cube, more or less";
+
+struct ApiAnswer {
+    status: StatusCode,
+    headers: axum::http::HeaderMap,
+    json: Value,
+}
+
+/// Sends a request as a program does.
+async fn send(dashboard: &TestDashboard, request: axum::http::request::Builder, body: impl Into<Body>) -> ApiAnswer {
+    let request = request.header("host", "localhost").body(body.into()).unwrap();
+    let answer = build_router(dashboard.web.clone()).oneshot(request).await.unwrap();
+    let (status, headers) = (answer.status(), answer.headers().clone());
+    let bytes = to_bytes(answer.into_body(), usize::MAX).await.unwrap();
+    let json = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+    if status.is_client_error() {
+        assert_eq!(headers["content-type"], "application/problem+json", "{status} {json}");
+        assert!(json["status"] == status.as_u16() && json["detail"].is_string(), "{json}");
+    }
+    ApiAnswer { status, headers, json }
+}
+
+async fn put(dashboard: &TestDashboard, bytes: &'static [u8]) -> String {
+    let hash = blake3::hash(bytes).to_hex().to_string();
+    let answer = send(dashboard, Request::put(format!("/api/v1/content/{hash}")), bytes).await;
+    assert!(answer.status.is_success() && answer.json["bytes"] == bytes.len(), "{}", answer.json);
+    hash
+}
+
+async fn order(dashboard: &TestDashboard, key: &str, order: Value) -> ApiAnswer {
+    let request = Request::post("/api/v1/orders").header("content-type", "application/json");
+    send(dashboard, request.header("idempotency-key", key), order.to_string()).await
+}
+
+fn of_lines(lines: Value) -> Value {
+    json!({ "machine": "cube", "order": "K-1", "lines": lines })
+}
+
+#[tokio::test]
+async fn content_is_put_once_and_only_what_its_address_says() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let hash = blake3::hash(CUBE).to_hex().to_string();
+    let address = format!("/api/v1/content/{hash}");
+    assert_eq!(send(&dashboard, Request::get(&address), "").await.status, StatusCode::NOT_FOUND);
+    let other = send(&dashboard, Request::put(&address), "other bytes").await;
+    assert_eq!(other.status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert!(other.json["detail"].as_str().unwrap().contains("these bytes have the BLAKE3"), "{}", other.json);
+    assert_eq!(send(&dashboard, Request::put(&address), CUBE).await.status, StatusCode::CREATED);
+    assert_eq!(send(&dashboard, Request::put(&address), CUBE).await.status, StatusCode::OK);
+    assert_eq!(
+        send(&dashboard, Request::get(&address), "").await.json,
+        json!({ "content": hash, "bytes": CUBE.len() })
+    );
+    assert_eq!(send(&dashboard, Request::put("/api/v1/content/xyz"), CUBE).await.status, StatusCode::BAD_REQUEST);
+    let small = TestDashboard::new(|web| {
+        let mut settings = (**web.settings.read().unwrap()).clone();
+        settings.limits.max_bytes = 5;
+        web.settings = Arc::new(RwLock::new(Arc::new(settings)));
+    })
+    .await;
+    let large = send(&small, Request::put(&address), CUBE).await;
+    assert_eq!(large.status, StatusCode::PAYLOAD_TOO_LARGE);
+    assert!(large.json["detail"].as_str().unwrap().contains("limits.max_bytes"), "{}", large.json);
+}
+
+#[tokio::test]
+async fn a_key_is_one_order_and_refused_for_another() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let hash = put(&dashboard, CUBE).await;
+    let lines = json!([{ "name": "a_x4.stl", "content": hash, "due": "2026-12-24" }]);
+    let first = order(&dashboard, "k1", of_lines(lines.clone())).await;
+    assert_eq!(first.status, StatusCode::ACCEPTED, "{}", first.json);
+    assert_eq!((&first.json["order"], &first.json["lines"][0]["copies"]), (&json!("K-1"), &json!(4)));
+    let again = order(&dashboard, "k1", of_lines(lines.clone())).await;
+    assert_eq!((again.status, &again.json), (StatusCode::ACCEPTED, &first.json));
+    assert_eq!(again.headers["idempotency-replayed"], "true");
+    let other = order(&dashboard, "k1", of_lines(json!([{ "name": "a.stl", "content": hash }]))).await;
+    assert_eq!(other.status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert_eq!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap().len(), 1);
+    let second = order(&dashboard, "k2", of_lines(lines.clone())).await;
+    assert_ne!(second.json["lines"][0]["line"], first.json["lines"][0]["line"]);
+    assert_eq!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap().len(), 2);
+    let seen = send(&dashboard, Request::get("/api/v1/orders/K-1"), "").await;
+    assert_eq!((seen.status, seen.json["arriving"].as_array().unwrap().len()), (StatusCode::OK, 2), "{}", seen.json);
+    let line = format!("/api/v1/orders/K-1/lines/{}", first.json["lines"][0]["line"].as_str().unwrap());
+    assert_eq!(send(&dashboard, Request::get(&line), "").await.json["arriving"], true);
+    let early = send(&dashboard, Request::delete("/api/v1/orders/K-1"), "").await;
+    assert_eq!((early.status, &early.headers["retry-after"]), (StatusCode::TOO_MANY_REQUESTS, &"1".parse().unwrap()));
+    let keyless = Request::post("/api/v1/orders").header("content-type", "application/json");
+    assert_eq!(send(&dashboard, keyless, of_lines(lines).to_string()).await.status, StatusCode::BAD_REQUEST);
+}
+
+#[tokio::test]
+async fn what_can_be_judged_is_refused_at_once_and_the_key_stays_free() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let hash = put(&dashboard, CUBE).await;
+    let with = |fields: Value| {
+        let mut line = json!({ "name": "a.stl", "content": hash });
+        line.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
+        of_lines(json!([line]))
+    };
+    for (asked, said) in [
+        (with(json!({ "priority": 101 })), "line 1 (a.stl): priority = 101; it must be 0 to 100"),
+        (with(json!({ "content": "00".repeat(32) })), "put it first"),
+        (json!({ "machine": "none", "order": "K", "lines": [] }), "there is no machine none here; this node has cube"),
+        (of_lines(json!([])), "1 to 500 lines"),
+    ] {
+        let refused = order(&dashboard, "k", asked).await;
+        let detail = refused.json["detail"].as_str().unwrap();
+        assert!(refused.status == StatusCode::UNPROCESSABLE_ENTITY && detail.contains(said), "{detail}");
+    }
+    let wrong = order(&dashboard, "k", json!({ "machin": "cube" })).await;
+    assert_eq!(wrong.status, StatusCode::BAD_REQUEST);
+    assert!(wrong.json["detail"].as_str().unwrap().contains("machin"), "{}", wrong.json);
+    assert!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap().is_empty());
+    assert_eq!(order(&dashboard, "k", with(json!({}))).await.status, StatusCode::ACCEPTED);
+    let closed = TestDashboard::new(|web| web.orders = false).await;
+    assert_eq!(order(&closed, "k", with(json!({}))).await.status, StatusCode::FORBIDDEN);
+}
+
+#[tokio::test]
+async fn a_form_brings_an_order_with_its_files() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let post = async |order: Value, names: &[&str]| {
+        let mut body = format!("--B\r\nContent-Disposition: form-data; name=\"order\"\r\n\r\n{order}\r\n");
+        for name in names {
+            body += &format!("--B\r\nContent-Disposition: form-data; name=\"file\"; filename=\"{name}\"\r\n\r\n");
+            body += "solid a cube, more or less\r\n";
+        }
+        let request = Request::post("/api/v1/orders").header("content-type", "multipart/form-data; boundary=B");
+        send(&dashboard, request.header("idempotency-key", "f"), body + "--B--\r\n").await
+    };
+    let lines = of_lines(json!([{ "name": "a.stl", "copies": 2 }]));
+    let unlisted = post(lines.clone(), &["a.stl", "b.stl"]).await;
+    assert!(unlisted.json["detail"].as_str().unwrap().contains("no line orders copies of b.stl"), "{}", unlisted.json);
+    let missing = post(lines.clone(), &[]).await;
+    assert!(missing.json["detail"].as_str().unwrap().contains("no file of that name came"), "{}", missing.json);
+    let taken = post(lines.clone(), &["a.stl"]).await;
+    assert_eq!(taken.status, StatusCode::ACCEPTED, "{}", taken.json);
+    assert_eq!(taken.json["lines"][0]["content"], blake3::hash(CUBE).to_hex().to_string());
+    let by_content =
+        of_lines(json!([{ "name": "a.stl", "copies": 2, "content": blake3::hash(CUBE).to_hex().to_string() }]));
+    assert_eq!(order(&dashboard, "f", by_content).await.json, taken.json, "the same request, put in another way");
+}
+
+#[tokio::test]
+async fn a_token_may_what_its_role_says_and_is_named_in_events() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tokens.toml");
+    let tokens = [TokenRole::Read, TokenRole::Order, TokenRole::Operate]
+        .map(|role| add_token(&file, &format!("{}-er", role.as_str()), role).unwrap());
+    let dashboard = TestDashboard::new(|web| web.clients.tokens_file = Some(file.clone())).await;
+    let ask = async |token: &str, method: &str, path: &str| {
+        let request = Request::builder().method(method).uri(path).header("authorization", format!("Bearer {token}"));
+        let request = request.header("content-type", "application/json").header("idempotency-key", "k");
+        send(&dashboard, request, "{}").await.status
+    };
+    let content = format!("/api/v1/content/{}", blake3::hash(b"{}").to_hex());
+    for (method, path, least, allowed) in [
+        ("GET", "/api/v1/farm", 0, StatusCode::OK),
+        ("PUT", &content, 1, StatusCode::CREATED),
+        ("POST", "/api/v1/orders", 1, StatusCode::BAD_REQUEST),
+        ("DELETE", "/api/v1/orders/K", 1, StatusCode::NOT_FOUND),
+        ("POST", "/api/v1/builds/9/release", 2, StatusCode::NOT_FOUND),
+        ("POST", "/api/v1/machines/none/flush", 2, StatusCode::NOT_FOUND),
+    ] {
+        for (at, token) in tokens.iter().enumerate() {
+            let status = ask(token, method, path).await;
+            let wanted = if at < least { StatusCode::FORBIDDEN } else { allowed };
+            let is_there = path == content && status == StatusCode::OK;
+            assert!(status == wanted || is_there, "{method} {path} by {at}: {status}");
+        }
+        assert_eq!(ask("nestd_00", method, path).await, StatusCode::UNAUTHORIZED);
+    }
+    let request = Request::post("/api/v1/orders").header("authorization", format!("Bearer {}", tokens[1]));
+    let request = request.header("content-type", "application/json").header("idempotency-key", "k");
+    let hash = blake3::hash(b"{}").to_hex().to_string();
+    let taken = send(&dashboard, request, of_lines(json!([{ "name": "a.stl", "content": hash }])).to_string()).await;
+    assert_eq!(taken.status, StatusCode::ACCEPTED, "{}", taken.json);
+    assert_eq!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap()[0].client, "order-er");
+    let nameless = Request::get("/api/v1/farm");
+    assert_eq!(send(&dashboard, nameless, "").await.status, StatusCode::UNAUTHORIZED);
+    let half_open = TestDashboard::new(|web| {
+        (web.clients.tokens_file, web.clients.without_token) = (Some(file.clone()), Some(TokenRole::Read));
+    })
+    .await;
+    assert_eq!(send(&half_open, Request::get("/api/v1/farm"), "").await.status, StatusCode::OK);
+    assert_eq!(send(&half_open, Request::put(&content), "{}").await.status, StatusCode::FORBIDDEN);
+}
+
+#[tokio::test]
+async fn programs_tell_of_builds_as_people_do_and_are_told_why_not() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let tell = async |path: &str, body: Value| {
+        let request = Request::post(path).header("content-type", "application/json");
+        send(&dashboard, request, body.to_string()).await
+    };
+    let early = tell("/api/v1/builds/1/release", json!({})).await;
+    assert!(early.status == StatusCode::CONFLICT && early.json["detail"].as_str().unwrap().contains("published"));
+    assert_eq!(tell("/api/v1/builds/9/outcome", json!({ "outcome": "failed" })).await.status, StatusCode::NOT_FOUND);
+    assert_eq!(
+        tell("/api/v1/builds/1/outcome", json!({ "outcome": "lost" })).await.status,
+        StatusCode::UNPROCESSABLE_ENTITY
+    );
+    let told = tell("/api/v1/builds/1/outcome", json!({ "outcome": "complete", "bad": { "1": 1 } })).await;
+    assert!(
+        told.status == StatusCode::OK
+            && told.json["answers"][1].as_str().unwrap().starts_with("1 copy of 1 part waits again"),
+        "{}",
+        told.json
+    );
+    assert_eq!(tell("/api/v1/builds/1/outcome", json!({ "outcome": "complete" })).await.status, StatusCode::CONFLICT);
+    let outcomes = dashboard.ledger.outcomes_of_build(crate::ledger::BuildId(1)).await.unwrap();
+    assert_eq!(outcomes.len(), 1);
+    let edit = Request::patch("/api/v1/orders/bracket.stl/lines/1").header("content-type", "application/json");
+    let wrong = send(&dashboard, edit, json!({ "copies": 0 }).to_string()).await;
+    assert_eq!(wrong.status, StatusCode::UNPROCESSABLE_ENTITY);
+    let line = send(&dashboard, Request::get("/api/v1/orders/bracket.stl/lines/1"), "").await;
+    assert_eq!((&line.json["arriving"], &line.json["parts"][0]["part"]), (&json!(false), &json!(1)));
+    assert_eq!(send(&dashboard, Request::get("/api/v1/orders/other/lines/1"), "").await.status, StatusCode::NOT_FOUND);
+}

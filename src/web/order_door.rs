@@ -1,0 +1,291 @@
+//! Orders of programs: each request has a key, and is carried out once, whatever is sent again and wherever the daemon ends. What can be
+//! judged at once is refused at once; the ledger has the order before the answer is sent, and the farm makes the parts of it.
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use anyhow::Context;
+use axum::{
+    body::to_bytes,
+    extract::{FromRequest, Multipart, Path, Request, State},
+    http::{HeaderMap, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+use tokio::sync::Semaphore;
+
+use super::{
+    client::RequestClient,
+    command::check_takes_orders,
+    connection_limits::MAX_JSON_BYTES,
+    error::{HandlerError, HandlerResult},
+    order_request::{CheckedLine, MAX_LINES, OrderRequest},
+    put_content::{announced_bytes, find_content, incomplete_body, put_contents, receive_content, take_place},
+    state::DashboardState,
+};
+use crate::{
+    farm,
+    intake::ordered_claim_id,
+    ledger::{AnsweredRequest, NewOrderRequest, OrderedLine, RecordedRequest},
+    settings::MachineProfile,
+};
+
+/// The header with the key of a request.
+const KEY_HEADER: &str = "idempotency-key";
+/// Says that a request was carried out before.
+const REPLAYED_HEADER: &str = "idempotency-replayed";
+/// Longest key, characters.
+const MAX_KEY: usize = 255;
+/// Files that are judged at the same time.
+const JUDGED_AT_ONCE: usize = 1;
+
+/// Requests that are being carried out.
+#[derive(Debug)]
+pub(super) struct OrderDoor {
+    keys: Mutex<HashSet<(String, String)>>,
+    judging: Semaphore,
+}
+
+impl Default for OrderDoor {
+    fn default() -> Self {
+        Self { keys: Mutex::default(), judging: Semaphore::new(JUDGED_AT_ONCE) }
+    }
+}
+
+/// Holds a key while its request is carried out.
+struct KeyGuard<'a> {
+    door: &'a OrderDoor,
+    key: (String, String),
+}
+
+impl OrderDoor {
+    fn begin_request(&self, client: &str, key: &str) -> HandlerResult<KeyGuard<'_>> {
+        let key = (client.to_owned(), key.to_owned());
+        let is_first = self.keys.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone());
+        let text = "a request with this Idempotency-Key is being carried out: ask again in a moment";
+        match is_first {
+            true => Ok(KeyGuard { door: self, key }),
+            false => Err(HandlerError::Refused(StatusCode::CONFLICT, text.to_owned())),
+        }
+    }
+}
+
+impl Drop for KeyGuard<'_> {
+    fn drop(&mut self) {
+        self.door.keys.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.key);
+    }
+}
+
+/// An order that was taken. Its lines become parts within seconds.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct OrderAccepted {
+    /// Name of the order.
+    order: String,
+    /// The machine.
+    machine: String,
+    /// Its lines, in the order of the request.
+    lines: Vec<AcceptedLine>,
+}
+
+/// A line that was taken.
+#[derive(Debug, Serialize, JsonSchema)]
+struct AcceptedLine {
+    /// The line: asked for by /api/v1/orders/{order}/lines/{line}.
+    line: String,
+    /// File name.
+    name: String,
+    /// BLAKE3 of the file.
+    content: String,
+    /// Copies ordered.
+    copies: u32,
+}
+
+/// Takes an order.
+pub(super) async fn post_order(
+    State(web): State<Arc<DashboardState>>,
+    client: RequestClient,
+    request: Request,
+) -> HandlerResult<Response> {
+    receive_order(&web, &client, None, request).await
+}
+
+/// Adds lines to an order.
+pub(super) async fn post_lines(
+    State(web): State<Arc<DashboardState>>,
+    Path(order): Path<String>,
+    client: RequestClient,
+    request: Request,
+) -> HandlerResult<Response> {
+    receive_order(&web, &client, Some(order), request).await
+}
+
+fn unprocessable(text: impl Into<String>) -> HandlerError {
+    HandlerError::Refused(StatusCode::UNPROCESSABLE_ENTITY, text.into())
+}
+
+async fn receive_order(
+    web: &DashboardState,
+    client: &RequestClient,
+    order_name: Option<String>,
+    request: Request,
+) -> HandlerResult<Response> {
+    check_takes_orders(web)?;
+    let key = read_key(request.headers())?;
+    let _turn = web.door.begin_request(client.key_name(), &key)?;
+    let mut order = read_request(web, request).await?;
+    if let Some(name) = order_name {
+        if !order.order.is_empty() && order.order != name {
+            return Err(unprocessable(format!("the address names order {name}, the request {}", order.order)));
+        }
+        order.order = name;
+    }
+    let fingerprint = order.fingerprint();
+    if let Some(known) = web.ledger.find_answered_request(client.key_name(), &key).await? {
+        return answer_again(&known, &fingerprint);
+    }
+    let settings = web.current_settings();
+    let Some(profile) = settings.profiles.get(&order.machine) else {
+        let known: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+        let text = format!("there is no machine {} here; this node has {}", order.machine, known.join(", "));
+        return Err(unprocessable(text));
+    };
+    let lines = order.check_lines(profile).map_err(unprocessable)?;
+    judge_lines(web, profile, &lines).await?;
+    let new = new_order(client, key, fingerprint, &order, lines)?;
+    match web.ledger.record_order_request(&new).await? {
+        RecordedRequest::New => Ok(accepted(new.answered.answer)),
+        RecordedRequest::Known(known) => answer_again(&known, &new.answered.fingerprint),
+    }
+}
+
+fn read_key(headers: &HeaderMap) -> HandlerResult<String> {
+    let bad = |text: &str| HandlerError::Refused(StatusCode::BAD_REQUEST, text.to_owned());
+    let Some(value) = headers.get(KEY_HEADER) else {
+        return Err(bad(
+            "an order needs an Idempotency-Key: a text that no other order of this client has, such as a UUID",
+        ));
+    };
+    let key = value.to_str().map(|key| key.trim().trim_matches('"')).unwrap_or_default();
+    match key.is_empty() || key.len() > MAX_KEY {
+        true => Err(bad("an Idempotency-Key has 1 to 255 characters of ASCII")),
+        false => Ok(key.to_owned()),
+    }
+}
+
+/// The answer of a request that was carried out.
+fn accepted(answer: String) -> Response {
+    (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], answer).into_response()
+}
+
+fn answer_again(known: &AnsweredRequest, fingerprint: &str) -> HandlerResult<Response> {
+    if known.fingerprint != fingerprint {
+        return Err(unprocessable("this Idempotency-Key was used for another request: take a new key for a new order"));
+    }
+    Ok(([(REPLAYED_HEADER, "true")], accepted(known.answer.clone())).into_response())
+}
+
+/// Reads a request: JSON, or a form with the JSON as `order` and files, which are named as their lines are.
+async fn read_request(web: &DashboardState, request: Request) -> HandlerResult<OrderRequest> {
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let parse = |text: &[u8]| {
+        let wrong = |error| HandlerError::Refused(StatusCode::BAD_REQUEST, format!("this is no order: {error}"));
+        serde_json::from_slice::<OrderRequest>(text).map_err(wrong)
+    };
+    if kind.starts_with("application/json") {
+        let body = to_bytes(request.into_body(), MAX_JSON_BYTES).await.map_err(|error| incomplete_body(&error))?;
+        return parse(&body);
+    }
+    let _place = take_place(web)?;
+    let announced = announced_bytes(request.headers());
+    let broken = |error: axum::extract::multipart::MultipartError| {
+        HandlerError::Refused(error.status(), format!("the request did not arrive as a whole: {}", error.body_text()))
+    };
+    let mut form = Multipart::from_request(request, &()).await.map_err(|error| {
+        let text = format!("send application/json, or multipart/form-data with files: {}", error.body_text());
+        HandlerError::Refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, text)
+    })?;
+    let (mut order, mut files) = (None, BTreeMap::new());
+    while let Some(field) = form.next_field().await.map_err(broken)? {
+        match field.file_name().map(str::to_owned) {
+            None if field.name() == Some("order") => {
+                order = Some(parse(field.text().await.map_err(broken)?.as_bytes())?)
+            }
+            None => return Err(unprocessable("beside its files, the form has one field: order")),
+            Some(_) if files.len() == MAX_LINES => {
+                return Err(unprocessable(format!("an order has {MAX_LINES} files at most")));
+            }
+            Some(name) => {
+                let stored = receive_content(web, Box::pin(field), announced, None).await?;
+                files.insert(name, stored.hash);
+            }
+        }
+    }
+    let mut order = order.ok_or_else(|| unprocessable("the form has no field order, which says what is ordered"))?;
+    for line in order.lines.iter_mut().filter(|line| line.content.is_none()) {
+        line.content = files.get(line.name.trim()).cloned();
+    }
+    let is_ordered = |name: &&String| !order.lines.iter().any(|line| line.name.trim() == **name);
+    match files.keys().find(is_ordered) {
+        Some(name) => Err(unprocessable(format!("no line orders copies of {name}"))),
+        None => Ok(order),
+    }
+}
+
+/// Refuses lines whose files are not there, or cannot be printed as asked: with the text that their reason files would have.
+async fn judge_lines(web: &DashboardState, profile: &MachineProfile, lines: &[CheckedLine]) -> HandlerResult<()> {
+    for line in lines {
+        if find_content(web, &line.content).await?.is_none() {
+            let text = "{name}: the farm does not have content {hash}: put it first, to /api/v1/content/{hash}";
+            return Err(unprocessable(text.replace("{name}", &line.name).replace("{hash}", &line.content)));
+        }
+    }
+    let limits = Arc::new(web.current_settings().limits.clone());
+    let profile = Arc::new(profile.clone());
+    let mut reasons = Vec::new();
+    for line in lines {
+        let _turn = web.door.judging.acquire().await.context("a step ended")?;
+        let (file, name, ticket) = (put_contents(web).path_of(&line.content), line.name.clone(), line.ticket.clone());
+        let (profile, limits) = (profile.clone(), limits.clone());
+        let judge = move || farm::judge_file(&file, &name, &ticket, &profile, &limits);
+        reasons.extend(tokio::task::spawn_blocking(judge).await.context("a step ended")?);
+    }
+    if reasons.is_empty() { Ok(()) } else { Err(unprocessable(reasons.join("\n"))) }
+}
+
+/// The order as the ledger records it.
+fn new_order(
+    client: &RequestClient,
+    key: String,
+    fingerprint: String,
+    order: &OrderRequest,
+    lines: Vec<CheckedLine>,
+) -> HandlerResult<NewOrderRequest> {
+    let to_line = |(at, line): (usize, CheckedLine)| OrderedLine {
+        claim: ordered_claim_id(client.key_name(), &key, &fingerprint, at + 1),
+        client: client.key_name().to_owned(),
+        profile: order.machine.clone(),
+        order_name: line.ticket.order.unwrap_or_default(),
+        name: line.name,
+        content_hash: line.content,
+        copies: line.copies,
+        ticket: line.ticket_text,
+    };
+    let lines: Vec<OrderedLine> = lines.into_iter().enumerate().map(to_line).collect();
+    let accepted = |line: &OrderedLine| AcceptedLine {
+        line: line.claim.clone(),
+        name: line.name.clone(),
+        content: line.content_hash.clone(),
+        copies: line.copies,
+    };
+    let answer = OrderAccepted {
+        order: lines.first().map(|line| line.order_name.clone()).unwrap_or_default(),
+        machine: order.machine.clone(),
+        lines: lines.iter().map(accepted).collect(),
+    };
+    let answer = serde_json::to_string(&answer).context("writing the answer")?;
+    let client = client.key_name().to_owned();
+    Ok(NewOrderRequest { client, key, answered: AnsweredRequest { fingerprint, answer }, lines })
+}

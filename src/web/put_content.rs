@@ -1,0 +1,132 @@
+//! Files that programs put before they order copies of them. They are written to disk as they arrive.
+
+use std::sync::Arc;
+
+use anyhow::Context;
+use axum::{
+    Json,
+    body::{Body, Bytes},
+    extract::{Path, State},
+    http::{HeaderMap, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+use tokio_stream::{Stream, StreamExt};
+
+use super::{
+    command::check_takes_orders,
+    error::{HandlerError, HandlerResult},
+    state::DashboardState,
+};
+use crate::intake::{PutContents, PutError, StoredFile, is_content_hash};
+
+/// A file that the farm has.
+#[derive(Debug, Serialize, JsonSchema)]
+#[schemars(rename = "Content")]
+pub(super) struct ContentResource {
+    /// BLAKE3 of the file, 64 hex digits.
+    pub(super) content: String,
+    /// Its size.
+    pub(super) bytes: u64,
+}
+
+impl From<StoredFile> for ContentResource {
+    fn from(stored: StoredFile) -> Self {
+        Self { content: stored.hash, bytes: stored.bytes }
+    }
+}
+
+/// Tells whether a file is there, so that it need not be put again.
+pub(super) async fn get_put_content(
+    State(web): State<Arc<DashboardState>>,
+    Path(hash): Path<String>,
+) -> HandlerResult<Json<ContentResource>> {
+    let hash = require_hash(&hash)?;
+    let found = find_content(&web, hash).await?;
+    let missing = || HandlerError::NotFound(format!("content {hash} on this node"));
+    Ok(Json(found.ok_or_else(missing)?.into()))
+}
+
+/// Takes a file whose BLAKE3 the address names. To put it again changes nothing.
+pub(super) async fn put_content(
+    State(web): State<Arc<DashboardState>>,
+    Path(hash): Path<String>,
+    headers: HeaderMap,
+    body: Body,
+) -> HandlerResult<Response> {
+    check_takes_orders(&web)?;
+    let hash = require_hash(&hash)?;
+    if let Some(found) = find_content(&web, hash).await? {
+        return Ok(Json(ContentResource::from(found)).into_response());
+    }
+    let _place = take_place(&web)?;
+    let announced = announced_bytes(&headers);
+    let stored = receive_content(&web, body.into_data_stream(), announced, Some(hash.to_owned())).await?;
+    Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
+}
+
+fn require_hash(hash: &str) -> HandlerResult<&str> {
+    let text = || format!("'{hash}' is no BLAKE3: 64 digits of 0-9 and a-f");
+    is_content_hash(hash).then_some(hash).ok_or_else(|| HandlerError::Refused(StatusCode::BAD_REQUEST, text()))
+}
+
+/// How many bytes a request says that it brings, 0 = it does not say.
+pub(super) fn announced_bytes(headers: &HeaderMap) -> u64 {
+    let length = headers.get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok());
+    length.and_then(|length| length.parse().ok()).unwrap_or(0)
+}
+
+/// Where the files are that were put.
+pub(super) fn put_contents(web: &DashboardState) -> PutContents {
+    PutContents::of_farm(&web.current_settings().state_dir)
+}
+
+/// The file with this BLAKE3, which is kept from now on as if it was just put.
+pub(super) async fn find_content(web: &DashboardState, hash: &str) -> HandlerResult<Option<StoredFile>> {
+    let (contents, hash) = (put_contents(web), hash.to_owned());
+    run_on_disk(move || Ok(contents.use_content(&hash)?)).await
+}
+
+/// One of the places for files that arrive at the same time.
+pub(super) fn take_place(web: &DashboardState) -> HandlerResult<tokio::sync::OwnedSemaphorePermit> {
+    let busy = || HandlerError::TooMany(1, "others are sending files just now: try again in a moment".to_owned());
+    web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())
+}
+
+/// Receives a file as it comes, and keeps it under its BLAKE3.
+pub(super) async fn receive_content<E: std::fmt::Display>(
+    web: &DashboardState,
+    mut chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    announced: u64,
+    expected: Option<String>,
+) -> HandlerResult<StoredFile> {
+    let (contents, max_bytes) = (put_contents(web), web.current_settings().limits.max_bytes);
+    let token = rand::random();
+    let mut file = run_on_disk(move || contents.begin_content(token, announced, max_bytes)).await?;
+    while let Some(chunk) = chunks.next().await {
+        let chunk = chunk.map_err(|error| incomplete_body(&error))?;
+        file = run_on_disk(move || file.write_chunk(&chunk).map(|()| file)).await?;
+    }
+    run_on_disk(move || file.finish_content(expected.as_deref())).await
+}
+
+/// The body of a request ended before it was complete.
+pub(super) fn incomplete_body(error: &impl std::fmt::Display) -> HandlerError {
+    HandlerError::Refused(StatusCode::BAD_REQUEST, format!("the file did not arrive as a whole: {error}"))
+}
+
+/// Runs what writes to the disk where it holds up no other request.
+pub(super) async fn run_on_disk<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, PutError> + Send + 'static,
+) -> HandlerResult<T> {
+    let done = tokio::task::spawn_blocking(work).await.context("a step ended")?;
+    done.map_err(|error| {
+        let status = match error {
+            PutError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
+            PutError::OtherContent { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            PutError::NoRoom { .. } | PutError::Write(_) => StatusCode::INSUFFICIENT_STORAGE,
+        };
+        HandlerError::Refused(status, error.to_string())
+    })
+}

@@ -84,6 +84,7 @@ fn may_be_deleted(path: &Path) -> bool {
     is_below("inbox/test/.claimed")
         || path == Path::new("inbox/test/kit")
         || is_below("state/store")
+        || is_below("state/put")
         || is_below("state/cache")
         || name.starts_with("nestd.db-")
         || name == "nestd.db.b3"

@@ -6,6 +6,7 @@
 mod arguments;
 mod budget;
 mod crash;
+mod door;
 mod faults;
 mod flood;
 mod heavy;
@@ -59,6 +60,7 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "kill", weight: 3.0, run: kill::run },
     ReliabilitySection { name: "storm", weight: 4.0, run: storm::run },
     ReliabilitySection { name: "orders", weight: 4.0, run: orders::run },
+    ReliabilitySection { name: "door", weight: 3.0, run: door::run },
     ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
     ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },
     ReliabilitySection { name: "hostile", weight: 2.0, run: hostile::run },

@@ -5,6 +5,7 @@ pub mod entries;
 pub mod farm_files;
 pub mod greedy;
 pub mod grid;
+pub mod http;
 pub mod manifest;
 pub mod random;
 pub mod samples;

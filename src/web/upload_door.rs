@@ -1,0 +1,290 @@
+//! Uploads that may be cut and go on: tus 1.0, core, creation, expiration and termination (<https://tus.io/protocols/resumable-upload>). A
+//! complete upload is a content that lines can order, and tells its BLAKE3.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, SystemTime},
+};
+
+use axum::{
+    Json,
+    body::Body,
+    extract::{Path, State},
+    http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use base64::Engine;
+use schemars::JsonSchema;
+use serde::Serialize;
+use tokio::sync::{OwnedMutexGuard, watch};
+use tokio_stream::StreamExt;
+
+use super::{
+    client::RequestClient,
+    command::check_takes_orders,
+    error::{HandlerError, HandlerResult},
+    put_content::{incomplete_body, put_contents, run_on_disk, take_place},
+    state::DashboardState,
+};
+use crate::intake::{
+    PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_bytes, is_content_hash, is_upload_id,
+};
+
+/// The version that is spoken.
+const TUS_VERSION: HeaderValue = HeaderValue::from_static("1.0.0");
+const TUS_EXTENSIONS: HeaderValue = HeaderValue::from_static("creation,expiration,termination");
+/// How long a request waits for one to end that sends to the same upload: its connection was cut.
+const TURN_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A turn at an upload: one request writes at a time, and ends when another one comes.
+#[derive(Debug)]
+struct UploadTurn {
+    busy: Arc<tokio::sync::Mutex<()>>,
+    comes: watch::Sender<u64>,
+}
+
+/// The uploads that requests are at.
+#[derive(Debug, Default)]
+pub(super) struct UploadTurns(Mutex<HashMap<String, Arc<UploadTurn>>>);
+
+impl UploadTurns {
+    /// Waits until no other request is at an upload.
+    async fn take_turn(&self, id: &str) -> HandlerResult<(OwnedMutexGuard<()>, watch::Receiver<u64>)> {
+        let turn = {
+            let mut turns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            // Those that nobody is at.
+            turns.retain(|_, turn| Arc::strong_count(turn) > 1 || Arc::strong_count(&turn.busy) > 1);
+            let new = || Arc::new(UploadTurn { busy: Arc::default(), comes: watch::Sender::new(0) });
+            turns.entry(id.to_owned()).or_insert_with(new).clone()
+        };
+        turn.comes.send_modify(|count| *count += 1);
+        let held = tokio::time::timeout(TURN_TIMEOUT, turn.busy.clone().lock_owned()).await;
+        let busy = |_| HandlerError::Refused(StatusCode::LOCKED, "another request sends to this upload".to_owned());
+        let held = held.map_err(busy)?;
+        Ok((held, turn.comes.subscribe()))
+    }
+}
+
+/// An upload as it stands.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct UploadResource {
+    /// Bytes that have arrived.
+    offset: u64,
+    /// All bytes of the file.
+    length: u64,
+    /// BLAKE3 of the file once it is complete: the content that lines can order.
+    content: Option<String>,
+}
+
+fn refused(status: StatusCode, text: impl Into<String>) -> HandlerError {
+    HandlerError::Refused(status, text.into())
+}
+
+fn uploads_of(web: &DashboardState) -> PutUploads {
+    PutUploads::new(put_contents(web))
+}
+
+fn text_header<'h>(headers: &'h HeaderMap, name: &str) -> Option<&'h str> {
+    headers.get(name).and_then(|value| value.to_str().ok())
+}
+
+fn number_header(headers: &HeaderMap, name: &str) -> HandlerResult<u64> {
+    let number = text_header(headers, name).and_then(|text| text.parse().ok());
+    number.ok_or_else(|| refused(StatusCode::BAD_REQUEST, format!("{name} must be a number of bytes")))
+}
+
+/// Refuses another version of the protocol, and whatever changes something where the farm takes no orders.
+fn check_protocol(web: &DashboardState, headers: &HeaderMap) -> HandlerResult<()> {
+    check_takes_orders(web)?;
+    match headers.get("tus-resumable") == Some(&TUS_VERSION) {
+        true => Ok(()),
+        false => Err(refused(StatusCode::PRECONDITION_FAILED, "send Tus-Resumable: 1.0.0; the farm speaks tus 1.0.0")),
+    }
+}
+
+fn tus_response(status: StatusCode, headers: &[(&'static str, String)]) -> Response {
+    let mut response = status.into_response();
+    response.headers_mut().insert("tus-resumable", TUS_VERSION);
+    for (name, value) in headers {
+        if let Ok(value) = HeaderValue::from_str(value) {
+            response.headers_mut().insert(HeaderName::from_static(name), value);
+        }
+    }
+    response
+}
+
+/// The headers that tell how far an upload is.
+fn state_headers(upload: &UploadState) -> Vec<(&'static str, String)> {
+    let mut headers = vec![("upload-offset", upload.offset.to_string()), ("upload-length", upload.record.length.to_string())];
+    match &upload.record.content {
+        Some(content) => headers.push(("nestd-content", content.clone())),
+        None => headers.push(("upload-expires", expiry_text(upload.changed_at))),
+    }
+    headers
+}
+
+/// When an upload is given up of which no more comes, as HTTP writes times.
+fn expiry_text(changed_at: SystemTime) -> String {
+    let expires = jiff::Timestamp::try_from(changed_at + UPLOAD_KEPT).unwrap_or_else(|_| jiff::Timestamp::now());
+    expires.strftime("%a, %d %b %Y %H:%M:%S GMT").to_string()
+}
+
+/// What the farm can do.
+pub(super) async fn get_options(State(web): State<Arc<DashboardState>>) -> Response {
+    let max_bytes = web.current_settings().limits.max_bytes;
+    let mut response = tus_response(StatusCode::NO_CONTENT, &[("tus-max-size", max_bytes.to_string())]);
+    response.headers_mut().insert("tus-version", TUS_VERSION);
+    response.headers_mut().insert("tus-extension", TUS_EXTENSIONS);
+    response
+}
+
+/// Begins an upload.
+pub(super) async fn post_upload(
+    State(web): State<Arc<DashboardState>>,
+    client: RequestClient,
+    headers: HeaderMap,
+) -> HandlerResult<Response> {
+    check_protocol(&web, &headers)?;
+    let length = number_header(&headers, "upload-length")?;
+    let expected = read_metadata(text_header(&headers, "upload-metadata").unwrap_or_default(), "blake3")?;
+    if let Some(expected) = expected.as_ref().filter(|expected| !is_content_hash(expected)) {
+        return Err(refused(StatusCode::BAD_REQUEST, format!("blake3 {expected:?} must be 64 digits of 0-9 and a-f")));
+    }
+    let record = UploadRecord { length, client: client.key_name().to_owned(), expected, content: None };
+    let (uploads, max_bytes) = (uploads_of(&web), web.current_settings().limits.max_bytes);
+    let id = format!("{:032x}", rand::random::<u128>());
+    let begun = id.clone();
+    let upload = run_on_disk(move || {
+        uploads.begin_upload(&begun, &record, max_bytes)?;
+        // One of no bytes is complete.
+        uploads.settle_upload(&begun)
+    })
+    .await?;
+    let mut told = upload.as_ref().map(state_headers).unwrap_or_default();
+    told.push(("location", format!("/api/v1/uploads/{id}")));
+    Ok(tus_response(StatusCode::CREATED, &told))
+}
+
+/// A value of the header Upload-Metadata: `name base64, name base64`.
+fn read_metadata(text: &str, wanted: &str) -> HandlerResult<Option<String>> {
+    for pair in text.split(',') {
+        let mut words = pair.split_whitespace();
+        if words.next() == Some(wanted) {
+            let decoded = base64::engine::general_purpose::STANDARD.decode(words.next().unwrap_or_default());
+            let value = decoded.ok().and_then(|bytes| String::from_utf8(bytes).ok());
+            let wrong = || refused(StatusCode::BAD_REQUEST, format!("{wanted} in Upload-Metadata is no text in base64"));
+            return value.ok_or_else(wrong).map(Some);
+        }
+    }
+    Ok(None)
+}
+
+/// How far an upload is. One that is complete and was cut before it had its name gets it now.
+async fn settle(web: &DashboardState, id: &str) -> HandlerResult<UploadState> {
+    let (uploads, wanted) = (uploads_of(web), id.to_owned());
+    let settled = run_on_disk(move || uploads.settle_upload(&wanted)).await?;
+    settled.ok_or_else(|| HandlerError::NotFound(format!("upload {id}: it may have expired")))
+}
+
+fn require_id(id: &str) -> HandlerResult<()> {
+    is_upload_id(id).then_some(()).ok_or_else(|| HandlerError::NotFound(format!("upload {id}")))
+}
+
+/// How far an upload is: as headers, and as JSON.
+pub(super) async fn get_upload(
+    State(web): State<Arc<DashboardState>>,
+    Path(id): Path<String>,
+) -> HandlerResult<Response> {
+    require_id(&id)?;
+    let _turn = web.uploads.take_turn(&id).await?;
+    let upload = settle(&web, &id).await?;
+    let (offset, length) = (upload.offset, upload.record.length);
+    let resource = UploadResource { offset, length, content: upload.record.content.clone() };
+    let mut response = Json(resource).into_response();
+    response.headers_mut().extend(tus_response(StatusCode::OK, &state_headers(&upload)).headers().clone());
+    Ok(response)
+}
+
+/// Takes more of an upload.
+pub(super) async fn patch_upload(
+    State(web): State<Arc<DashboardState>>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+    body: Body,
+) -> HandlerResult<Response> {
+    check_protocol(&web, &headers)?;
+    require_id(&id)?;
+    if text_header(&headers, header::CONTENT_TYPE.as_str()) != Some("application/offset+octet-stream") {
+        return Err(refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send application/offset+octet-stream"));
+    }
+    let offset = number_header(&headers, "upload-offset")?;
+    let (_turn, comes) = web.uploads.take_turn(&id).await?;
+    let upload = settle(&web, &id).await?;
+    if offset != upload.offset {
+        let text = format!("{} bytes of it have arrived, not {offset}: ask with HEAD, and go on there", upload.offset);
+        return Err(refused(StatusCode::CONFLICT, text));
+    }
+    if upload.record.content.is_none() {
+        let _place = take_place(&web)?;
+        append_body(&web, &id, upload.record.length - offset, body, comes).await?;
+    }
+    let upload = settle(&web, &id).await?;
+    Ok(tus_response(StatusCode::NO_CONTENT, &state_headers(&upload)))
+}
+
+/// Writes what comes, until it ends, is cut, or another request comes for the same upload.
+async fn append_body(
+    web: &DashboardState,
+    id: &str,
+    mut left: u64,
+    body: Body,
+    mut comes: watch::Receiver<u64>,
+) -> HandlerResult<()> {
+    let (uploads, wanted) = (uploads_of(web), id.to_owned());
+    let file = Arc::new(run_on_disk(move || Ok(uploads.open_part(&wanted)?)).await?);
+    let mut chunks = body.into_data_stream();
+    let mut cut = None;
+    loop {
+        let chunk = tokio::select! {
+            chunk = chunks.next() => chunk,
+            _ = comes.changed() => {
+                cut = Some(refused(StatusCode::CONFLICT, "another request goes on with this upload"));
+                break;
+            }
+        };
+        match chunk {
+            None => break,
+            Some(Err(error)) => {
+                cut = Some(incomplete_body(&error));
+                break;
+            }
+            Some(Ok(chunk)) if chunk.len() as u64 > left => {
+                cut = Some(refused(StatusCode::PAYLOAD_TOO_LARGE, "more bytes come than Upload-Length said"));
+                break;
+            }
+            Some(Ok(chunk)) => {
+                left -= chunk.len() as u64;
+                let file = file.clone();
+                run_on_disk(move || Ok(append_bytes(&file, &chunk)?)).await?;
+            }
+        }
+    }
+    run_on_disk(move || Ok(file.sync_data()?)).await?;
+    cut.map_or(Ok(()), Err)
+}
+
+/// Gives an upload up.
+pub(super) async fn delete_upload(
+    State(web): State<Arc<DashboardState>>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> HandlerResult<Response> {
+    check_protocol(&web, &headers)?;
+    require_id(&id)?;
+    let _turn = web.uploads.take_turn(&id).await?;
+    settle(&web, &id).await?;
+    let uploads = uploads_of(&web);
+    run_on_disk(move || Ok(uploads.remove_upload(&id)?)).await?;
+    Ok(tus_response(StatusCode::NO_CONTENT, &[]))
+}

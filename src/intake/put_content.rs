@@ -96,12 +96,20 @@ impl PutContents {
     /// # Errors
     /// `TooLarge`, `NoRoom` or `Write`.
     pub fn begin_content(&self, token: u128, announced: u64, max_bytes: u64) -> Result<ArrivingContent, PutError> {
-        disk::create_dirs(&self.dir)?;
+        self.create_folder()?;
         self.check_room(announced, max_bytes)?;
         let path = self.dir.join(format!("{ARRIVING_PREFIX}{token:032x}"));
         let file = disk::create_fresh_file(&path)?;
         let (contents, hasher) = (self.clone(), blake3::Hasher::new());
         Ok(ArrivingContent { contents, path, file, hasher, bytes: 0, max_bytes, is_finished: false })
+    }
+
+    /// Makes the folder.
+    ///
+    /// # Errors
+    /// The folder of state cannot be written.
+    pub fn create_folder(&self) -> io::Result<()> {
+        disk::create_dirs(&self.dir)
     }
 
     /// Checks that the farm takes so many bytes more.

@@ -66,7 +66,7 @@ impl PutUploads {
         self.contents.path_of(&format!("{PREFIX}{id}.json"))
     }
 
-    /// Begins an upload. `free_for_client` = bytes that its client may still have under way.
+    /// Begins an upload, if there is room for it beside what is to come of the others.
     ///
     /// # Errors
     /// `TooLarge`, `NoRoom` or `Write`.

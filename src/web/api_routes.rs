@@ -16,6 +16,7 @@ use super::{
     dto::{BuildResponse, PartResource, PartResponse},
     edit_door, history, month, openapi, operate_door, order, order_door, order_request, part, pick_page, put_content,
     state::DashboardState,
+    upload_door,
 };
 use crate::{
     access::TokenRole,
@@ -40,6 +41,8 @@ pub(super) enum RequestBody {
     Order(SchemaMaker),
     /// A file.
     Bytes,
+    /// A piece of a file.
+    Piece,
 }
 
 /// What may be done at an address.
@@ -53,13 +56,13 @@ pub(super) struct ApiRoute {
     pub role: TokenRole,
     pub body: RequestBody,
     /// Status and content of the answer.
-    pub answer: (&'static str, SchemaMaker),
+    pub answer: (&'static str, Option<SchemaMaker>),
     /// Schema of its query parameters; `None` = no query.
     pub query: Option<SchemaMaker>,
     /// Fields of that schema that do not apply to this address.
     pub without: &'static [&'static str],
-    /// Whether it needs a key, so that it is carried out once.
-    pub needs_key: bool,
+    /// Headers that it needs.
+    pub headers: &'static [&'static str],
     handler: HandlerMaker,
 }
 
@@ -82,10 +85,10 @@ const fn ask(
         summary,
         role: TokenRole::Read,
         body: RequestBody::Nothing,
-        answer: ("200", answer),
+        answer: ("200", Some(answer)),
         query: None,
         without: &[],
-        needs_key: false,
+        headers: &[],
         handler,
     }
 }
@@ -104,7 +107,7 @@ const fn tell(
 
 const EDIT: RequestBody = RequestBody::Json(schema_of::<edit_door::EditRequest>);
 const ORDER: RequestBody = RequestBody::Order(schema_of::<order_request::OrderRequest>);
-const ACCEPTED: (&str, SchemaMaker) = ("202", schema_of::<order_door::OrderAccepted>);
+const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
 const QUESTIONS: [ApiRoute; 12] = [
@@ -204,7 +207,7 @@ const QUESTIONS: [ApiRoute; 12] = [
 /// What programs may order and tell.
 const DOORS: [ApiRoute; 10] = [
     ApiRoute {
-        answer: ("201", schema_of::<put_content::ContentResource>),
+        answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
             ("PUT", "/api/v1/content/{hash}"),
             "put_content",
@@ -215,7 +218,7 @@ const DOORS: [ApiRoute; 10] = [
     },
     ApiRoute {
         answer: ACCEPTED,
-        needs_key: true,
+        headers: &["Idempotency-Key"],
         ..tell(
             ("POST", "/api/v1/orders"),
             "post_order",
@@ -226,7 +229,7 @@ const DOORS: [ApiRoute; 10] = [
     },
     ApiRoute {
         answer: ACCEPTED,
-        needs_key: true,
+        headers: &["Idempotency-Key"],
         ..tell(
             ("POST", "/api/v1/orders/{order}/lines"),
             "post_lines",
@@ -295,9 +298,52 @@ const DOORS: [ApiRoute; 10] = [
     },
 ];
 
+const UPLOAD_PATH: &str = "/api/v1/uploads/{upload}";
+
+/// Uploads that may be cut and go on, by tus 1.0.
+const UPLOADS: [ApiRoute; 4] = [
+    ApiRoute {
+        answer: ("201", None),
+        headers: &["Tus-Resumable", "Upload-Length", "Upload-Metadata"],
+        ..tell(
+            ("POST", "/api/v1/uploads"),
+            "post_upload",
+            "Begins an upload of Upload-Length bytes, by tus 1.0; Location says where. Upload-Metadata may name its blake3. Kept for a \
+                day after its last byte",
+            RequestBody::Nothing,
+            || post(upload_door::post_upload).options(upload_door::get_options),
+        )
+    },
+    ask(
+        UPLOAD_PATH,
+        "upload",
+        "How far an upload is; HEAD tells the same as headers. A complete one says its content",
+        schema_of::<upload_door::UploadResource>,
+        || get(upload_door::get_upload),
+    ),
+    ApiRoute {
+        answer: ("204", None),
+        headers: &["Tus-Resumable", "Upload-Offset"],
+        ..tell(
+            ("PATCH", UPLOAD_PATH),
+            "patch_upload",
+            "Sends more of an upload, as application/offset+octet-stream, from Upload-Offset on",
+            RequestBody::Piece,
+            || patch(upload_door::patch_upload),
+        )
+    },
+    ApiRoute {
+        answer: ("204", None),
+        headers: &["Tus-Resumable"],
+        ..tell(("DELETE", UPLOAD_PATH), "delete_upload", "Gives an upload up", RequestBody::Nothing, || {
+            delete(upload_door::delete_upload)
+        })
+    },
+];
+
 /// All routes of the interface.
 pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
-    static ALL: [&[ApiRoute]; 2] = [&QUESTIONS, &DOORS];
+    static ALL: [&[ApiRoute]; 3] = [&QUESTIONS, &DOORS, &UPLOADS];
     ALL.iter().flat_map(|routes| routes.iter())
 }
 

@@ -16,10 +16,11 @@ use super::{
     drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
     error::{HandlerError, HandlerResult},
     page::html_page,
+    put_content::{put_contents, run_on_disk},
     state::DashboardState,
 };
 use crate::{
-    intake::{UploadError, UploadedFile, remove_unfinished_uploads},
+    intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads},
     settings::MachineProfile,
 };
 
@@ -29,6 +30,11 @@ pub(super) const MAX_UPLOADS: usize = 4;
 const MAX_FILES: usize = 500;
 /// An upload without a byte for this time has ended; a connection ends far sooner.
 const QUIET_UPLOAD: Duration = Duration::from_secs(600);
+
+/// How long a file stays that was put, after it was last put or ordered.
+const CONTENT_KEPT: Duration = Duration::from_secs(7 * 86_400);
+/// How long the key of a request is kept.
+const KEYS_KEPT: jiff::SignedDuration = jiff::SignedDuration::from_hours(30 * 24);
 
 /// The page with the form of a machine.
 pub(super) async fn show_form(
@@ -163,6 +169,19 @@ async fn on_disk<T: Send + 'static>(
     })
 }
 
+/// Forgets keys of requests, and removes files that were put and that nobody needs any more.
+async fn sweep_put_files(web: &DashboardState) -> HandlerResult<()> {
+    let before = jiff::Timestamp::now().checked_sub(KEYS_KEPT).context("the clock is at the begin of time")?;
+    web.ledger.forget_order_requests(before.into()).await?;
+    let needed = web.ledger.contents_of_arriving_lines().await?.into_iter().collect();
+    let contents = put_contents(web);
+    run_on_disk(move || {
+        contents.sweep_contents(QUIET_UPLOAD, CONTENT_KEPT, &needed)?;
+        Ok(PutUploads::new(contents).sweep_uploads(UPLOAD_KEPT)?)
+    })
+    .await
+}
+
 /// Removes what was arriving when an earlier daemon ended, as long as the dashboard is served.
 pub(super) async fn sweep_unfinished(web: Arc<DashboardState>) {
     loop {
@@ -178,6 +197,9 @@ pub(super) async fn sweep_unfinished(web: Arc<DashboardState>) {
         };
         if tokio::task::spawn_blocking(sweep).await.is_err() {
             return;
+        }
+        if let Err(error) = sweep_put_files(&web).await {
+            tracing::debug!("What was put cannot be swept: {error}.");
         }
         tokio::time::sleep(QUIET_UPLOAD).await;
     }

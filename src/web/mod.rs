@@ -66,6 +66,7 @@ mod search;
 mod search_report;
 mod server;
 mod state;
+mod upload_door;
 mod view_section;
 
 #[cfg(test)]

@@ -69,15 +69,12 @@ fn operation(route: &ApiRoute, error: &Schema, generator: &mut SchemaGenerator) 
         let schema = query(generator);
         parameters.extend(query_parameters(&schema, route.without));
     }
-    if route.needs_key {
-        let about = "A text that no other order of this client has, such as a UUID: the same request with the same key is one order";
-        let schema = json!({ "type": "string", "minLength": 1, "maxLength": 255 });
-        let key = json!({ "name": "Idempotency-Key", "in": "header", "required": true, "description": about, "schema": schema });
-        parameters.push(key);
-    }
+    parameters.extend(route.headers.iter().map(|name| header_parameter(name)));
     let (status, answer) = route.answer;
-    let answer = json!({ "application/json": { "schema": answer(generator) } });
-    let mut responses = json!({ status: { "description": route.summary, "content": answer } });
+    let mut responses = json!({ status: { "description": route.summary } });
+    if let Some(answer) = answer {
+        responses[status]["content"] = json!({ "application/json": { "schema": answer(generator) } });
+    }
     let fails = |status: &str, why: &str| {
         responses[status] =
             json!({ "description": why, "content": { "application/problem+json": { "schema": error } } });
@@ -107,10 +104,30 @@ fn path_parameter(name: &str) -> Value {
     json!({ "name": name, "in": "path", "required": true, "schema": schema })
 }
 
+/// A header of a request.
+fn header_parameter(name: &str) -> Value {
+    let (about, schema) = match name {
+        "Idempotency-Key" => (
+            "A text that no other order of this client has, such as a UUID: the same request with the same key is one order",
+            json!({ "type": "string", "minLength": 1, "maxLength": 255 }),
+        ),
+        "Tus-Resumable" => ("The version of the protocol.", json!({ "type": "string", "const": "1.0.0" })),
+        "Upload-Metadata" => {
+            ("blake3 and the BLAKE3 of the file in base64; may be left out.", json!({ "type": "string" }))
+        }
+        _ => ("A number of bytes.", json!({ "type": "integer", "format": "int64" })),
+    };
+    let is_required = name != "Upload-Metadata";
+    json!({ "name": name, "in": "header", "required": is_required, "description": about, "schema": schema })
+}
+
 /// What a request brings, by media type.
 fn body_of(body: RequestBody, generator: &mut SchemaGenerator) -> Option<Value> {
     match body {
         RequestBody::Nothing => None,
+        RequestBody::Piece => {
+            Some(json!({ "application/offset+octet-stream": { "schema": { "type": "string", "format": "binary" } } }))
+        }
         RequestBody::Json(schema) => Some(json!({ "application/json": { "schema": schema(generator) } })),
         RequestBody::Bytes => {
             Some(json!({ "application/octet-stream": { "schema": { "type": "string", "format": "binary" } } }))

@@ -34,6 +34,8 @@ mod tests {
             (Method::POST, "/api/v1/orders/K-1/lines", Order),
             (Method::DELETE, "/api/v1/orders/K/lines/7", Order),
             (Method::PUT, "/api/v1/content/00", Order),
+            (Method::PATCH, "/api/v1/uploads/00", Order),
+            (Method::OPTIONS, "/api/v1/uploads", Read),
             (Method::POST, "/machines/p396/files", Order),
             (Method::POST, "/orders/K/move", Order),
             (Method::POST, "/api/v1/builds/4/outcome", Operate),

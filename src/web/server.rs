@@ -62,6 +62,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         user_header: web.user_header.and_then(|header| header.parse().ok()),
         orders: web.orders,
         clients,
+        uploads: Default::default(),
         door: OrderDoor::default(),
         form_key: format!("{:032x}", rand::random::<u128>()),
         caches: PageCaches {

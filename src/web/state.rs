@@ -7,7 +7,7 @@ use tokio::sync::{Semaphore, watch};
 
 use super::{
     cache::RecentCache, client::ClientGate, compressed::CompressedBody, error::HandlerResult, order_door::OrderDoor,
-    pick_map::CachedPickMap,
+    pick_map::CachedPickMap, upload_door::UploadTurns,
 };
 use crate::{
     farm,
@@ -29,6 +29,8 @@ pub(super) struct DashboardState {
     pub(super) user_header: Option<axum::http::HeaderName>,
     /// Who may ask what.
     pub(super) clients: ClientGate,
+    /// Uploads that requests are at.
+    pub(super) uploads: UploadTurns,
     /// Orders that are being taken.
     pub(super) door: OrderDoor,
     /// A random key that every form carries, so that no other site can post one (CSRF token).

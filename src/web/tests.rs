@@ -66,6 +66,7 @@ impl TestDashboard {
             user_header: None,
             orders: true,
             clients: Default::default(),
+            uploads: Default::default(),
             door: Default::default(),
             form_key: "key".to_owned(),
             caches: PageCaches {

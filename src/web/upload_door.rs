@@ -27,9 +27,7 @@ use super::{
     put_content::{incomplete_body, put_contents, run_on_disk, take_place},
     state::DashboardState,
 };
-use crate::intake::{
-    PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_bytes, is_content_hash, is_upload_id,
-};
+use crate::intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_bytes, is_content_hash, is_upload_id};
 
 /// The version that is spoken.
 const TUS_VERSION: HeaderValue = HeaderValue::from_static("1.0.0");
@@ -116,7 +114,8 @@ fn tus_response(status: StatusCode, headers: &[(&'static str, String)]) -> Respo
 
 /// The headers that tell how far an upload is.
 fn state_headers(upload: &UploadState) -> Vec<(&'static str, String)> {
-    let mut headers = vec![("upload-offset", upload.offset.to_string()), ("upload-length", upload.record.length.to_string())];
+    let mut headers =
+        vec![("upload-offset", upload.offset.to_string()), ("upload-length", upload.record.length.to_string())];
     match &upload.record.content {
         Some(content) => headers.push(("nestd-content", content.clone())),
         None => headers.push(("upload-expires", expiry_text(upload.changed_at))),
@@ -173,7 +172,8 @@ fn read_metadata(text: &str, wanted: &str) -> HandlerResult<Option<String>> {
         if words.next() == Some(wanted) {
             let decoded = base64::engine::general_purpose::STANDARD.decode(words.next().unwrap_or_default());
             let value = decoded.ok().and_then(|bytes| String::from_utf8(bytes).ok());
-            let wrong = || refused(StatusCode::BAD_REQUEST, format!("{wanted} in Upload-Metadata is no text in base64"));
+            let wrong =
+                || refused(StatusCode::BAD_REQUEST, format!("{wanted} in Upload-Metadata is no text in base64"));
             return value.ok_or_else(wrong).map(Some);
         }
     }

@@ -31,7 +31,7 @@ const KILLS: (u64, u64) = (25, 20_000);
 /// Kills of one farm.
 const KILLS_PER_FARM: u64 = 25;
 /// Time budget of a short run, seconds.
-const SHORT_SECS: f64 = 14.0;
+const SHORT_SECS: f64 = 18.0;
 /// Lines of an order.
 const LINES: u32 = 2;
 
@@ -39,7 +39,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     let budget = &budget.at_least(SHORT_SECS);
     let mut rows = Vec::new();
     if is_allowed() {
-        let half = SectionBudget::short(budget.secs / 2.0);
+        let half = SectionBudget::short(budget.secs / 3.0);
         let (all, whole) = ordered_under_trace(u64::MAX);
         rows.push(whole);
         let one = |point| catch_panic(&format!("killed after change {point}"), || ordered_under_trace(point).1);

@@ -38,6 +38,7 @@ mod status;
 mod table;
 mod target;
 mod terminal;
+mod token;
 mod values;
 mod verify;
 mod watch;
@@ -162,6 +163,9 @@ enum CliCommand {
     Release(release::ReleaseArgs),
     /// Take a published build that its printer has not taken back out of the queue: its copies wait again
     Withdraw(withdraw::WithdrawArgs),
+    /// Make, list and take back the tokens with which programs ask the dashboard
+    #[command(subcommand)]
+    Token(token::TokenCommand),
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
     Nodes(nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
@@ -244,6 +248,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Printer(args) => printer::run(common, args),
         CliCommand::Release(args) => release::run(common, args),
         CliCommand::Withdraw(args) => withdraw::run(common, args),
+        CliCommand::Token(command) => token::run(common, command),
         CliCommand::Nodes(args) => nodes::run(common, args),
         CliCommand::Backup(args) => backup::run(common, args),
         CliCommand::Restore(args) => backup::run_restore(common, args),

@@ -19,7 +19,7 @@ pub enum ListenAddress {
 }
 
 /// The dashboard's settings.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WebSettings {
     /// Where it listens.
     pub listen: ListenAddress,
@@ -29,6 +29,12 @@ pub struct WebSettings {
     pub tokens_file: Option<PathBuf>,
     /// What requests without a token may where there are tokens; `None` = nothing.
     pub without_token: Option<TokenRole>,
+    /// Requests per second that a client may send for long.
+    pub client_requests_per_sec: f64,
+    /// Requests that a client may send at once.
+    pub client_burst: u32,
+    /// Bytes of files that a client may have under way.
+    pub client_bytes: u64,
     /// Additional host names that browsers may use besides those of this machine, for instance behind a reverse proxy.
     pub hosts: Vec<String>,
     /// Whether pages may send commands (flush, pause, resume, retry, cancel). Otherwise they are read-only.
@@ -80,9 +86,23 @@ pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) 
         token_file: inputs.token_file.0.clone(),
         tokens_file: inputs.tokens_file.0.clone(),
         without_token: validate_without_token(inputs, validator),
+        client_requests_per_sec: validate_rate(inputs, validator),
+        client_burst: inputs.client_burst.max(1),
+        client_bytes: inputs.client_bytes,
         hosts: inputs.hosts.clone(),
         orders: inputs.orders,
     })
+}
+
+/// A rate of 0 would answer nobody.
+fn validate_rate(inputs: &WebInputs, validator: &mut ConfigValidator) -> f64 {
+    let rate = inputs.client_requests_per_sec;
+    if !(0.1..=1e6).contains(&rate) {
+        let text = format!("web.client_requests_per_sec = {rate} is no rate");
+        validator.report_problem("web.client_requests_per_sec", text, "write 0.1 to 1000000");
+        return 1.0;
+    }
+    rate
 }
 
 /// Whoever can connect has no token.

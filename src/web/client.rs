@@ -22,10 +22,12 @@ pub(super) struct RequestClient {
     pub(super) role: TokenRole,
     /// Whether it came with a token.
     pub(super) has_token: bool,
+    /// Under which name its limits are counted: that of its token, or its address.
+    pub(super) counted_as: String,
 }
 
 impl RequestClient {
-    const NAMELESS: Self = Self { name: None, role: TokenRole::Operate, has_token: false };
+    const NAMELESS: Self = Self { name: None, role: TokenRole::Operate, has_token: false, counted_as: String::new() };
 
     /// Who need not say who he is.
     pub(super) fn nobody() -> Self {
@@ -92,7 +94,12 @@ impl ClientGate {
         let Some(file) = &self.tokens_file else { return Ok(None) };
         let found = self.watch.lock().unwrap_or_else(PoisonError::into_inner).find_token(file, token);
         let found = found.map_err(|error| refused(StatusCode::SERVICE_UNAVAILABLE, &error.to_string()))?;
-        Ok(found.map(|known| RequestClient { name: Some(known.name), role: known.role, has_token: true }))
+        Ok(found.map(|known| RequestClient {
+            counted_as: format!("token {}", known.name),
+            name: Some(known.name),
+            role: known.role,
+            has_token: true,
+        }))
     }
 }
 

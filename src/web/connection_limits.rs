@@ -81,7 +81,7 @@ impl<L> LimitedListener<L> {
     }
 }
 
-impl<L: Listener> Listener for LimitedListener<L> {
+impl<L: Listener<Addr: ClientAddress>> Listener for LimitedListener<L> {
     type Io = LimitedConnection<L::Io>;
     type Addr = L::Addr;
 
@@ -93,7 +93,7 @@ impl<L: Listener> Listener for LimitedListener<L> {
             deadline: Box::pin(sleep(self.timeouts.request)),
             timeouts: self.timeouts,
             is_receiving: true,
-            in_progress: RequestInProgress::default(),
+            in_progress: RequestInProgress { client: address.client_name().into(), ..RequestInProgress::default() },
             permits: self.permits.clone(),
             _permit: place,
         };
@@ -106,9 +106,30 @@ impl<L: Listener> Listener for LimitedListener<L> {
     }
 }
 
-/// How far the request of a connection is: it arrives, it is answered, or files arrive.
+/// An address that a client connects from.
+pub(super) trait ClientAddress {
+    /// What all connections of the client have in common.
+    fn client_name(&self) -> String;
+}
+
+impl ClientAddress for std::net::SocketAddr {
+    fn client_name(&self) -> String {
+        self.ip().to_canonical().to_string()
+    }
+}
+
+impl ClientAddress for tokio::net::unix::SocketAddr {
+    fn client_name(&self) -> String {
+        "socket".to_owned()
+    }
+}
+
+/// How far the request of a connection is: it arrives, it is answered, or files arrive. And where it comes from.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RequestInProgress(Arc<AtomicU8>);
+pub(super) struct RequestInProgress {
+    stage: Arc<AtomicU8>,
+    client: Arc<str>,
+}
 
 /// The request arrives, within the time of a request.
 const ARRIVING: u8 = 0;
@@ -118,12 +139,17 @@ const ANSWERING: u8 = 1;
 const UPLOADING: u8 = 2;
 
 impl RequestInProgress {
+    /// The address of the client, as [`ClientAddress`] names it.
+    pub(super) fn client(&self) -> &str {
+        &self.client
+    }
+
     fn is_at(&self, stage: u8) -> bool {
-        self.0.load(Ordering::Relaxed) == stage
+        self.stage.load(Ordering::Relaxed) == stage
     }
 }
 
-impl<L: Listener> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestInProgress {
+impl<L: Listener<Addr: ClientAddress>> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestInProgress {
     fn connect_info(stream: IncomingStream<'_, LimitedListener<L>>) -> Self {
         stream.io().in_progress.clone()
     }
@@ -134,14 +160,14 @@ struct InProgressGuard(RequestInProgress);
 
 impl InProgressGuard {
     fn new(progress: RequestInProgress, stage: u8) -> Self {
-        progress.0.store(stage, Ordering::Relaxed);
+        progress.stage.store(stage, Ordering::Relaxed);
         Self(progress)
     }
 }
 
 impl Drop for InProgressGuard {
     fn drop(&mut self) {
-        self.0.0.store(ARRIVING, Ordering::Relaxed);
+        self.0.stage.store(ARRIVING, Ordering::Relaxed);
     }
 }
 

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use axum::{
-    extract::{Request, State},
+    extract::{ConnectInfo, Request, State},
     http::{HeaderValue, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
@@ -17,6 +17,7 @@ use axum::{
 
 use super::{
     client::RequestClient,
+    connection_limits::RequestInProgress,
     error::{HandlerError, format_error_response},
     role_rules::needed_role,
     state::DashboardState,
@@ -25,6 +26,9 @@ use super::{
 /// Allows no other host, no inline script and no frame around the pages.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
     connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
+
+/// Where uploads by tus are; every answer there names the version of the protocol.
+const UPLOADS: &str = "/api/v1/uploads";
 
 /// Passes a request on or refuses it, and adds the security headers.
 pub(super) async fn guard_request(
@@ -53,10 +57,27 @@ pub(super) async fn guard_request(
         headers.insert(name, HeaderValue::from_static(value));
     }
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
+    if path.starts_with(UPLOADS) {
+        response.headers_mut().insert("tus-resumable", HeaderValue::from_static("1.0.0"));
+    }
     if response.status() == StatusCode::UNAUTHORIZED {
         response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
     }
     response
+}
+
+/// Who asks, unless it asks too much.
+fn identify_client(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
+    let connection = request.extensions().get::<ConnectInfo<RequestInProgress>>();
+    let address = connection.map_or("", |connection| connection.0.client());
+    match web.clients.identify_client(request.headers()) {
+        Ok(client) if client.counted_as.is_empty() => {
+            web.limits.count_request(address)?;
+            Ok(RequestClient { counted_as: address.to_owned(), ..client })
+        }
+        Ok(client) => web.limits.count_request(&client.counted_as).map(|()| client),
+        Err(problem) => web.limits.count_request(address).and(Err(problem)),
+    }
 }
 
 fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
@@ -65,7 +86,7 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClien
     let client = match request.uri().path() {
         // A watchdog asks without a token whether the process is alive.
         "/healthz" => return Ok(RequestClient::nobody()),
-        _ => web.clients.identify_client(request.headers())?,
+        _ => identify_client(web, request)?,
     };
     if !client.has_token && !is_known_host(web, header("host").unwrap_or_default()) {
         return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");

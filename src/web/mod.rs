@@ -17,6 +17,7 @@ mod cache;
 mod cached_render;
 mod chart;
 mod client;
+mod client_limits;
 mod command;
 mod compressed;
 mod connection_limits;

@@ -135,7 +135,7 @@ async fn receive_order(
     check_takes_orders(web)?;
     let key = read_key(request.headers())?;
     let _turn = web.door.begin_request(client.key_name(), &key)?;
-    let mut order = read_request(web, request).await?;
+    let mut order = read_request(web, client, request).await?;
     if let Some(name) = order_name {
         if !order.order.is_empty() && order.order != name {
             return Err(unprocessable(format!("the address names order {name}, the request {}", order.order)));
@@ -188,7 +188,7 @@ fn answer_again(known: &AnsweredRequest, fingerprint: &str) -> HandlerResult<Res
 }
 
 /// Reads a request: JSON, or a form with the JSON as `order` and files, which are named as their lines are.
-async fn read_request(web: &DashboardState, request: Request) -> HandlerResult<OrderRequest> {
+async fn read_request(web: &DashboardState, client: &RequestClient, request: Request) -> HandlerResult<OrderRequest> {
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let parse = |text: &[u8]| {
         let wrong = |error| HandlerError::Refused(StatusCode::BAD_REQUEST, format!("this is no order: {error}"));
@@ -200,6 +200,7 @@ async fn read_request(web: &DashboardState, request: Request) -> HandlerResult<O
     }
     let _place = take_place(web)?;
     let announced = announced_bytes(request.headers());
+    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
     let broken = |error: axum::extract::multipart::MultipartError| {
         HandlerError::Refused(error.status(), format!("the request did not arrive as a whole: {}", error.body_text()))
     };

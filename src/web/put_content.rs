@@ -15,6 +15,7 @@ use serde::Serialize;
 use tokio_stream::{Stream, StreamExt};
 
 use super::{
+    client::RequestClient,
     command::check_takes_orders,
     error::{HandlerError, HandlerResult},
     state::DashboardState,
@@ -52,6 +53,7 @@ pub(super) async fn get_put_content(
 pub(super) async fn put_content(
     State(web): State<Arc<DashboardState>>,
     Path(hash): Path<String>,
+    client: RequestClient,
     headers: HeaderMap,
     body: Body,
 ) -> HandlerResult<Response> {
@@ -62,6 +64,7 @@ pub(super) async fn put_content(
     }
     let _place = take_place(&web)?;
     let announced = announced_bytes(&headers);
+    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
     let stored = receive_content(&web, body.into_data_stream(), announced, Some(hash.to_owned())).await?;
     Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
 }

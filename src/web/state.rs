@@ -6,8 +6,8 @@ use axum::body::Bytes;
 use tokio::sync::{Semaphore, watch};
 
 use super::{
-    cache::RecentCache, client::ClientGate, compressed::CompressedBody, error::HandlerResult, order_door::OrderDoor,
-    pick_map::CachedPickMap, upload_door::UploadTurns,
+    cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
+    error::HandlerResult, order_door::OrderDoor, pick_map::CachedPickMap, upload_door::UploadTurns,
 };
 use crate::{
     farm,
@@ -27,6 +27,8 @@ pub(super) struct DashboardState {
     pub(super) orders: bool,
     /// Header in which a reverse proxy names the user.
     pub(super) user_header: Option<axum::http::HeaderName>,
+    /// What each client may take.
+    pub(super) limits: Arc<ClientLimits>,
     /// Who may ask what.
     pub(super) clients: ClientGate,
     /// Uploads that requests are at.

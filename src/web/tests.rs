@@ -11,6 +11,7 @@ use tower::ServiceExt;
 
 use super::{
     cache::RecentCache,
+    client_limits::{ClientLimits, ClientRates},
     server::build_router,
     state::{DashboardState, PageCaches},
 };
@@ -65,6 +66,7 @@ impl TestDashboard {
             hosts: Vec::new(),
             user_header: None,
             orders: true,
+            limits: ClientLimits::new(ClientRates { per_sec: 1e6, burst: 1000, bytes: 1 << 40 }),
             clients: Default::default(),
             uploads: Default::default(),
             door: Default::default(),

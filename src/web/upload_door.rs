@@ -154,6 +154,11 @@ pub(super) async fn post_upload(
     let (uploads, max_bytes) = (uploads_of(&web), web.current_settings().limits.max_bytes);
     let id = format!("{:032x}", rand::random::<u128>());
     let begun = id.clone();
+    let begun_before = uploads.clone();
+    let unfinished = run_on_disk(move || Ok(begun_before.list_unfinished()?)).await?;
+    let of_client = unfinished.iter().filter(|upload| upload.record.client == client.key_name());
+    let on_disk: u64 = of_client.map(|upload| upload.record.length).sum();
+    web.limits.begin_bytes(&client.counted_as, length, on_disk)?;
     let upload = run_on_disk(move || {
         uploads.begin_upload(&begun, &record, max_bytes)?;
         // One of no bytes is complete.

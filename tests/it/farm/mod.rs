@@ -5,6 +5,7 @@ mod bad_input;
 mod dashboard;
 mod decisions;
 mod deep;
+mod door;
 mod failover;
 mod full_disk;
 mod interlock;

@@ -205,7 +205,17 @@ const QUESTIONS: [ApiRoute; 12] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 10] = [
+const DOORS: [ApiRoute; 11] = [
+    ApiRoute {
+        answer: ("201", Some(schema_of::<put_content::ContentResource>)),
+        ..tell(
+            ("POST", "/api/v1/content"),
+            "post_content",
+            "Puts a file, and says its BLAKE3",
+            RequestBody::Bytes,
+            || post(put_content::post_content),
+        )
+    },
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(

@@ -177,6 +177,7 @@ fn brings_files(request: &Request) -> bool {
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     match *request.method() {
         Method::POST if path.starts_with("/machines/") => path.ends_with("/files"),
+        Method::POST if path == "/api/v1/content" => true,
         Method::POST => path.starts_with("/api/v1/orders") && kind.starts_with("multipart/"),
         Method::PUT => path.starts_with("/api/v1/content/"),
         Method::PATCH => path.starts_with("/api/v1/uploads/"),

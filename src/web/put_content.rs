@@ -69,6 +69,21 @@ pub(super) async fn put_content(
     Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
 }
 
+/// Takes a file, and says its BLAKE3.
+pub(super) async fn post_content(
+    State(web): State<Arc<DashboardState>>,
+    client: RequestClient,
+    headers: HeaderMap,
+    body: Body,
+) -> HandlerResult<Response> {
+    check_takes_orders(&web)?;
+    let _place = take_place(&web)?;
+    let announced = announced_bytes(&headers);
+    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
+    let stored = receive_content(&web, body.into_data_stream(), announced, None).await?;
+    Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
+}
+
 fn require_hash(hash: &str) -> HandlerResult<&str> {
     let text = || format!("'{hash}' is no BLAKE3: 64 digits of 0-9 and a-f");
     is_content_hash(hash).then_some(hash).ok_or_else(|| HandlerError::Refused(StatusCode::BAD_REQUEST, text()))

@@ -86,6 +86,7 @@ fn what_a_program_orders_is_printed_once_and_it_learns_what_became_of_it() {
     assert_eq!(open.send(&format!("POST /api/v1/machines/{PROFILE}/flush"), b"").status, 200);
     let build = open.farm.wait_for_queued(1).remove(0);
     assert_eq!(build_file::read_build(&build, &Default::default()).unwrap().len(), 2);
+    open.farm.wait_for_parts(PartState::Built, 1);
     let told = open.send("POST /api/v1/builds/1/outcome\ncontent-type: application/json", br#"{"outcome":"complete"}"#);
     assert_eq!(told.status, 200, "{told:?}");
     let order = open.send("GET /api/v1/orders/K-1", b"").json();
@@ -232,4 +233,40 @@ fn a_client_that_floods_waits_while_the_farm_and_the_others_go_on() {
     assert!(told && through <= 20 + 5 * 20, "{through} of {}", answers.len());
     open.farm.nestd_ok(&["token", "revoke", "calm"]);
     assert_eq!(open.send("GET /api/v1/farm", b"").status, 401);
+}
+
+#[test]
+fn the_examples_of_the_document_work_as_they_stand_there() {
+    if std::process::Command::new("curl").arg("--version").output().is_err() {
+        eprintln!("curl is not here: the examples of docs/api.md are not run");
+        return;
+    }
+    let open = OpenFarm::start("");
+    let document = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/api.md")).unwrap();
+    let examples: Vec<&str> = document.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert!(examples.len() >= 6, "{}", examples.len());
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("hinge.stl"), stl(&block(30.0, 20.0, 10.0))).unwrap();
+    fs::write(folder.path().join("cover.stl"), stl(&block(25.0, 20.0, 5.0))).unwrap();
+    fs::write(folder.path().join(".curlrc"), format!("unix-socket = \"{}\"\n", open.socket().display())).unwrap();
+    let script = format!("set -eu\n{}", examples.join("echo\n"));
+    let ran = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(folder.path())
+        .env("CURL_HOME", folder.path())
+        .output()
+        .unwrap();
+    let (told, errors) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    assert!(ran.status.success(), "{told}\n{errors}\n{}", open.farm.log());
+    for words in [
+        "\"order\":\"K-4711\"",
+        "\"name\":\"hinge-left.stl\"",
+        "\"done\":true",
+        "Build 1 is complete.",
+        "\"offset\":40",
+        &blake3::hash(&fs::read(folder.path().join("cover.stl")).unwrap()).to_hex().to_string(),
+    ] {
+        assert!(told.contains(words) || told.to_lowercase().contains("upload-offset: 40"), "{words}: {told}");
+    }
+    open.farm.assert_nothing_lost_or_doubled();
 }

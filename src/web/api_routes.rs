@@ -14,7 +14,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use super::{
     api,
     dto::{BuildResponse, PartResource, PartResponse},
-    edit_door, history, month, openapi, operate_door, order, order_door, order_request, part, pick_page, put_content,
+    edit_door, history, month, operate_door, order, order_door, order_request, part, pick_page, put_content,
     state::DashboardState,
     upload_door,
 };
@@ -357,11 +357,10 @@ pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
     ALL.iter().flat_map(|routes| routes.iter())
 }
 
-/// The addresses of the interface, and of the document that describes them.
+/// The addresses of the interface.
 pub(super) fn routes() -> Router<Arc<DashboardState>> {
-    let router = Router::new().route("/api/v1/openapi.json", get(openapi::document));
     let add = |router: Router<Arc<DashboardState>>, route: &ApiRoute| router.route(route.path, (route.handler)());
-    all_routes().fold(router, add).layer(DefaultBodyLimit::disable())
+    all_routes().fold(Router::new(), add).layer(DefaultBodyLimit::disable())
 }
 
 /// Who may do this at this address; `None` = it is none of the interface.

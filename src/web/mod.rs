@@ -50,6 +50,7 @@ mod operate_door;
 mod order;
 mod order_door;
 mod order_forms;
+mod order_keys;
 mod order_request;
 mod page;
 mod part;
@@ -68,6 +69,7 @@ mod search_report;
 mod server;
 mod state;
 mod upload_door;
+mod upload_turns;
 mod view_section;
 
 #[cfg(test)]

@@ -1,10 +1,7 @@
 //! Orders of programs: each request has a key, and is carried out once, whatever is sent again and wherever the daemon ends. What can be
 //! judged at once is refused at once; the ledger has the order before the answer is sent, and the farm makes the parts of it.
 
-use std::{
-    collections::{BTreeMap, HashSet},
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::{collections::BTreeMap, sync::Arc};
 
 use anyhow::Context;
 use axum::{
@@ -15,7 +12,6 @@ use axum::{
 };
 use schemars::JsonSchema;
 use serde::Serialize;
-use tokio::sync::Semaphore;
 
 use super::{
     client::RequestClient,
@@ -39,46 +35,6 @@ const KEY_HEADER: &str = "idempotency-key";
 const REPLAYED_HEADER: &str = "idempotency-replayed";
 /// Longest key, characters.
 const MAX_KEY: usize = 255;
-/// Files that are judged at the same time.
-const JUDGED_AT_ONCE: usize = 1;
-
-/// Requests that are being carried out.
-#[derive(Debug)]
-pub(super) struct OrderDoor {
-    keys: Mutex<HashSet<(String, String)>>,
-    judging: Semaphore,
-}
-
-impl Default for OrderDoor {
-    fn default() -> Self {
-        Self { keys: Mutex::default(), judging: Semaphore::new(JUDGED_AT_ONCE) }
-    }
-}
-
-/// Holds a key while its request is carried out.
-struct KeyGuard<'a> {
-    door: &'a OrderDoor,
-    key: (String, String),
-}
-
-impl OrderDoor {
-    fn begin_request(&self, client: &str, key: &str) -> HandlerResult<KeyGuard<'_>> {
-        let key = (client.to_owned(), key.to_owned());
-        let is_first = self.keys.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone());
-        let text = "a request with this Idempotency-Key is being carried out: ask again in a moment";
-        match is_first {
-            true => Ok(KeyGuard { door: self, key }),
-            false => Err(HandlerError::Refused(StatusCode::CONFLICT, text.to_owned())),
-        }
-    }
-}
-
-impl Drop for KeyGuard<'_> {
-    fn drop(&mut self) {
-        self.door.keys.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.key);
-    }
-}
-
 /// An order that was taken. Its lines become parts within seconds.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct OrderAccepted {

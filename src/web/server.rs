@@ -23,9 +23,9 @@ use super::{
     error::HandlerError,
     farm as farm_page, flush, guard, history,
     listener::DashboardListener,
-    live, metrics, month, needs, order,
-    order_door::OrderDoor,
-    order_forms, part, part_forms, pick_page, picture, scene, search,
+    live, metrics, month, needs, openapi, order, order_forms,
+    order_keys::OrderDoor,
+    part, part_forms, pick_page, picture, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -96,6 +96,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
 /// All routes of the dashboard.
 pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
     api_routes::routes()
+        .route("/api/v1/openapi.json", get(openapi::document))
         .route("/", get(farm_page::show_farm))
         .route("/builds/{build}", get(build::show_build))
         .route("/builds/{build}/told", post(build_forms::post_told))

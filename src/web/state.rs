@@ -7,7 +7,7 @@ use tokio::sync::{Semaphore, watch};
 
 use super::{
     cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
-    error::HandlerResult, order_door::OrderDoor, pick_map::CachedPickMap, upload_door::UploadTurns,
+    error::HandlerResult, order_keys::OrderDoor, pick_map::CachedPickMap, upload_turns::UploadTurns,
 };
 use crate::{
     farm,

@@ -1,11 +1,7 @@
 //! Uploads that may be cut and go on: tus 1.0, core, creation, expiration and termination (<https://tus.io/protocols/resumable-upload>). A
 //! complete upload is a content that lines can order, and tells its BLAKE3.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, PoisonError},
-    time::{Duration, SystemTime},
-};
+use std::{sync::Arc, time::SystemTime};
 
 use axum::{
     Json,
@@ -17,7 +13,7 @@ use axum::{
 use base64::Engine;
 use schemars::JsonSchema;
 use serde::Serialize;
-use tokio::sync::{OwnedMutexGuard, watch};
+use tokio::sync::watch;
 use tokio_stream::StreamExt;
 
 use super::{
@@ -32,38 +28,6 @@ use crate::intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_b
 /// The version that is spoken.
 const TUS_VERSION: HeaderValue = HeaderValue::from_static("1.0.0");
 const TUS_EXTENSIONS: HeaderValue = HeaderValue::from_static("creation,expiration,termination");
-/// How long a request waits for one to end that sends to the same upload: its connection was cut.
-const TURN_TIMEOUT: Duration = Duration::from_secs(5);
-
-/// A turn at an upload: one request writes at a time, and ends when another one comes.
-#[derive(Debug)]
-struct UploadTurn {
-    busy: Arc<tokio::sync::Mutex<()>>,
-    comes: watch::Sender<u64>,
-}
-
-/// The uploads that requests are at.
-#[derive(Debug, Default)]
-pub(super) struct UploadTurns(Mutex<HashMap<String, Arc<UploadTurn>>>);
-
-impl UploadTurns {
-    /// Waits until no other request is at an upload.
-    async fn take_turn(&self, id: &str) -> HandlerResult<(OwnedMutexGuard<()>, watch::Receiver<u64>)> {
-        let turn = {
-            let mut turns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            // Those that nobody is at.
-            turns.retain(|_, turn| Arc::strong_count(turn) > 1 || Arc::strong_count(&turn.busy) > 1);
-            let new = || Arc::new(UploadTurn { busy: Arc::default(), comes: watch::Sender::new(0) });
-            turns.entry(id.to_owned()).or_insert_with(new).clone()
-        };
-        turn.comes.send_modify(|count| *count += 1);
-        let held = tokio::time::timeout(TURN_TIMEOUT, turn.busy.clone().lock_owned()).await;
-        let busy = |_| HandlerError::Refused(StatusCode::LOCKED, "another request sends to this upload".to_owned());
-        let held = held.map_err(busy)?;
-        Ok((held, turn.comes.subscribe()))
-    }
-}
-
 /// An upload as it stands.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct UploadResource {

@@ -11,8 +11,10 @@ use crate::{
     ledger::{Ledger, OrderedLine},
 };
 
-/// Lines of a machine that one scan takes.
-pub(super) const LINES_PER_SCAN: u32 = 100;
+/// Lines of a machine that one scan looks at. Those whose files are missing keep no others waiting.
+const LINES_PER_SCAN: u32 = 10_000;
+/// Claims that one scan makes.
+const CLAIMS_PER_SCAN: usize = 100;
 
 /// The lines of a machine that have no part yet, and where their files are.
 #[derive(Debug)]
@@ -31,10 +33,13 @@ impl ArrivingLines {
         Self { lines, contents }
     }
 
-    /// Makes the claims of the lines that have none. Those that fail are tried again by the next scan.
+    /// Makes the claims of the lines that have none, as many as one scan takes. Those that fail are tried again by the next scan.
     pub(super) fn place_lines(&self, inbox: &Path, farm: &str, warnings: &mut Vec<String>) -> Vec<ClaimedPart> {
         let mut placed = Vec::new();
         for line in &self.lines {
+            if placed.len() >= CLAIMS_PER_SCAN {
+                break;
+            }
             let content = self.contents.path_of(&line.content_hash);
             let (claim, name, ticket) = (line.claim.as_str(), line.name.as_str(), line.ticket.as_str());
             let file = OrderedFile { claim, name, ticket, content: &content, hash: &line.content_hash };

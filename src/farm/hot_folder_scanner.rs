@@ -131,9 +131,11 @@ impl HotFolderScanner {
         lease.farm_id().clone_into(&mut self.farm_id);
         self.settler.set_rules(settle_rules(profile, orphan_secs));
         let mut claims = self.pending_claims(leases.inbox.farm_id(), &mut scan);
+        let claims_before = claims.len();
         if leases.may_take_files() && !scan.may_have_unknown_claims {
             claims.extend(ordered.place_lines(self.inbox.path(), &self.farm_id, &mut scan.warnings));
         }
+        let has_placed = claims.len() > claims_before;
         match self.inbox.scan() {
             Ok(listing) => {
                 scan.warnings.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
@@ -142,6 +144,10 @@ impl HotFolderScanner {
             Err(error) => {
                 scan.unavailable = Some(UnavailableInbox { reason: error.to_string(), is_lease_refused: false })
             }
+        }
+        if has_placed {
+            // There may be more lines than one scan takes.
+            scan.next_secs = Some(0.0);
         }
         // After an error there may be a claim that is not listed: the next scan lists all of them.
         self.pending = (!scan.may_have_unknown_claims).then(Vec::new);

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use super::{arriving_lines::LINES_PER_SCAN, farm::Farm, intake_jobs::HotFolderScanJob};
+use super::{farm::Farm, intake_jobs::HotFolderScanJob};
 
 /// Has the hot folder of a machine scanned soon for which a line was ordered.
 pub(super) async fn hurry_scans(farm: &mut Farm) -> Result<()> {
@@ -11,11 +11,10 @@ pub(super) async fn hurry_scans(farm: &mut Farm) -> Result<()> {
         if farm.jobs.is_running::<HotFolderScanJob>(name) {
             continue;
         }
-        let lines = farm.ledger.arriving_lines(name, LINES_PER_SCAN).await?;
-        let claims: Vec<String> = lines.into_iter().map(|line| line.claim).collect();
-        if claims != machine.inbox.arriving {
+        let newest = farm.ledger.newest_arriving_line(name).await?;
+        if newest != machine.inbox.arriving {
             machine.inbox.next_scan_at = now;
-            machine.inbox.arriving = claims;
+            machine.inbox.arriving = newest;
         }
     }
     Ok(())

@@ -49,8 +49,8 @@ pub struct InboxState {
     pub refused_file_count: usize,
     /// `.claimed/` must be listed again: claims were adopted, or a claim could not be completed.
     pub relist: bool,
-    /// Claims of the ordered lines that had no part when a scan was last hurried for them.
-    pub arriving: Vec<String>,
+    /// Claim of the newest ordered line that had no part when a scan was last hurried for one.
+    pub arriving: Option<String>,
     /// Control files that became commands.
     pub controls: ObeyedControls,
 }
@@ -156,7 +156,7 @@ impl MachineState {
                 scanned_at: None,
                 refused_file_count: 0,
                 relist: false,
-                arriving: Vec::new(),
+                arriving: None,
                 controls: Default::default(),
             },
             leases: FolderLeases::new(holder, &profile),

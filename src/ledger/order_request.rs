@@ -109,6 +109,14 @@ impl Ledger {
         Ok(query.bind(profile).bind(most).fetch_all(self.reader()?).await?)
     }
 
+    /// The claim of the newest line for a machine of which the ledger has no part.
+    pub async fn newest_arriving_line(&self, profile: &str) -> Result<Option<String>> {
+        let newest = sql::query_scalar(
+            "SELECT claim FROM ordered_line WHERE taken_at IS NULL AND profile = $1 ORDER BY ordered_at DESC, claim DESC LIMIT 1",
+        );
+        Ok(newest.bind(profile).fetch_optional(self.reader()?).await?)
+    }
+
     /// The lines of an order of which the ledger has no part.
     pub async fn arriving_lines_of_order(&self, order_name: &str) -> Result<Vec<OrderedLine>> {
         let query = sql::select_as(&format!("{ARRIVING} AND order_name = $1 ORDER BY ordered_at, claim"));

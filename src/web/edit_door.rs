@@ -93,7 +93,7 @@ impl EditRequest {
         if !self.copies.is_none_or(|copies| (1..=MAX_COPIES).contains(&copies)) {
             return Err(format!("copies: 1 to {MAX_COPIES}"));
         }
-        if !self.priority.is_none_or(|priority| priority <= MAX_PRIORITY) {
+        if self.priority.is_some_and(|priority| priority > MAX_PRIORITY) {
             return Err(format!("priority: 0 to {MAX_PRIORITY}"));
         }
         if !self.clearance_mm.flatten().is_none_or(|mm| (0.0..=100.0).contains(&mm)) {

@@ -108,12 +108,26 @@ async fn receive_order(
         let text = format!("there is no machine {} here; this node has {}", order.machine, known.join(", "));
         return Err(unprocessable(text));
     };
+    check_own_machine(web, &settings.node.name, &order.machine).await?;
     let lines = order.check_lines(profile).map_err(unprocessable)?;
     judge_lines(web, profile, &lines).await?;
     let new = new_order(client, key, fingerprint, &order, lines)?;
     match web.ledger.record_order_request(&new).await? {
         RecordedRequest::New => Ok(accepted(new.answered.answer)),
         RecordedRequest::Known(known) => answer_again(&known, &new.answered.fingerprint),
+    }
+}
+
+/// Refuses an order for a machine that another node serves: what was put is here.
+async fn check_own_machine(web: &DashboardState, own: &str, machine: &str) -> HandlerResult<()> {
+    if web.ledger.file().is_some() {
+        return Ok(());
+    }
+    match web.ledger.node_of_machine(machine).await? {
+        Some(node) if node != own => {
+            Err(unprocessable(format!("machine {machine} is served by node {node}: put the files and order there")))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -41,6 +41,9 @@ use crate::{
 /// # Errors
 /// When the address cannot be bound, when it needs a token and none is configured, or when the token cannot be read.
 pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Result<()> {
+    if let Some(file) = &web.tokens_file {
+        access::read_tokens(file)?;
+    }
     let clients = ClientGate {
         token: web.token_file.as_deref().map(access::read_secret).transpose()?,
         tokens_file: web.tokens_file,

@@ -37,6 +37,7 @@ async fn a_key_is_one_order_of_its_client_and_a_line_arrives_until_it_has_a_part
         lines.into_iter().map(|line| line.claim).collect()
     };
     assert_eq!(arriving().await, ["order-1", "order-2"]);
+    assert_eq!(ledger.newest_arriving_line("paper-200").await.unwrap().as_deref(), Some("order-2"));
     assert_eq!(ledger.arriving_lines("paper-200", 1).await.unwrap().len(), 1);
     assert!(ledger.arriving_lines("other", 100).await.unwrap().is_empty());
     for _ in 0..2 {

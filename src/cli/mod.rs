@@ -27,6 +27,7 @@ mod nodes;
 mod notify;
 mod orders;
 mod outcome;
+mod plan;
 mod printer;
 mod release;
 mod render;
@@ -159,6 +160,8 @@ enum CliCommand {
     },
     /// Show the printers, or take one out of use (down) and into use again (up)
     Printer(printer::PrinterArgs),
+    /// Show the builds to come of the machines, and which due dates are at risk
+    Plan(plan::PlanArgs),
     /// Say that a proved build may be published, where a machine asks for that; shows what it means
     Release(release::ReleaseArgs),
     /// Take a published build that its printer has not taken back out of the queue: its copies wait again
@@ -246,6 +249,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Scan => command::run(common, &DaemonCommand::Scan),
         CliCommand::Adopt { profile } => adopt::run(common, profile),
         CliCommand::Printer(args) => printer::run(common, args),
+        CliCommand::Plan(args) => plan::run(common, args),
         CliCommand::Release(args) => release::run(common, args),
         CliCommand::Withdraw(args) => withdraw::run(common, args),
         CliCommand::Token(command) => token::run(common, command),

@@ -73,7 +73,14 @@ fn occupied_hours(prints: &[ToldPrint]) -> Vec<(f64, f64)> {
     prints.iter().map(|print| (print.height_mm, hours(print))).filter(|(_, hours)| *hours > 0.0).collect()
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// Hours by which each print took longer than these times say; less than 0 = shorter.
+pub fn print_excess_hours(times: &PrintTimes, prints: &[ToldPrint]) -> Vec<f64> {
+    let expected = |height_mm: f64| times.print_hours(height_mm) + times.cool_down_hours;
+    occupied_hours(prints).into_iter().map(|(height_mm, hours)| hours - expected(height_mm)).collect()
+}
+
+/// The middle of values; `None` = there are none.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     match values.len() {

@@ -19,35 +19,64 @@ pub struct PrinterLoad {
     pub builds: usize,
 }
 
-/// The load of each printer of a machine. Builds without a printer are those of the first.
+/// When a build that occupies a printer is printed, as far as is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuildSpan {
+    /// The build.
+    pub build: BuildId,
+    /// When its print begins, or began.
+    pub begins_at: Timestamp,
+    /// When the printer is free of it.
+    pub ends_at: Timestamp,
+}
+
+/// The load of each printer of a machine.
 pub fn printer_loads(
     profile: &MachineProfile,
     builds: &[OccupyingBuild],
     times: &PrintTimes,
     now: Timestamp,
 ) -> BTreeMap<String, PrinterLoad> {
-    let load = |(place, rules): (usize, &PrinterRules)| {
+    let spans = build_spans(profile, builds, times, now);
+    let load = |rules: &PrinterRules| {
+        let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);
+        let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
+        let ahead = spans.iter().filter(|span| span.ends_at >= now).count();
+        let free_at = rules.begins_at(free_at, &profile.time_zone);
+        (rules.name.clone(), PrinterLoad { free_at, builds: ahead })
+    };
+    profile.printers.iter().map(load).collect()
+}
+
+/// When the builds of each printer of a machine are printed. Published builds without a printer are those of the first; a
+/// fired build whose printer is not decided yet occupies none.
+pub fn build_spans(
+    profile: &MachineProfile,
+    builds: &[OccupyingBuild],
+    times: &PrintTimes,
+    now: Timestamp,
+) -> BTreeMap<String, Vec<BuildSpan>> {
+    let spans = |(place, rules): (usize, &PrinterRules)| {
         let is_of = |build: &&OccupyingBuild| match &build.printer {
             Some(printer) => *printer == rules.name,
-            // A fired build whose printer is not decided yet occupies none.
             None => place == 0 && build.published_at.is_some(),
         };
-        (rules.name.clone(), load_of(profile, rules, builds.iter().filter(is_of), times, now))
+        (rules.name.clone(), spans_of(profile, rules, builds.iter().filter(is_of), times, now))
     };
-    profile.printers.iter().enumerate().map(load).collect()
+    profile.printers.iter().enumerate().map(spans).collect()
 }
 
 /// Lets the builds be printed one after the other, each as soon as it can be.
-fn load_of<'b>(
+fn spans_of<'b>(
     profile: &MachineProfile,
     rules: &PrinterRules,
     builds: impl Iterator<Item = &'b OccupyingBuild>,
     times: &PrintTimes,
     now: Timestamp,
-) -> PrinterLoad {
-    let (mut free_at, mut ahead) = (Timestamp::MIN, 0);
+) -> Vec<BuildSpan> {
+    let (mut free_at, mut spans) = (Timestamp::MIN, Vec::new());
     for build in builds {
-        let begins = match (build.begun_at, &build.printer) {
+        let begins_at = match (build.begun_at, &build.printer) {
             // It lay in the printer while an earlier one was printed.
             (Some(at), _) => at.0.max(free_at),
             // Its file lies in the queue, or it is still made: it has not begun.
@@ -59,14 +88,14 @@ fn load_of<'b>(
             }
         };
         let occupied = times.occupied(build.height_mm.unwrap_or(0.0));
-        free_at = begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
+        free_at = begins_at.checked_add(occupied).unwrap_or(Timestamp::MAX);
         // Somebody said that it is printed: it is, however long that takes.
         if build.state == BuildState::Printing {
             free_at = free_at.max(now);
         }
-        ahead += usize::from(free_at >= now);
+        spans.push(BuildSpan { build: build.build, begins_at, ends_at: free_at });
     }
-    PrinterLoad { free_at: rules.begins_at(free_at.max(now), &profile.time_zone), builds: ahead }
+    spans
 }
 
 /// The printer that a build goes to, of those that can be used: the one that is free first; of those that are free at the same

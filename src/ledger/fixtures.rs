@@ -205,3 +205,38 @@ pub async fn part_state(ledger: &Ledger, id: PartId) -> PartState {
 pub async fn build_state(ledger: &Ledger, id: BuildId) -> BuildState {
     ledger.find_build(id).await.unwrap().unwrap().state
 }
+
+/// The row of a waiting part without measures or terms, which arrived at this time.
+pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
+    PartRow {
+        id,
+        profile: "paper-200".to_owned(),
+        name: format!("part-{}.stl", id.0),
+        solid: SolidOfFile { object_index: 0, object_name: String::new() },
+        file: ClaimedFile { claim: String::new(), content_hash: String::new(), bytes: 0, reads: 0 },
+        state: PartState::Waiting,
+        rejection: PartRejection { reason: String::new(), refusal: None },
+        warnings: String::new(),
+        owed: OwedCopies {
+            copies,
+            cancelled_copies: 0,
+            put_back_at: None,
+            fetch_at: None,
+            question: String::new(),
+            replaced_by: None,
+        },
+        terms: PartTerms {
+            order_name: String::new(),
+            priority: 50,
+            due_at: None,
+            due_text: String::new(),
+            orientation: OrientationRule::Free,
+            tilts: RequiredTilts::default(),
+            clearance_mm: None,
+            unit: None,
+            note: String::new(),
+        },
+        measures: PartMeasures { triangles: None, volume_mm3: None, size_x_mm: None, size_y_mm: None, size_z_mm: None },
+        times: PartTimes { claimed_at: arrived.into(), state_at: arrived.into(), damaged_at: None },
+    }
+}

@@ -169,6 +169,18 @@ pub const SINCE: FieldDefinition = FieldDefinition::time("Since");
 pub const TOLD_BY: FieldDefinition = FieldDefinition::text("By");
 /// How long prints take.
 pub const PRINT_TIMES: FieldDefinition = FieldDefinition::text("Print times");
+/// Height of a build, or about how high it will be.
+pub const ABOUT_HEIGHT: FieldDefinition = FieldDefinition::real("Height", "mm", 1);
+/// When a build fires.
+pub const FIRES_AT: FieldDefinition = FieldDefinition::time("Fires");
+/// When the print of a build begins.
+pub const BEGINS: FieldDefinition = FieldDefinition::time("Begins");
+/// When parts can be unpacked.
+pub const UNPACKED: FieldDefinition = FieldDefinition::time("Unpacked");
+/// An order, or a part without one.
+pub const ORDER_OR_PART: FieldDefinition = FieldDefinition::text("Order or part");
+/// How a due date stands.
+pub const RISK: FieldDefinition = FieldDefinition::text("Risk");
 /// When the file of a build was taken from its queue folder.
 pub const TAKEN: FieldDefinition = FieldDefinition::time("Taken");
 /// When a person said that a build may be published.

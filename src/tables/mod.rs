@@ -14,6 +14,7 @@ mod order_list;
 mod part_list;
 mod part_sheet;
 mod pick_list;
+mod plan_list;
 mod printer_list;
 mod table_column;
 mod time_view;
@@ -32,6 +33,7 @@ pub use part_list::{
 };
 pub use part_sheet::part_facts;
 pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down, removal_in_words};
+pub use plan_list::{PLAN_COLUMNS, RISK_COLUMNS, plan_notes};
 pub use printer_list::PRINTER_COLUMNS;
 pub use table_column::{TableColumn, csv_of, for_people};
 pub use time_view::{GivenDate, TimeView};

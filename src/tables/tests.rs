@@ -30,6 +30,8 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
         program_fields(MACHINE_COLUMNS),
         program_fields(NODE_COLUMNS),
         program_fields(PRINTER_COLUMNS),
+        program_fields(PLAN_COLUMNS),
+        program_fields(RISK_COLUMNS),
     ];
     for (key, field) in tables.into_iter().flatten() {
         let unit = match key {
@@ -66,6 +68,8 @@ fn no_table_has_two_columns_of_one_label_or_one_key() {
     check_columns(OUTCOME_COLUMNS);
     check_columns(MACHINE_COLUMNS);
     check_columns(PRINTER_COLUMNS);
+    check_columns(PLAN_COLUMNS);
+    check_columns(RISK_COLUMNS);
     check_columns(PICK_COLUMNS);
     check_columns(CAKE_PART_COLUMNS);
     check_columns(ORDER_COLUMNS);

@@ -10,6 +10,7 @@ mod lists;
 mod night;
 mod open_build;
 mod orders;
+mod plans;
 mod precedence;
 mod printer_recovery;
 mod printers;

@@ -1,0 +1,101 @@
+//! The plan of a machine: its builds under way and to come, and the due dates at risk.
+
+use super::{
+    fields,
+    table_column::TableColumn,
+    time_view::{GivenDate, TimeView},
+};
+use crate::farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild};
+
+/// The builds of a plan.
+pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
+    TableColumn::new("build", fields::BUILD, |row| row.build.into()),
+    TableColumn::for_people("stage", fields::STATE, |row| row.stage_text().into()),
+    TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
+    TableColumn::for_people("height", fields::ABOUT_HEIGHT, |row| row.height_text().into()),
+    TableColumn::new("fires_at", fields::FIRES_AT, |row| row.fires_at.into()),
+    TableColumn::for_people("fires_by", fields::FIRED_BY, |row| row.fires_by.map(|by| by.to_string()).into()),
+    TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
+    TableColumn::new("begins_at", fields::BEGINS, |row| row.begins_at.into()),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| row.ends_at.into()),
+    TableColumn::for_people("due", fields::DUE, |row| {
+        GivenDate::new(row.parts.iter().filter_map(|part| part.due_at).min(), "").into()
+    }),
+];
+
+/// The due dates at risk of a plan.
+pub const RISK_COLUMNS: &[TableColumn<DateRisk>] = &[
+    TableColumn::for_people("of", fields::ORDER_OR_PART, |row| row.subject_text().into()),
+    TableColumn::for_people("due", fields::DUE, |row| GivenDate::new(Some(row.due_at), &row.due_text).into()),
+    TableColumn::new("done_at", fields::UNPACKED, |row| row.done_at.into()),
+    TableColumn::for_people("risk", fields::RISK, |row| (if row.is_late { "late" } else { "tight" }).into()),
+    TableColumn::new("reason", fields::REASON, |row| (&row.reason).into()),
+];
+
+impl PlannedBuild {
+    fn stage_text(&self) -> &'static str {
+        match self.stage {
+            PlanStage::Printing => "printing",
+            PlanStage::Queued => "in the queue",
+            PlanStage::Made if self.awaits_release => "waits for a yes",
+            PlanStage::Made => "being made",
+            PlanStage::Open => "open",
+            PlanStage::Later => "later",
+        }
+    }
+
+    /// The height of a layout, or `about` an estimate.
+    fn height_text(&self) -> String {
+        match self.is_nested {
+            true => format!("{:.1}", self.height_mm),
+            false => format!("about {:.0}", self.height_mm),
+        }
+    }
+}
+
+impl DateRisk {
+    /// The order with its parts that are at risk, or the part.
+    fn subject_text(&self) -> String {
+        let named = match self.parts.as_slice() {
+            [] => String::new(),
+            [one] => one.clone(),
+            [one, rest @ ..] => format!("{one} and {} more", rest.len()),
+        };
+        if self.order.is_empty() { named } else { format!("{}: {named}", self.order) }
+    }
+}
+
+/// What is to be said of a plan beside its tables, in sentences.
+pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(hindered) = plan.hindered {
+        let why = match hindered {
+            crate::farm::RiskCause::Paused => "it is paused",
+            _ => "none of its printers is in use",
+        };
+        notes.push(format!("Nothing of {} fires: {why}.", plan.profile));
+    }
+    let last = plan.builds.iter().filter_map(|build| build.ends_at).max();
+    notes.push(match (plan.builds.len(), last) {
+        (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.profile),
+        (_, Some(last)) => {
+            format!("If nothing more arrives, all of {} is done at {}.", plan.profile, view.time_text(last))
+        }
+        (_, None) => format!("It is not known when the builds of {} are done.", plan.profile),
+    });
+    if plan.unplanned_parts > 0 {
+        notes.push(match plan.unplanned_parts {
+            1 => "1 part can be in no build yet: it is not read, waits for an answer, or lacks its file.".to_owned(),
+            parts => format!(
+                "{parts} parts can be in no build yet: they are not read, wait for an answer, or lack their file."
+            ),
+        });
+    }
+    if plan.builds.iter().any(|build| !build.is_nested) {
+        notes.push(match plan.heights_learned_from {
+            0 => "Heights marked 'about' go by the usual density.".to_owned(),
+            builds => format!("Heights marked 'about' go by the last {builds} builds."),
+        });
+    }
+    notes
+}

@@ -29,6 +29,7 @@ mod orders;
 mod outcome;
 mod plan;
 mod printer;
+mod quote;
 mod release;
 mod render;
 mod report;
@@ -162,6 +163,8 @@ enum CliCommand {
     Printer(printer::PrinterArgs),
     /// Show the builds to come of the machines, and which due dates are at risk
     Plan(plan::PlanArgs),
+    /// Say when parts could be done that nobody has ordered yet, and what they would add
+    Quote(quote::QuoteArgs),
     /// Say that a proved build may be published, where a machine asks for that; shows what it means
     Release(release::ReleaseArgs),
     /// Take a published build that its printer has not taken back out of the queue: its copies wait again
@@ -250,6 +253,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Adopt { profile } => adopt::run(common, profile),
         CliCommand::Printer(args) => printer::run(common, args),
         CliCommand::Plan(args) => plan::run(common, args),
+        CliCommand::Quote(args) => quote::run(common, args),
         CliCommand::Release(args) => release::run(common, args),
         CliCommand::Withdraw(args) => withdraw::run(common, args),
         CliCommand::Token(command) => token::run(common, command),

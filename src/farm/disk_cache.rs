@@ -163,6 +163,31 @@ impl PreparedMeshCache for DiskPreparationCache {
     }
 }
 
+/// The cache of a farm, for a process that only looks: it stores nothing, and removes nothing.
+#[derive(Debug)]
+pub struct DiskCacheReader {
+    dir: PathBuf,
+}
+
+impl DiskCacheReader {
+    /// The cache of a farm; `None` = the farm has none.
+    pub fn of_farm(settings: &Settings) -> Option<Self> {
+        (settings.resources.cache_bytes > 0).then(|| Self { dir: settings.state_dir.join("cache") })
+    }
+}
+
+impl PreparedMeshCache for DiskCacheReader {
+    fn fetch_bytes(&self, key: &str) -> Option<Vec<u8>> {
+        let mut whole = fs::read(self.dir.join(format!("{key}{ENDING}"))).ok()?;
+        is_intact(key, &whole).then(|| {
+            whole.drain(..HEADER_BYTES);
+            whole
+        })
+    }
+
+    fn store_bytes(&self, _key: &str, _bytes: &[u8]) {}
+}
+
 fn entry_checksum(key: &str, bytes: &[u8]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     hasher.update(key.as_bytes()).update(&[0]).update(bytes);

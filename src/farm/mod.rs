@@ -161,7 +161,10 @@ pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
 pub use part_questions::PartQuestion;
-pub use planning::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart, RiskCause, plan_machine};
+pub use planning::{
+    DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QuoteError, QuoteMeshes,
+    QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order, read_plan, read_quoted_files,
+};
 pub use print_times::PrintTimes;
 pub use printers::{PrinterView, printer_views};
 pub use queue_depth::held_text;

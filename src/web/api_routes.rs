@@ -14,12 +14,13 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use super::{
     api,
     dto::{BuildResponse, PartResource, PartResponse},
-    edit_door, history, month, operate_door, order, order_door, order_request, part, pick_page, put_content,
+    edit_door, history, month, operate_door, order, order_door, order_request, part, pick_page, plan, put_content,
     state::DashboardState,
     upload_door,
 };
 use crate::{
     access::TokenRole,
+    farm::MachinePlan,
     ledger::{HeightSummary, HistoryRow, OrderSummary},
     tables::PickList,
 };
@@ -110,7 +111,7 @@ const ORDER: RequestBody = RequestBody::Order(schema_of::<order_request::OrderRe
 const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
-const QUESTIONS: [ApiRoute; 12] = [
+const QUESTIONS: [ApiRoute; 13] = [
     ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, || get(api::get_farm)),
     ApiRoute {
         query: Some(schema_of::<history::HistoryFilter>),
@@ -179,6 +180,16 @@ const QUESTIONS: [ApiRoute; 12] = [
             "What each machine made in a month and in the one before, what came late and what failed",
             schema_of::<month::MonthResponse>,
             || get(month::get_month),
+        )
+    },
+    ApiRoute {
+        query: Some(schema_of::<plan::PlanQuestion>),
+        ..ask(
+            "/api/v1/plan",
+            "plan",
+            "The builds to come of each machine, if nothing more arrives, and the due dates at risk",
+            schema_of::<Vec<MachinePlan>>,
+            || get(plan::get_plans),
         )
     },
     ask(

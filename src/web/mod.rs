@@ -58,6 +58,7 @@ mod part_forms;
 mod pick_map;
 mod pick_page;
 mod picture;
+mod plan;
 mod put_content;
 mod query;
 mod report;

@@ -25,7 +25,7 @@ use super::{
     listener::DashboardListener,
     live, metrics, month, needs, openapi, order, order_forms,
     order_keys::OrderDoor,
-    part, part_forms, pick_page, picture, scene, search,
+    part, part_forms, pick_page, picture, plan, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -119,6 +119,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/month", get(month::show_month))
         .route("/month.csv", get(month::download_csv))
         .route("/month.json", get(month::get_month))
+        .route("/plan", get(plan::show_plans))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
         .route("/parts/{part}/edit", post(part_forms::post_edit))

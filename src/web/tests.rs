@@ -34,6 +34,8 @@ mod drop_tests;
 mod guard;
 #[path = "order_tests.rs"]
 mod order_tests;
+#[path = "plan_tests.rs"]
+mod plan_tests;
 #[path = "printer_tests.rs"]
 mod printer_tests;
 

@@ -17,10 +17,12 @@ use crate::{
 
 /// A part file that the user requested.
 pub struct RequestedFile {
-    name: String,
+    /// Its name for people.
+    pub name: String,
     /// The path of the file.
     pub file: PathBuf,
-    copies: u32,
+    /// Copies of each solid in it.
+    pub copies: u32,
 }
 
 /// All requested files, not read yet.
@@ -75,7 +77,7 @@ pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<
 }
 
 /// Parses `bracket.stl` or `bracket.stl=4`. An existing file whose name itself ends in `=4` is taken as that file.
-fn parse_part_argument(text: &str) -> Result<RequestedFile> {
+pub fn parse_part_argument(text: &str) -> Result<RequestedFile> {
     let whole = PathBuf::from(text);
     let split = text.rsplit_once('=').and_then(|(name, copies)| Some((name, copies.parse::<u32>().ok()?)));
     let (name, copies) = match split {

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    AlertKind, InvariantExpectations, ReconcileReport, event_loop,
+    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, event_loop,
     farm::Farm,
     invariants, job_events,
     layout::CopyId,
@@ -194,6 +194,11 @@ impl HandDrivenFarm {
     /// The profiles of the machines.
     pub fn profiles(&self) -> &BTreeMap<String, MachineProfile> {
         &self.farm.as_ref().unwrap().settings.profiles
+    }
+
+    /// The meshes of its waiting parts, as a quote in another process reads them.
+    pub fn quote_meshes(&self) -> QuoteMeshes {
+        QuoteMeshes::of_farm(&self.farm.as_ref().unwrap().settings)
     }
 
     /// The date by the farm's clock.

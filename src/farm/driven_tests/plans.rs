@@ -1,9 +1,15 @@
 //! The plan of a machine says beforehand what the farm then does, from the ledger alone.
 
+use std::sync::Arc;
+
 use super::{
-    super::{MachinePlan, PlanStage, RiskCause, plan_machine},
+    super::{
+        DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order,
+        read_plan, read_quoted_files,
+    },
     HandDrivenFarm, PROFILE, block,
     hand_driven_farm::farm_files::list_build_files,
+    stl,
 };
 use crate::ledger::{CommandKind, PartState};
 
@@ -40,7 +46,7 @@ fn a_plan_says_when_the_open_build_fires_where_it_is_printed_and_what_would_be_l
     let planned = plan(&farm);
     let open = planned.builds.last().unwrap().clone();
     assert_eq!((open.stage, open.copies, open.is_nested), (PlanStage::Open, 3, true), "{planned:?}");
-    assert_eq!((open.height_mm, open.printer.as_deref()), (30.0, Some("right")));
+    assert_eq!((open.height_mm.round(), open.printer.as_deref()), (30.0, Some("right")));
     assert_eq!(open.parts[0].name, "later.stl");
     assert_eq!(planned.risks.len(), 1, "the other date is kept: {planned:?}");
 
@@ -71,4 +77,78 @@ fn a_plan_changes_nothing_and_says_why_nothing_fires() {
     );
     assert_eq!(paused.risks[0].cause, RiskCause::Paused, "{paused:?}");
     assert_eq!(last(&farm), before);
+}
+
+/// A quote for copies of a mesh.
+fn quote(farm: &HandDrivenFarm, mesh: &solids::Mesh, copies: u32, due_in_hours: Option<i64>) -> OrderQuote {
+    let (profile, now) = (Arc::new(farm.profiles()[PROFILE].clone()), farm.date());
+    let path = farm.root().join("asked.stl");
+    std::fs::write(&path, stl(mesh)).unwrap();
+    let files = [QuotedFile { name: "asked.stl".to_owned(), path: path.clone(), copies }];
+    let parts = read_quoted_files(&profile, &Default::default(), &files, false, now).unwrap();
+    std::fs::remove_file(path).unwrap();
+    let due_at = due_in_hours.map(|hours| now.checked_add(jiff::SignedDuration::from_hours(hours)).unwrap());
+    let question = QuoteQuestion { parts, due_at, within: std::time::Duration::from_secs(30) };
+    let reading = farm.ask(async |ledger| read_plan(ledger, &profile, now).await.unwrap());
+    quote_order(&profile, &reading, question, &farm.quote_meshes(), (), now)
+}
+
+fn hours_until(farm: &HandDrivenFarm, at: Option<crate::ledger::UtcTimestamp>) -> f64 {
+    at.unwrap().0.duration_since(farm.date()).as_secs_f64() / 3600.0
+}
+
+#[test]
+fn a_quote_inserts_into_a_copy_of_the_open_build_and_takes_nothing() {
+    let mut farm = HandDrivenFarm::open(MACHINE);
+    let alone = quote(&farm, &block(20.0, 20.0, 20.0), 2, None);
+    assert_eq!((alone.copies, alone.builds, alone.height_mm.round(), alone.share), (2, 1, 20.0, 1.0));
+    // 20 mm are printed in two hours; nothing waits, so it would fire at once.
+    assert!((hours_until(&farm, alone.earliest_at) - 2.0).abs() < 0.05, "{alone:?}");
+    assert!(alone.kept_at > alone.earliest_at && alone.delays.is_empty());
+
+    farm.drop_part("stands.stl", &block(20.0, 20.0, 40.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(10.0);
+    let before = (farm.ask(async |ledger| ledger.last_event_id().await.unwrap()), farm.open_copies());
+    let beside = quote(&farm, &block(20.0, 20.0, 30.0), 3, Some(1));
+    assert_eq!(
+        (beside.height_mm.round(), beside.added_at_most_mm.map(f64::round)),
+        (40.0, Some(0.0)),
+        "there is a gap"
+    );
+    assert!(beside.build.is_some() && beside.added_mm < 1e-3, "{beside:?}");
+    // 36 of 52 cm3 are theirs.
+    assert!((beside.share - 36.0 / 52.0).abs() < 1e-6 && (beside.part_litres - 0.036).abs() < 1e-6, "{beside:?}");
+    assert!((hours_until(&farm, beside.earliest_at) - 4.0).abs() < 0.05, "the build takes four hours: {beside:?}");
+    assert_eq!(beside.answer, Some(DueAnswer::Late));
+    assert_eq!(quote(&farm, &block(20.0, 20.0, 30.0), 3, Some(900)).answer, Some(DueAnswer::Kept));
+    let above = quote(&farm, &block(115.0, 115.0, 10.0), 1, Some(6));
+    assert_eq!(above.answer, Some(DueAnswer::Tight), "{above:?}");
+    assert!(above.added_at_most_mm.unwrap() > 10.0, "it stands on top: {above:?}");
+    assert_eq!((farm.ask(async |ledger| ledger.last_event_id().await.unwrap()), farm.open_copies()), before);
+    assert_eq!(farm.parts(PartState::Waiting).len(), 1);
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
+fn what_would_be_refused_is_not_quoted_and_what_it_delays_is_named() {
+    let mut farm = HandDrivenFarm::open(MACHINE);
+    let profile = farm.profiles()[PROFILE].clone();
+    let path = farm.root().join("large.stl");
+    std::fs::write(&path, stl(&block(300.0, 20.0, 20.0))).unwrap();
+    let files = [QuotedFile { name: "large.stl".to_owned(), path, copies: 1 }];
+    let refused = read_quoted_files(&profile, &Default::default(), &files, false, farm.date()).unwrap_err();
+    assert!(refused.to_string().contains("the build volume of test is 120 x 120 x 120 mm"), "{refused}");
+
+    // Two printers, both busy for four hours; the date of the waiting part is just kept.
+    for name in ["left.stl", "right.stl"] {
+        super::printers::build_part(&mut farm, name, 40.0);
+    }
+    farm.drop_bytes("close.stl.toml", format!("due = \"{}\"\norder = \"A-2\"\n", due_in(&farm, 7)).as_bytes());
+    farm.drop_part("close.stl", &block(60.0, 60.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(10.0);
+    assert!(plan(&farm).risks.iter().all(|risk| !risk.is_late), "{:?}", plan(&farm));
+    let tall = quote(&farm, &block(20.0, 20.0, 100.0), 1, None);
+    assert_eq!(tall.delays.iter().map(|risk| risk.order.as_str()).collect::<Vec<_>>(), ["A-2"], "{tall:?}");
 }

@@ -116,7 +116,7 @@ fn take_head(
         Some(layout) if is_nested => layout.height_mm,
         _ => packing.height_mm(volume_mm3, least_mm).min(room_mm),
     };
-    let build = layout.map(|layout| layout.build);
+    let build = layout.and_then(|layout| layout.build);
     ComingBuild { build, lines, height_mm, volume_mm3, is_nested, fires: None, print: None }
 }
 
@@ -140,6 +140,7 @@ fn fire_of(
         density: taken.volume_mm3 / profile.build_volume().size_mm.element_product(),
         full: is_full,
         flush: false,
+        takes_over: false,
         is_date_trusted: true,
     };
     match find_trigger(profile, &trigger_facts, from) {

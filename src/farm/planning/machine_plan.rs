@@ -223,7 +223,7 @@ fn planned_part(part: &PartRow, copies: u32) -> PlannedPart {
 }
 
 /// The due dates at risk, the earliest first.
-fn find_risks(
+pub fn find_risks(
     profile: &MachineProfile,
     reading: &PlanReading,
     coming: &[ComingBuild],

@@ -29,8 +29,8 @@ pub struct PlanLine {
 /// The layout of the open build.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StandingLayout {
-    /// Its build.
-    pub build: BuildId,
+    /// Its build; `None` = it is not opened yet.
+    pub build: Option<BuildId>,
     /// Its height, mm.
     pub height_mm: f64,
     /// Volume of the parts in it, mm3.

@@ -118,7 +118,7 @@ fn standing_layout(open: Option<&BuildRow>, waiting: &[WaitingPart]) -> (Vec<Lay
         .measures
         .height_mm
         .filter(|height_mm| *height_mm > 0.0 && volume_mm3 > 0.0)
-        .map(|height_mm| StandingLayout { build: open.id, height_mm, part_volume_mm3: volume_mm3 });
+        .map(|height_mm| StandingLayout { build: Some(open.id), height_mm, part_volume_mm3: volume_mm3 });
     (placed, layout)
 }
 

@@ -112,7 +112,7 @@ fn a_build_fires_early_enough_for_its_due_date_and_goes_to_the_printer_that_is_f
 fn the_layout_of_the_open_build_stands_and_what_joins_it_is_estimated() {
     let profile = machine("max_wait_secs = \"24h\"\n");
     let standing = (0..50).map(|copy| (PartId(1), copy)).collect();
-    let layout = StandingLayout { build: BuildId(7), height_mm: 30.0, part_volume_mm3: 5e4 };
+    let layout = StandingLayout { build: Some(BuildId(7)), height_mm: 30.0, part_volume_mm3: 5e4 };
     let plan = |waiting: Vec<WaitingPart>| {
         let lines = PlanFacts::rank_lines(&profile, waiting, &standing);
         let facts = PlanFacts { lines, layout: Some(layout), ..facts(&profile, Vec::new()) };

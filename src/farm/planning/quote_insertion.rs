@@ -1,0 +1,161 @@
+//! Inserts quoted parts into a copy of the open build's layout, within a time limit. The farm's own layout stays as it is.
+
+use std::{
+    collections::{BTreeSet, HashMap},
+    sync::{Arc, mpsc},
+    thread,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result, ensure};
+use build_file::ReadLimits;
+use nester::{InterlockRule, NestingMethod, PreparedMeshCache, PreparedMeshes, SearchBudget, insert_copies};
+use solids::Mesh;
+use tracing::debug;
+
+use super::{
+    super::{
+        disk_cache::DiskCacheReader,
+        isolated_read::PartReadRequest,
+        layout::{LayoutPlacement, NestingBatch, NestingPart},
+        mesh_cache::{MeshCache, MeshCacheKey},
+        mesh_source::READS_IN_THE_DAEMON,
+        thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
+    },
+    quoted_part::QuotedPart,
+};
+use crate::{
+    intake::ContentStore,
+    ledger::{PartId, PartRow, WaitingPart},
+    settings::{MachineProfile, Settings},
+};
+
+/// Share of the time that is left in which parts make room for others. A copy that is being placed is placed to the end.
+const SEARCH_SHARE: f64 = 0.3;
+
+/// The meshes of waiting parts, for quotes.
+#[derive(Debug, Clone)]
+pub struct QuoteMeshes {
+    meshes: MeshCache,
+    prepared: PreparedMeshes,
+    store: ContentStore,
+    limits: ReadLimits,
+}
+
+/// What is inserted where.
+#[derive(Debug)]
+pub struct QuoteInsertion {
+    /// The machine.
+    pub profile: Arc<MachineProfile>,
+    /// The waiting parts.
+    pub waiting: Vec<WaitingPart>,
+    /// The layout of the open build.
+    pub placed: Vec<LayoutPlacement>,
+    /// The parts that are quoted.
+    pub parts: Vec<QuotedPart>,
+}
+
+impl QuoteMeshes {
+    /// Reads from the folders of a farm, and writes nothing there.
+    pub fn of_farm(settings: &Settings) -> Self {
+        let cache =
+            DiskCacheReader::of_farm(settings).map(|cache| Arc::new(cache) as Arc<dyn PreparedMeshCache + Send>);
+        Self {
+            meshes: MeshCache::default(),
+            prepared: PreparedMeshes::default().with_cache(cache),
+            store: ContentStore::from_dir(settings.state_dir.join("store")),
+            limits: settings.limits.clone(),
+        }
+    }
+
+    /// Forgets the meshes of all parts but these.
+    pub fn keep_only(&self, waiting: &[WaitingPart]) {
+        let needed: BTreeSet<&str> = waiting.iter().map(|line| line.part.file.content_hash.as_str()).collect();
+        self.meshes.retain(|key| needed.contains(key.content_hash.as_str()));
+    }
+
+    /// The mesh of a waiting part.
+    fn load_mesh(&self, profile: &MachineProfile, part: &PartRow) -> Result<Arc<Mesh>> {
+        let key = |object_index| MeshCacheKey {
+            content_hash: part.file.content_hash.clone(),
+            object_index,
+            default_unit: profile.intake.unit,
+            unit: part.terms.unit,
+        };
+        if let Some(mesh) = self.meshes.get(&key(part.solid.object_index)) {
+            return Ok(mesh);
+        }
+        ensure!(part.file.reads <= READS_IN_THE_DAEMON, "reading part {} has ended nestd before", part.id);
+        let request = PartReadRequest {
+            file: self.store.file_path(&part.file.content_hash)?,
+            name: part.name.clone(),
+            unit: part.terms.unit,
+            default_unit: profile.intake.unit,
+            limits: self.limits.clone(),
+        };
+        let contents = request.read_in_process().map_err(|error| anyhow::anyhow!("{error:?}"))?;
+        for (index, solid) in contents.solids.into_iter().enumerate() {
+            self.meshes.insert(key(index as u32), solid.mesh);
+        }
+        self.meshes.get(&key(part.solid.object_index)).context("its solid is not in its file any more")
+    }
+}
+
+impl QuoteInsertion {
+    /// The height of the layout with the quoted parts, mm; `None` = they found no place in it, or not in this time. `busy` is
+    /// dropped when the work has ended, which may be later.
+    pub fn find_height_mm(self, meshes: &QuoteMeshes, within: Duration, busy: impl Send + 'static) -> Option<f64> {
+        let (meshes, began, (done, found)) = (meshes.clone(), Instant::now(), mpsc::channel());
+        let work = move || {
+            let _busy = busy;
+            lower_thread_priority(ARRIVAL_NICENESS);
+            let height_mm = self.insert_quoted(&meshes, began + within);
+            meshes.keep_only(&self.waiting);
+            // Nobody waits for it any more, if it took too long.
+            let _ = done.send(height_mm);
+        };
+        thread::Builder::new().name("quote".to_owned()).spawn(work).ok()?;
+        match found.recv_timeout(within).ok()? {
+            Ok(height_mm) => height_mm,
+            Err(failure) => {
+                debug!("A quote goes by an estimate: {failure:#}.");
+                None
+            }
+        }
+    }
+
+    fn insert_quoted(&self, meshes: &QuoteMeshes, until: Instant) -> Result<Option<f64>> {
+        let batch = self.load_batch(meshes, until)?;
+        let instance = batch.create_instance(&self.profile)?;
+        let mut config = self.profile.search.nest.clone();
+        // What a quote finds is never printed: whether parts come apart is not worth its time.
+        (config.method, config.interlock, config.threads) = (NestingMethod::Nestd, InterlockRule::Allow, 1);
+        let left_secs = until.saturating_duration_since(Instant::now()).as_secs_f64();
+        let budget = SearchBudget::of_secs(SEARCH_SHARE * left_secs);
+        let standing = batch.matching_placements(&self.placed);
+        let solution = insert_copies(&instance, &config, &standing, &meshes.prepared, &budget, &mut ());
+        Ok((solution.unplaced.is_empty() && !solution.placements.is_empty()).then_some(solution.height_mm))
+    }
+
+    /// The copies that stand in the open build, and those that are quoted.
+    fn load_batch(&self, meshes: &QuoteMeshes, until: Instant) -> Result<NestingBatch> {
+        let mut standing: HashMap<PartId, Vec<u32>> = HashMap::new();
+        for LayoutPlacement { copy: (part, copy), .. } in &self.placed {
+            standing.entry(*part).or_default().push(*copy);
+        }
+        let mut parts = Vec::with_capacity(standing.len() + self.parts.len());
+        for line in &self.waiting {
+            let Some(copies) = standing.remove(&line.part.id) else { continue };
+            ensure!(Instant::now() < until, "its time was up while meshes were read");
+            let mesh = meshes.load_mesh(&self.profile, &line.part)?;
+            parts.push(NestingPart { part: line.part.clone(), mesh, copies });
+        }
+        let quoted = self.parts.iter().map(|QuotedPart { row, mesh }| NestingPart {
+            part: (**row).clone(),
+            mesh: mesh.clone(),
+            copies: (0..row.owed.copies).collect(),
+        });
+        parts.extend(quoted);
+        Ok(NestingBatch { parts })
+    }
+}

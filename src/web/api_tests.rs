@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// Checks a value against a schema of the description, and adds each mismatch with its path to `faults`.
-fn unlike(
+pub(super) fn unlike(
     schema: &serde_json::Value,
     value: &serde_json::Value,
     all: &serde_json::Value,
@@ -87,6 +87,7 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/parts/{part}", "/api/v1/parts/1"),
         ("/api/v1/orders", "/api/v1/orders?find=RACK&state=open&limit=7"),
         ("/api/v1/orders/{order}", "/api/v1/orders/bracket.stl"),
+        ("/api/v1/orders/{order}/lines/{line}", "/api/v1/orders/bracket.stl/lines/1"),
     ] {
         let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
         assert!(!path.contains("orders") || value != serde_json::json!([]), "{asked} finds nothing");
@@ -94,6 +95,9 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         unlike(schema, &value, &all, path, &mut faults);
     }
     for (path, asked, status) in [
+        ("/api/v1/orders/{order}/lines/{line}", "/api/v1/orders/bracket.stl/lines/9", StatusCode::NOT_FOUND),
+        ("/api/v1/content/{hash}", "/api/v1/content/00", StatusCode::BAD_REQUEST),
+        ("/api/v1/uploads/{upload}", "/api/v1/uploads/00", StatusCode::NOT_FOUND),
         ("/api/v1/builds/{build}", "/api/v1/builds/77", StatusCode::NOT_FOUND),
         ("/api/v1/builds/{build}/pick", "/api/v1/builds/one/pick", StatusCode::BAD_REQUEST),
         ("/api/v1/parts", "/api/v1/parts?state=lost", StatusCode::BAD_REQUEST),

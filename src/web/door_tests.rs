@@ -28,6 +28,15 @@ async fn send(dashboard: &TestDashboard, request: axum::http::request::Builder, 
     ApiAnswer { status, headers, json }
 }
 
+/// Asserts that an answer is as `openapi.json` describes it.
+fn assert_described(path: &str, method: &str, answer: &ApiAnswer) {
+    let all = crate::web::openapi::described();
+    let content = &all["paths"][path][method]["responses"][answer.status.as_str()]["content"];
+    let mut faults = Vec::new();
+    api::unlike(&content["application/json"]["schema"], &answer.json, &all, path, &mut faults);
+    assert!(faults.is_empty(), "{method} {path}: {faults:#?}");
+}
+
 async fn put(dashboard: &TestDashboard, bytes: &'static [u8]) -> String {
     let hash = blake3::hash(bytes).to_hex().to_string();
     let answer = send(dashboard, Request::put(format!("/api/v1/content/{hash}")), bytes).await;
@@ -78,6 +87,7 @@ async fn a_key_is_one_order_and_refused_for_another() {
     let lines = json!([{ "name": "a_x4.stl", "content": hash, "due": "2026-12-24" }]);
     let first = order(&dashboard, "k1", of_lines(lines.clone())).await;
     assert_eq!(first.status, StatusCode::ACCEPTED, "{}", first.json);
+    assert_described("/api/v1/orders", "post", &first);
     assert_eq!((&first.json["order"], &first.json["lines"][0]["copies"]), (&json!("K-1"), &json!(4)));
     let again = order(&dashboard, "k1", of_lines(lines.clone())).await;
     assert_eq!((again.status, &again.json), (StatusCode::ACCEPTED, &first.json));
@@ -89,6 +99,7 @@ async fn a_key_is_one_order_and_refused_for_another() {
     assert_ne!(second.json["lines"][0]["line"], first.json["lines"][0]["line"]);
     assert_eq!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap().len(), 2);
     let seen = send(&dashboard, Request::get("/api/v1/orders/K-1"), "").await;
+    assert_described("/api/v1/orders/{order}", "get", &seen);
     assert_eq!((seen.status, seen.json["arriving"].as_array().unwrap().len()), (StatusCode::OK, 2), "{}", seen.json);
     let line = format!("/api/v1/orders/K-1/lines/{}", first.json["lines"][0]["line"].as_str().unwrap());
     assert_eq!(send(&dashboard, Request::get(&line), "").await.json["arriving"], true);
@@ -220,6 +231,7 @@ async fn programs_tell_of_builds_as_people_do_and_are_told_why_not() {
     assert_eq!(tell("/api/v1/builds/1/outcome", json!({ "outcome": "complete" })).await.status, StatusCode::CONFLICT);
     let outcomes = dashboard.ledger.outcomes_of_build(crate::ledger::BuildId(1)).await.unwrap();
     assert_eq!(outcomes.len(), 1);
+    assert_described("/api/v1/builds/{build}/outcome", "post", &told);
     let edit = Request::patch("/api/v1/orders/bracket.stl/lines/1").header("content-type", "application/json");
     let wrong = send(&dashboard, edit, json!({ "copies": 0 }).to_string()).await;
     assert_eq!(wrong.status, StatusCode::UNPROCESSABLE_ENTITY);
@@ -264,6 +276,7 @@ async fn an_upload_goes_on_where_it_was_cut_and_yields_its_content() {
     );
     let asked = send(&dashboard, Request::get(&path), "").await;
     assert_eq!(asked.json, json!({ "offset": CUBE.len(), "length": CUBE.len(), "content": hash }));
+    assert_described("/api/v1/uploads/{upload}", "get", &asked);
     let taken = order(&dashboard, "k", of_lines(json!([{ "name": "a.stl", "content": hash }]))).await;
     assert_eq!(taken.status, StatusCode::ACCEPTED, "{}", taken.json);
     assert_eq!(send(&dashboard, of_upload("DELETE", &path), "").await.status, StatusCode::NO_CONTENT);

@@ -150,6 +150,41 @@ fn a_lost_claim_is_made_again_and_content_that_is_gone_is_asked_for() {
 }
 
 #[test]
+fn a_restored_ledger_that_has_forgotten_an_order_does_not_print_it_twice() {
+    let mut open = OpenFarm::start("");
+    let backup = open.farm.root().join("ledger.backup");
+    open.farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
+    let line = |open: &OpenFarm, name: &str, side: f64| {
+        let hash = blake3::hash(&stl(&block(side, 15.0, 10.0))).to_hex().to_string();
+        open.send(&format!("PUT /api/v1/content/{hash}"), &stl(&block(side, 15.0, 10.0)));
+        json!([{ "name": name, "content": hash, "copies": 2 }])
+    };
+    let built = line(&open, "built.stl", 20.0);
+    let first = open.order("k1", built.clone());
+    open.farm.wait_for_parts(PartState::Waiting, 1);
+    open.farm.flush();
+    open.farm.wait_for_parts(PartState::Built, 1);
+    let waiting = line(&open, "waiting.stl", 25.0);
+    assert_eq!(open.order("k2", waiting.clone()).status, 202);
+    open.farm.wait_for_parts(PartState::Waiting, 1);
+    open.farm.stop();
+    open.farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    open.restart();
+    let again = open.order("k1", built);
+    assert_eq!((again.status, again.header("idempotency-replayed")), (202, None), "its key is forgotten");
+    assert_eq!(again.body, first.body);
+    assert_eq!(open.order("k2", waiting).status, 202);
+    std::thread::sleep(Duration::from_secs(2));
+    let numbers = [PartState::Claimed, PartState::Waiting, PartState::Built].map(|state| open.farm.parts(state).len());
+    assert_eq!(numbers, [0, 1, 1], "{}", open.farm.log());
+    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
+    open.farm.flush();
+    open.farm.wait_for_parts(PartState::Built, 2);
+    open.farm.assert_nothing_lost_or_doubled();
+    assert!(open.farm.broken_invariants(&Default::default()).is_empty());
+}
+
+#[test]
 fn an_upload_that_is_cut_again_and_again_arrives_as_it_was_sent() {
     let mut open = OpenFarm::start("");
     let mib = std::env::var("NESTD_DOOR_MIB").map_or(UPLOAD_MIB, |text| text.parse().unwrap());

@@ -1,6 +1,6 @@
 //! `nestd quote`: when parts could be done that nobody has ordered yet, and what they would add.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
@@ -12,12 +12,12 @@ use super::{
     table::{print_json, print_text},
 };
 use crate::{
-    farm::{QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan, read_quoted_files},
+    farm::{
+        QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
+        read_quoted_files,
+    },
     intake,
 };
-
-/// Time that the search for a place in the open build may take: all of it takes less than two seconds.
-const SEARCH_FOR: Duration = Duration::from_millis(1400);
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -55,7 +55,7 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
             QuoteError::Refused(reason) => anyhow::anyhow!("it would be refused: {reason}"),
             QuoteError::TryLater(why) => anyhow::anyhow!("{why}"),
         })?;
-        let question = QuoteQuestion { parts, due_at: due.map(|(at, _)| at), within: SEARCH_FOR };
+        let question = QuoteQuestion { parts, due_at: due.map(|(at, _)| at), within: QUOTE_SEARCH_TIME };
         let quote = quote_order(&profile, &reading, question, &QuoteMeshes::of_farm(settings), (), now);
         let sentences = quote.sentences(&settings.time_zone);
         Ok((quote, sentences))

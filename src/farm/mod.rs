@@ -162,8 +162,8 @@ pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
 pub use part_questions::PartQuestion;
 pub use planning::{
-    DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QuoteError, QuoteMeshes,
-    QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order, read_plan, read_quoted_files,
+    DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,
+    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order, read_plan, read_quoted_files,
 };
 pub use print_times::PrintTimes;
 pub use printers::{PrinterView, printer_views};

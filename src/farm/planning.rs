@@ -23,7 +23,7 @@ use jiff::Timestamp;
 
 pub use date_outlook::RiskCause;
 pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart};
-pub use order_quote::{DueAnswer, OrderQuote, QuoteQuestion, quote_order};
+pub use order_quote::{DueAnswer, OrderQuote, QUOTE_SEARCH_TIME, QuoteQuestion, quote_order};
 pub use plan_reading::read_plan;
 pub use quote_insertion::QuoteMeshes;
 pub use quoted_part::{QuoteError, QuotedFile, read_quoted_files};

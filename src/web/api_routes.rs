@@ -15,12 +15,13 @@ use super::{
     api,
     dto::{BuildResponse, PartResource, PartResponse},
     edit_door, history, month, operate_door, order, order_door, order_request, part, pick_page, plan, put_content,
+    quote,
     state::DashboardState,
     upload_door,
 };
 use crate::{
     access::TokenRole,
-    farm::MachinePlan,
+    farm::{MachinePlan, OrderQuote},
     ledger::{HeightSummary, HistoryRow, OrderSummary},
     tables::PickList,
 };
@@ -38,8 +39,8 @@ pub(super) enum RequestBody {
     Nothing,
     /// JSON.
     Json(SchemaMaker),
-    /// JSON, or a form with that JSON and files.
-    Order(SchemaMaker),
+    /// JSON, or a form with that JSON in the field of this name and files.
+    Form(&'static str, SchemaMaker),
     /// A file.
     Bytes,
     /// A piece of a file.
@@ -107,7 +108,7 @@ const fn tell(
 }
 
 const EDIT: RequestBody = RequestBody::Json(schema_of::<edit_door::EditRequest>);
-const ORDER: RequestBody = RequestBody::Order(schema_of::<order_request::OrderRequest>);
+const ORDER: RequestBody = RequestBody::Form("order", schema_of::<order_request::OrderRequest>);
 const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
@@ -216,7 +217,7 @@ const QUESTIONS: [ApiRoute; 13] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 11] = [
+const DOORS: [ApiRoute; 12] = [
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
@@ -257,6 +258,17 @@ const DOORS: [ApiRoute; 11] = [
             "Adds lines to an order; a line of a name that still waits there is a revision of it",
             ORDER,
             || post(order_door::post_lines),
+        )
+    },
+    ApiRoute {
+        role: TokenRole::Read,
+        answer: ("200", Some(schema_of::<OrderQuote>)),
+        ..tell(
+            ("POST", "/api/v1/quote"),
+            "post_quote",
+            "When parts could be done that nobody has ordered yet, and what they would add; nothing is changed",
+            RequestBody::Form("quote", schema_of::<quote::QuoteRequest>),
+            || post(quote::post_quote).layer(DefaultBodyLimit::disable()),
         )
     },
     tell(

@@ -61,6 +61,7 @@ mod picture;
 mod plan;
 mod put_content;
 mod query;
+mod quote;
 mod report;
 mod request_user;
 mod role_rules;

@@ -132,11 +132,10 @@ fn body_of(body: RequestBody, generator: &mut SchemaGenerator) -> Option<Value> 
         RequestBody::Bytes => {
             Some(json!({ "application/octet-stream": { "schema": { "type": "string", "format": "binary" } } }))
         }
-        RequestBody::Order(schema) => {
+        RequestBody::Form(field, schema) => {
             let order = schema(generator);
             let files = json!({ "type": "array", "items": { "type": "string", "format": "binary" } });
-            let form =
-                json!({ "type": "object", "required": ["order"], "properties": { "order": order, "file": files } });
+            let form = json!({ "type": "object", "required": [field], "properties": { field: order, "file": files } });
             Some(json!({ "application/json": { "schema": order }, "multipart/form-data": { "schema": form } }))
         }
     }

@@ -32,3 +32,48 @@ async fn the_plan_lists_the_builds_to_come_and_what_puts_a_date_at_risk() {
     assert_eq!(json_of(&dashboard, "/api/v1/plan?machine=cube").await.as_array().unwrap().len(), 1);
     assert_eq!(dashboard.get("/api/v1/plan?machine=none").await.status, StatusCode::NOT_FOUND);
 }
+
+/// Asks for a quote.
+async fn ask_quote(dashboard: &TestDashboard, kind: &str, body: String) -> (StatusCode, serde_json::Value) {
+    let request = Request::post("/api/v1/quote").header("host", "localhost:7878").header("content-type", kind);
+    let answer = dashboard.send(request.body(Body::from(body)).unwrap()).await;
+    (answer.status, serde_json::from_str(&answer.text).unwrap())
+}
+
+/// A form with a document and a file.
+fn quote_form(asked: &str, name: &str, content: &str) -> String {
+    let field = |head: &str, text: &str| format!("--b\r\ncontent-disposition: form-data; {head}\r\n\r\n{text}\r\n");
+    let file = field(&format!("name=\"file\"; filename=\"{name}\""), content);
+    field("name=\"quote\"", asked) + &file + "--b--\r\n"
+}
+
+#[tokio::test]
+async fn a_quote_that_cannot_be_made_says_why_and_one_too_many_is_asked_to_come_again() {
+    let dashboard = TestDashboard::new(|_| {}).await;
+    let json = "application/json";
+    for (asked, why) in [
+        ("{\"machine\": \"none\", \"lines\": []}", "there is no machine none"),
+        ("{\"machine\": \"cube\", \"lines\": []}", "a quote has 1 to 200 lines"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"copies\": 2}]}", "a line has either file or content"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"content\": \"x\"}]}", "x is no BLAKE3"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\"}]}", "a.stl is not here"),
+        ("{\"machine\": \"cube\", \"due\": \"soon\", \"lines\": [{\"file\": \"a.stl\"}]}", "date"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\", \"prize\": 1}]}", "prize"),
+    ] {
+        let (status, answer) = ask_quote(&dashboard, json, asked.to_owned()).await;
+        assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "{asked}: {answer}");
+        assert!(answer.to_string().contains(why), "{asked}: {answer}");
+    }
+    let places: Vec<_> = (0..2).map_while(|_| dashboard.web.quote_slots.clone().try_acquire_owned().ok()).collect();
+    let (status, _) = ask_quote(&dashboard, json, "{}".to_owned()).await;
+    assert_eq!((places.len(), status), (2, StatusCode::TOO_MANY_REQUESTS));
+    drop(places);
+    let form = quote_form(
+        "{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\"}, {\"file\": \"b.stl\"}]}",
+        "a.stl",
+        "solid",
+    );
+    let (status, answer) = ask_quote(&dashboard, "multipart/form-data; boundary=b", form).await;
+    assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "{answer}");
+    assert!(answer.to_string().contains("b.stl is not here"), "{answer}");
+}

@@ -25,11 +25,12 @@ use super::{
     listener::DashboardListener,
     live, metrics, month, needs, openapi, order, order_forms,
     order_keys::OrderDoor,
-    part, part_forms, pick_page, picture, plan, scene, search,
+    part, part_forms, pick_page, picture, plan, quote, scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
     access,
+    farm::QuoteMeshes,
     ledger::Ledger,
     metrics::MetricsExporter,
     settings::{SharedSettings, WebSettings},
@@ -50,7 +51,8 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         without_token: web.without_token,
         watch: Mutex::default(),
     };
-    let path = settings.read().unwrap_or_else(PoisonError::into_inner).ledger.clone();
+    let current = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let (path, quote_meshes) = (current.ledger.clone(), QuoteMeshes::of_farm(&current));
     let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
     // Requests that are still in progress hold the ledger as well.
     let _closed = LedgerCloseGuard(ledger.clone());
@@ -82,6 +84,8 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         metrics: MetricsExporter::default(),
         render_slot: Arc::new(Semaphore::new(1)),
         upload_slots: Arc::new(Semaphore::new(drop::MAX_UPLOADS)),
+        quote_slots: Arc::new(Semaphore::new(quote::MAX_QUOTES)),
+        quote_meshes,
         changes: changes.clone(),
     });
     tokio::spawn(live::watch_for_changes(shared.clone(), changes));

@@ -10,7 +10,7 @@ use super::{
     error::HandlerResult, order_keys::OrderDoor, pick_map::CachedPickMap, upload_turns::UploadTurns,
 };
 use crate::{
-    farm,
+    farm::{self, QuoteMeshes},
     ledger::Ledger,
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
@@ -43,6 +43,10 @@ pub(super) struct DashboardState {
     pub(super) render_slot: Arc<Semaphore>,
     /// Who holds one of these receives files from a form.
     pub(super) upload_slots: Arc<Semaphore>,
+    /// Who holds one of these makes a quote.
+    pub(super) quote_slots: Arc<Semaphore>,
+    /// The meshes of the machine that was quoted for last.
+    pub(super) quote_meshes: QuoteMeshes,
     pub(super) changes: watch::Sender<u64>,
 }
 

@@ -60,6 +60,7 @@ impl TestDashboard {
         std::fs::write(folder.path().join("nestd.toml"), "root = \"farm\"\n").unwrap();
         std::fs::write(profiles.join("cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
         let settings = settings::load_settings(Some(&folder.path().join("nestd.toml")), Some(folder.path())).unwrap();
+        let quote_meshes = crate::farm::QuoteMeshes::of_farm(&settings);
         let ledger = fixtures::fresh().await;
         let mut web = DashboardState {
             ledger: (*ledger).clone(),
@@ -81,6 +82,8 @@ impl TestDashboard {
             metrics: Default::default(),
             render_slot: Arc::new(Semaphore::new(1)),
             upload_slots: Arc::new(Semaphore::new(1)),
+            quote_slots: Arc::new(Semaphore::new(2)),
+            quote_meshes: quote_meshes,
             changes: watch::Sender::new(0),
         };
         change(&mut web);

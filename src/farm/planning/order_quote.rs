@@ -24,6 +24,9 @@ use crate::{
     settings::{FarmZone, MachineProfile},
 };
 
+/// Time that the insertion into the open build may take: a quote takes less than two seconds.
+pub const QUOTE_SEARCH_TIME: Duration = Duration::from_millis(1400);
+
 /// What a quote says.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OrderQuote {

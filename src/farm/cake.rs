@@ -46,6 +46,8 @@ pub struct CakePart {
     pub due: String,
     /// The customer's note, "" = none.
     pub note: String,
+    /// What the customer's own system calls the line, "" = not said.
+    pub reference: String,
     /// The mesh; `None` = its original is past its retention.
     pub mesh: Option<Arc<Mesh>>,
     /// The placed copies.
@@ -115,6 +117,7 @@ impl CakeContents {
             order: row.terms.order_name.clone(),
             due: due_words(&row.terms, &profile.time_zone),
             note: row.terms.note.clone(),
+            reference: row.terms.reference.clone(),
             mesh: originals.load_mesh(&row),
             copies,
         };
@@ -137,6 +140,7 @@ impl CakeContents {
                     order: shown(&item.words.order),
                     due: shown(&item.words.due),
                     note: shown(&item.words.note),
+                    reference: shown(&item.words.reference),
                     mesh: Some(item.mesh.clone()),
                     copies: Vec::new(),
                 });

@@ -246,7 +246,7 @@ pub(super) fn new_part_row(
         bytes: stored.bytes,
         copies: ticket.copies.unwrap_or(1),
         terms: NewTerms {
-            order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
+            order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
             priority: ticket.priority.unwrap_or(50),
             due_at,
             due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),
@@ -271,5 +271,15 @@ pub(super) fn ticket_row(received: &ReceivedTicket) -> NewTicketRow {
         },
         file_name: received.file_name.clone(),
         text: received.text.clone(),
+    }
+}
+
+/// The order of a claim: its folder, or else its package.
+fn order_of_claim(claim: &ClaimedPart) -> String {
+    let path = Path::new(&claim.name);
+    let is_package = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("camspec"));
+    match path.file_stem().filter(|_| claim.order.is_empty() && is_package) {
+        Some(stem) => intake::display_name(stem),
+        None => claim.order.clone(),
     }
 }

@@ -4,8 +4,9 @@ use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use nester::{OrientationLimits, OrientationRule};
 use solids::MeshDefects;
 
+use super::file_request::requested_terms;
 use crate::{
-    ledger::RefusalCause,
+    ledger::{RefusalCause, RequestedTerms},
     settings::{MachineProfile, MeshErrorPolicy},
 };
 
@@ -21,6 +22,18 @@ pub(super) struct FileTerms {
     pub unit: Option<LengthUnit>,
     /// Copies ordered.
     pub copies: u32,
+}
+
+impl FileTerms {
+    /// These terms with what the file asks for one of its solids itself.
+    fn with_request(&self, request: Option<&RequestedTerms>) -> Self {
+        let mut terms = self.clone();
+        if let Some(request) = request {
+            terms.limits.rule = request.orientation.unwrap_or(terms.limits.rule);
+            terms.limits.tilts.extend(&request.tilts.0);
+        }
+        terms
+    }
 }
 
 /// Why the solids of a file cannot be printed on a machine, in whole sentences.
@@ -63,7 +76,11 @@ fn find_solid_fault(
         );
         return Some((RefusalCause::NotClosed, reason));
     }
-    find_misfit(solid, terms, profile).map(|reason| (RefusalCause::TooLarge, reason))
+    let terms = match solid.request.as_deref().map(requested_terms).transpose() {
+        Ok(request) => terms.with_request(request.as_ref()),
+        Err(error) => return Some((RefusalCause::Other, format!("{}: {error}.", solid.name))),
+    };
+    find_misfit(solid, &terms, profile).map(|reason| (RefusalCause::TooLarge, reason))
 }
 
 pub(super) fn defects_text(defects: &MeshDefects) -> String {

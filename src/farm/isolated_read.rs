@@ -10,7 +10,7 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
+use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits, SolidRequest};
 use glam::DVec3;
 use rustix::process::{Resource, Rlimit, Signal};
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,8 @@ struct SolidHeader {
     name: String,
     copies: u32,
     warnings: Vec<String>,
+    #[serde(default)]
+    request: Option<Box<SolidRequest>>,
     vertices: usize,
     triangles: usize,
 }
@@ -144,7 +146,7 @@ fn receive_solid(head: SolidHeader, from: &mut impl Read) -> Result<PartFileSoli
         triangles.push(corners.map(u32::from_le_bytes));
     }
     let mesh = Mesh::new(vertices, triangles)?;
-    Ok(PartFileSolid { name: head.name, mesh, copies: head.copies, warnings: head.warnings })
+    Ok(PartFileSolid { name: head.name, mesh, copies: head.copies, warnings: head.warnings, request: head.request })
 }
 
 /// Runs in the separate process: reads the request from `asked`, reads the file, and writes the response.
@@ -178,6 +180,7 @@ fn solid_header(solid: &PartFileSolid) -> SolidHeader {
         name: solid.name.clone(),
         copies: solid.copies,
         warnings: solid.warnings.clone(),
+        request: solid.request.clone(),
         vertices: solid.mesh.vertices().len(),
         triangles: solid.mesh.triangles().len(),
     }

@@ -37,6 +37,7 @@ fn order_words(terms: &PartTerms, zone: &FarmZone) -> OrderWords {
         order: some(terms.order_name.clone()),
         due: some(due_words(terms, zone)),
         note: some(terms.note.clone()),
+        reference: some(terms.reference.clone()),
     }
 }
 

@@ -37,6 +37,7 @@ mod failure;
 mod farm;
 mod fetch_originals;
 mod file_fault;
+mod file_request;
 mod fire_forecast;
 mod folder_builds;
 mod folder_check;

@@ -7,6 +7,7 @@ use build_file::{LengthUnit, PartFileSolid};
 use super::{
     failure::{LostFileError, PartReadError, error_chain},
     file_fault::{FileTerms, defects_text, find_file_fault},
+    file_request::requested_terms,
     mesh_cache::MeshCacheKey,
     mesh_source::MeshSource,
     standing_claim::StandingClaim,
@@ -69,11 +70,12 @@ pub fn read_part(
     }
     let mut facts = Vec::new();
     for (index, solid) in contents.solids.into_iter().enumerate() {
+        let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
         let question = size_question(&solid, part, profile);
-        facts.push(SolidFacts { question, ..solid_facts(&solid, index as u32, part, warnings) });
+        facts.push(SolidFacts { question, request, ..solid_facts(&solid, index as u32, part, warnings) });
         let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
@@ -99,6 +101,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         size_mm: solid.mesh.bounds().size().to_array(),
         question: String::new(),
         warnings,
+        request: None,
     }
 }
 

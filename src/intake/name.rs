@@ -92,10 +92,13 @@ pub(super) fn with_suffix(name: &OsStr, number: &str, tail: &str) -> OsString {
     OsString::from_vec([&stem[..cut], number.as_bytes(), extension, tail.as_bytes()].concat())
 }
 
+/// Endings of part files.
+const PART_ENDINGS: [&str; 3] = ["stl", "3mf", "camspec"];
+
 /// Whether a name ends like a part file. A folder with such a name is not an order: it was created by mistake or by
 /// unpacking.
 pub(super) fn is_part_name(name: &OsStr) -> bool {
-    Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("stl") || e.eq_ignore_ascii_case("3mf"))
+    Path::new(name).extension().is_some_and(|e| PART_ENDINGS.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
 }
 
 #[cfg(test)]

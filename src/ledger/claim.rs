@@ -2,7 +2,7 @@
 
 use super::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, sql,
+    RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, sql,
 };
 
 impl Ledger {
@@ -300,6 +300,20 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(part.id)
     .execute(change.db())
     .await?;
+    match &solid.request {
+        Some(request) if part.measures.triangles.is_none() => write_request(change, part, request).await,
+        _ => Ok(()),
+    }
+}
+
+/// Stores what the file of a part asks for it itself.
+async fn write_request(change: &mut LedgerChange, part: &PartRow, request: &RequestedTerms) -> Result<()> {
+    let terms = part.terms.clone().with_request(request);
+    let set = sql::query(
+        "UPDATE part SET reference = $1, priority = $2, clearance_mm = $3, orientation = $4, tilts = $5 WHERE id = $6",
+    );
+    let set = set.bind(&terms.reference).bind(terms.priority).bind(terms.clearance_mm).bind(terms.orientation);
+    set.bind(&terms.tilts).bind(part.id).execute(change.db()).await?;
     Ok(())
 }
 

@@ -107,6 +107,7 @@ pub fn asked(mut part: NewPartRow, change: impl FnOnce(&mut NewTerms)) -> NewPar
 
 pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
     SolidFacts {
+        request: None,
         object_index,
         object_name: String::new(),
         copies,
@@ -234,6 +235,7 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             tilts: RequiredTilts::default(),
             clearance_mm: None,
             unit: None,
+            reference: String::new(),
             note: String::new(),
         },
         measures: PartMeasures { triangles: None, volume_mm3: None, size_x_mm: None, size_y_mm: None, size_z_mm: None },

@@ -107,7 +107,7 @@ pub use part_list::PartQuery;
 pub use part_question::{QuestionKind, QuestionedPart};
 pub use part_row::{
     ClaimedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow, PartTerms,
-    PartTimes, RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    PartTimes, RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};

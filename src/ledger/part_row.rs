@@ -137,6 +137,8 @@ pub struct SolidFacts {
     pub question: String,
     /// Warnings, one sentence each, added to those of the claim.
     pub warnings: Vec<String>,
+    /// What the file asks for it itself; `None` = nothing. Not asked again when it is read once more.
+    pub request: Option<RequestedTerms>,
 }
 
 /// A part: one solid of one dropped file, for one machine profile, with its copies.
@@ -261,9 +263,42 @@ pub struct PartTerms {
     pub unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
+    /// What the customer's own system calls the line, "" = not said.
+    pub reference: String,
 }
 
-sql_row!(PartTerms { order_name, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note });
+sql_row!(PartTerms { order_name, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reference });
+
+/// What the file of a part asks for it itself, as CAMSPEC packages do. `None` = not said: then the terms of the file's claim hold.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RequestedTerms {
+    /// What the customer's own system calls the line.
+    pub reference: String,
+    /// Priority from 0 to 100.
+    pub priority: Option<u8>,
+    /// Its own clearance, mm.
+    pub clearance_mm: Option<f64>,
+    /// Orientation rule.
+    pub orientation: Option<OrientationRule>,
+    /// Directions that must point nearly straight up, beside those of the claim.
+    pub tilts: RequiredTilts,
+}
+
+impl PartTerms {
+    /// These terms with what the file asks for itself.
+    pub fn with_request(mut self, request: &RequestedTerms) -> Self {
+        self.reference.clone_from(&request.reference);
+        self.priority = request.priority.unwrap_or(self.priority);
+        self.clearance_mm = request.clearance_mm.or(self.clearance_mm);
+        self.orientation = request.orientation.unwrap_or(self.orientation);
+        for tilt in &request.tilts.0 {
+            if !self.tilts.0.contains(tilt) {
+                self.tilts.0.push(*tilt);
+            }
+        }
+        self
+    }
+}
 
 /// Measurements of a part; `None` until read.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -14,7 +14,7 @@ use super::{LedgerError, error::Result};
 
 /// Version, description and text of each file of `migrations`; a test compares the two. They are listed, because
 /// `sqlx::migrate!`, which reads the folder, has SQLite compiled a second time, for the compiler's own use.
-const FILES: [(i64, &str, &str); 22] = [
+const FILES: [(i64, &str, &str); 23] = [
     (1, "ledger", include_str!("../../migrations/0001_ledger.sql")),
     (2, "tilts", include_str!("../../migrations/0002_tilts.sql")),
     (3, "a million builds", include_str!("../../migrations/0003_a_million_builds.sql")),
@@ -37,6 +37,7 @@ const FILES: [(i64, &str, &str); 22] = [
     (27, "printers", include_str!("../../migrations/0027_printers.sql")),
     (28, "orders by request", include_str!("../../migrations/0028_orders_by_request.sql")),
     (29, "withdrawals", include_str!("../../migrations/0029_withdrawals.sql")),
+    (30, "references", include_str!("../../migrations/0030_references.sql")),
 ];
 
 pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(&FILES));

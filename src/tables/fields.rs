@@ -185,6 +185,8 @@ pub const RISK: FieldDefinition = FieldDefinition::text("Risk");
 pub const TAKEN: FieldDefinition = FieldDefinition::time("Taken");
 /// When a person said that a build may be published.
 pub const RELEASED: FieldDefinition = FieldDefinition::text("Released");
+/// What the customer's own system calls a line.
+pub const REFERENCE: FieldDefinition = FieldDefinition::text("Customer's number");
 /// When the file of a build was taken back out of the queue.
 pub const WITHDRAWN: FieldDefinition = FieldDefinition::time("Withdrawn");
 

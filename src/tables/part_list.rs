@@ -89,6 +89,7 @@ pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |part| part.copies.len().into()),
     TableColumn::new("due", fields::DUE, |part| (&part.due).into()),
     TableColumn::new("note", fields::NOTE, |part| (&part.note).into()),
+    TableColumn::new("reference", fields::REFERENCE, |part| (&part.reference).into()),
 ];
 
 /// Copies of a part that are in builds.

@@ -30,6 +30,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         optional_fact(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
         Some(fields::PART_VOLUME.fact_of(volume)),
         fields::NOTE.fact(&row.terms.note),
+        fields::REFERENCE.fact(&row.terms.reference),
         Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
         view.time_fact(fields::CLAIMED, row.times.claimed_at),
     ];

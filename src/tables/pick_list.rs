@@ -37,6 +37,8 @@ pub struct PickedCopy {
     pub due: String,
     /// The customer's note; empty = none.
     pub note: String,
+    /// What the customer's own system calls the line; empty = not said.
+    pub reference: String,
     /// Number of the copy, from 1.
     pub copy: u32,
     /// Its highest point above the floor, mm; null if its original file is no longer kept.
@@ -65,6 +67,7 @@ pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
     TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
     TableColumn::new("due", fields::DUE, |copy| (&copy.due).into()),
     TableColumn::new("note", fields::NOTE, |copy| (&copy.note).into()),
+    TableColumn::new("reference", fields::REFERENCE, |copy| (&copy.reference).into()),
 ];
 
 /// Whether a removal direction points down, through the floor of the cake.

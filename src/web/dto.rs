@@ -157,6 +157,8 @@ struct PartTermsFields {
     unit: Option<LengthUnit>,
     /// Free text of the ticket.
     note: String,
+    /// What the customer's own system calls the line; empty = not said.
+    reference: String,
 }
 
 /// The file of a part, and the measurements of its solid.
@@ -294,6 +296,7 @@ impl From<PartRow> for PartResource {
                 clearance_mm: terms.clearance_mm,
                 unit: terms.unit,
                 note: terms.note,
+                reference: terms.reference,
             },
             content: PartContentFields {
                 blake3: row.file.content_hash,

@@ -99,6 +99,7 @@ fn pick_list_row(number: usize, pick: &PickEntry<'_>) -> PickedCopy {
         order: pick.part.order.clone(),
         due: pick.part.due.clone(),
         note: pick.part.note.clone(),
+        reference: pick.part.reference.clone(),
         copy: pick.copy,
         top_mm: pick.top_mm(),
         bottom_mm: pick.bottom_mm(),
@@ -201,6 +202,7 @@ fn shown_columns(cake: &CakeContents, is_proved: bool) -> Vec<&'static TableColu
         "way" => is_proved,
         "due" => cake.parts.iter().any(|part| !part.due.is_empty()),
         "note" => cake.parts.iter().any(|part| !part.note.is_empty()),
+        "reference" => cake.parts.iter().any(|part| !part.reference.is_empty()),
         _ => true,
     };
     for_people(PICK_COLUMNS).filter(is_shown).collect()

@@ -12,6 +12,7 @@ fn cake(is_kept: bool) -> CakeContents {
     let at =
         |copy: u32, z: f64| CakeCopy { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)), drawn: None };
     let part = |number: i64, name: &str, mesh, copies| CakePart {
+        reference: String::new(),
         part: number,
         name: name.to_owned(),
         order: String::new(),

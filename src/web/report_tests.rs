@@ -19,6 +19,7 @@ fn cake(name: &str) -> CakeContents {
         drawn: None,
     };
     let part = CakePart {
+        reference: String::new(),
         part: 7,
         name: name.to_owned(),
         order: name.to_owned(),

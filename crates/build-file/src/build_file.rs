@@ -91,6 +91,8 @@ pub struct OrderWords {
     pub due: Option<String>,
     /// The customer's note.
     pub note: Option<String>,
+    /// What the customer's own system calls the line.
+    pub reference: Option<String>,
 }
 
 /// One placed copy.

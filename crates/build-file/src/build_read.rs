@@ -173,6 +173,7 @@ impl BuildFileReader<'_> {
                 order: metadata.nestd_value("order"),
                 due: metadata.nestd_value("due"),
                 note: metadata.nestd_value("note"),
+                reference: metadata.nestd_value("reference"),
             },
             source_name: metadata.nestd_value("source"),
             source_hash: metadata.nestd_value("source_hash"),

@@ -26,7 +26,7 @@ pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
         return Ok(false);
     }
     match detect_format(&head, len, name) {
-        FileFormat::Package => Ok(end_record(&read_tail(opened, len, MAX_END)?).is_some()),
+        FileFormat::Package | FileFormat::Camspec => Ok(end_record(&read_tail(opened, len, MAX_END)?).is_some()),
         FileFormat::TextStl => {
             let tail = read_tail(opened, len, TEXT_TAIL)?;
             Ok(tail.windows(8).any(|w| w.eq_ignore_ascii_case(b"endsolid")))
@@ -47,7 +47,7 @@ pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
 /// Whether the file has too few bytes, or is allocated but not yet written: it may still become an STL or 3MF.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
     let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
-    let awaited = matches!(extension.as_str(), "stl" | "3mf");
+    let awaited = matches!(extension.as_str(), "stl" | "3mf" | "camspec");
     let prefix = |of: &[u8]| of.starts_with(&head.to_ascii_lowercase());
     awaited && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
 }

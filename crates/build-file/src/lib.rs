@@ -20,6 +20,8 @@ pub use options::{Arrangement, InstanceSharing};
 mod build_file;
 mod build_read;
 mod build_write;
+mod camspec;
+mod camspec_read;
 mod decimal;
 mod document;
 mod error;
@@ -51,6 +53,7 @@ pub use build_file::{
 };
 pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;
+pub use camspec::SolidRequest;
 pub use error::{FileReadError, FileWriteError};
 pub use file_end::{has_end, may_be_part};
 pub use file_name::build_file_name;

@@ -116,7 +116,7 @@ fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result
 
 fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
     write!(out, "<metadatagroup>")?;
-    let OrderWords { order, due, note } = &item.words;
+    let OrderWords { order, due, note, reference } = &item.words;
     if let Some(order) = order {
         write_metadata(out, "nestd:order", order)?;
     }
@@ -125,6 +125,9 @@ fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result
     }
     if let Some(note) = note {
         writeln!(out, r#"<metadata name="nestd:note">{}</metadata>"#, sanitize_note(note))?;
+    }
+    if let Some(reference) = reference {
+        write_metadata(out, "nestd:reference", reference)?;
     }
     write_metadata(out, "nestd:copy", &item.copy.to_string())?;
     write_metadata(out, "nestd:source", &item.source_name)?;

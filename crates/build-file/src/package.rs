@@ -2,9 +2,9 @@
 //! trusted.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     fs::File,
-    io::{self, BufReader, Read, Seek, SeekFrom},
+    io::{self, BufReader, Read, Seek, SeekFrom, Write},
     path::Path,
 };
 
@@ -96,6 +96,48 @@ impl PackageReader {
         let result = parse(&mut xml);
         self.budget -= xml.unpacked_bytes().min(self.budget);
         result
+    }
+
+    /// The first entry with one of these names, in any letter case, in the package or in its only folder.
+    pub(super) fn find_entry(&self, names: &[&str]) -> Option<String> {
+        let lower: Vec<String> = names.iter().map(|name| name.to_ascii_lowercase()).collect();
+        if let Some(name) = lower.iter().find(|name| self.entries.contains_key(*name)) {
+            return Some(name.clone());
+        }
+        let folders: HashSet<&str> = self.entries.keys().filter_map(|name| Some(name.split_once('/')?.0)).collect();
+        let mut inside = lower.iter().flat_map(|name| folders.iter().map(move |folder| format!("{folder}/{name}")));
+        inside.find(|name| self.entries.contains_key(name))
+    }
+
+    /// Unpacks an entry; a longer one than `most` bytes is refused.
+    pub(super) fn unpack_entry(&mut self, name: &str, most: u64, to: &mut impl Write) -> Result<(), FileReadError> {
+        let index =
+            *self.entries.get(name).ok_or_else(|| FileReadError::invalid_threemf(format!("there is no {name:?}")))?;
+        let entry = self.archive.by_index(index).map_err(zip_error)?;
+        if entry.encrypted() {
+            return Err(encrypted_error());
+        }
+        let packed = entry.compressed_size();
+        let entry = BufReader::with_capacity(1 << 16, entry);
+        let mut guard = UnpackGuard::new(entry, packed, self.budget, self.limits.max_unpacked_bytes);
+        let mut piece = [0; 1 << 14];
+        loop {
+            guard.start_token();
+            match guard.read(&mut piece) {
+                Ok(0) => break,
+                Ok(read) => to.write_all(&piece[..read])?,
+                Err(error) if error.raw_os_error().is_some() => return Err(error.into()),
+                Err(error) => {
+                    let damaged = || FileReadError::Truncated(format!("{name:?} in the package is damaged: {error}"));
+                    return Err(guard.take_refusal().unwrap_or_else(damaged));
+                }
+            }
+            if guard.unpacked_bytes() > most {
+                return Err(FileReadError::invalid_threemf(format!("{name:?} is longer than {most} bytes")));
+            }
+        }
+        self.budget -= guard.unpacked_bytes().min(self.budget);
+        Ok(())
     }
 
     /// The path of the start model, and the number of start models (it should be one).

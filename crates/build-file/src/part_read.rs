@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    FileReadError, LengthUnit, PartFileContents, ReadLimits,
+    FileReadError, LengthUnit, PartFileContents, ReadLimits, camspec_read,
     sniff::{FileFormat, ForeignFormat, HEAD_BYTES, detect_format},
     stl_read::{StlContents, read_ascii, read_binary},
     threemf_read,
@@ -38,6 +38,7 @@ pub fn read_part_file(
     let stl_unit = unit.unwrap_or(default_unit);
     let contents = match detect_format(&head, len, name) {
         FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
+        FileFormat::Camspec => return read_camspec(file, unit, limits),
         FileFormat::TextStl => stl_contents(read_ascii(File::open(file)?, stl_unit, limits)?, stem),
         FileFormat::BinaryStl => stl_contents(read_binary(opened, (&head, len), stl_unit, limits)?, stem),
         FileFormat::Other(ForeignFormat { what, remedy }) => Err(FileReadError::Unknown { what, remedy }),
@@ -50,6 +51,17 @@ pub fn read_part_file(
         }
     }
     Ok(contents)
+}
+
+/// Reads a CAMSPEC package. Its models are STL or 3MF files.
+fn read_camspec(file: &Path, unit: Option<LengthUnit>, limits: &ReadLimits) -> Result<PartFileContents, FileReadError> {
+    camspec_read::read_camspec_parts(file, limits, &mut |model, name, line| {
+        if name.to_ascii_lowercase().ends_with(".camspec") {
+            let remedy = "Unpack it, and drop the packages that are in it.";
+            return Err(FileReadError::Unsupported { what: "it is a package in a package".to_owned(), remedy });
+        }
+        read_part_file(model, name, unit.or(Some(line.unit)), line.unit, limits)
+    })
 }
 
 /// A whole STL file is one part, even with several `solid` blocks.

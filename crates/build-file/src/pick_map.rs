@@ -10,7 +10,7 @@ use super::{BuildFile, BuildFileItem, FileWriteError, OrderWords, csv_cell};
 type PickMapColumn = (&'static str, fn(&PickMapRow) -> String);
 
 /// The columns of the pick map.
-const COLUMNS: [PickMapColumn; 16] = [
+const COLUMNS: [PickMapColumn; 17] = [
     ("item", |row| row.item.to_string()),
     ("part", |row| csv_cell(&row.part)),
     ("part_number", |row| csv_cell(&row.part_number)),
@@ -27,6 +27,7 @@ const COLUMNS: [PickMapColumn; 16] = [
     ("source_hash", |row| row.source_hash.clone()),
     ("due", |row| csv_cell(row.words.due.as_deref().unwrap_or_default())),
     ("note", |row| csv_cell(row.words.note.as_deref().unwrap_or_default())),
+    ("reference", |row| csv_cell(row.words.reference.as_deref().unwrap_or_default())),
 ];
 
 /// One placed copy, for the person who unpacks the build.

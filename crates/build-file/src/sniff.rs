@@ -13,6 +13,8 @@ pub(super) const HEAD_BYTES: u64 = 1024;
 pub(super) enum FileFormat {
     /// A ZIP package, possibly a 3MF.
     Package,
+    /// A CAMSPEC package: models with what is asked of them.
+    Camspec,
     TextStl,
     BinaryStl,
     /// A format that is not supported.
@@ -56,6 +58,7 @@ pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {
     if head.starts_with(b"PK\x03\x04") {
         return match extension.as_str() {
             "3mf" | "stl" | "zip" | "" => FileFormat::Package,
+            "camspec" => FileFormat::Camspec,
             "amf" => foreign_format("it is a packed AMF file", EXPORT_REMEDY),
             named => foreign_by_name(named)
                 .unwrap_or_else(|| foreign_format(format!("it is a ZIP package named `.{named}`"), UNPACK_REMEDY)),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use solids::{Mesh, MeshBuilder, MeshError};
 
-use super::{FileReadError, LengthUnit, format_count};
+use super::{FileReadError, LengthUnit, camspec::SolidRequest, format_count};
 
 /// Parts with a smaller largest extent were probably drawn in metres or inches.
 const SUSPICIOUSLY_SMALL_MM: f64 = 2.0;
@@ -32,6 +32,8 @@ pub struct PartFileSolid {
     pub copies: u32,
     /// Warnings about this part, for people; sentences.
     pub warnings: Vec<String>,
+    /// What its file says of it beyond the mesh, as CAMSPEC packages do.
+    pub request: Option<Box<SolidRequest>>,
 }
 
 /// Checks a surface in mm; `unit` is the unit of the file.
@@ -75,7 +77,7 @@ fn described_solid(name: String, mesh: Mesh, copies: u32, unit: LengthUnit) -> P
         ));
     }
     warnings.extend(suspicious_size(mesh.bounds().size().max_element(), unit));
-    PartFileSolid { name, mesh, copies, warnings }
+    PartFileSolid { name, mesh, copies, warnings, request: None }
 }
 
 /// The triangles of an STL file while it is read: welded and checked one by one.

@@ -1,6 +1,7 @@
 //! Tests of the farm's logic that control a farm step by step and need no separate process. The tests of the real
 //! daemon are in `tests/it/farm`.
 
+mod camspec;
 mod dates;
 mod hand_driven_farm;
 mod kept_builds;

@@ -10,6 +10,7 @@ use solids::Mesh;
 use super::super::{
     failure::PartReadError,
     file_fault::{FileTerms, find_file_fault},
+    file_request::requested_terms,
     isolated_read::PartReadRequest,
 };
 use crate::{
@@ -88,6 +89,9 @@ pub fn read_quoted_files(
             let place = SolidOfFile { object_index: index as u32, object_name: solid.name.clone() };
             let mut row = quoted_row(profile, (PartId(number), &file.name), place, now);
             row.owed.copies = solid.copies.saturating_mul(file.copies);
+            if let Some(request) = solid.request.as_deref().and_then(|request| requested_terms(request).ok()) {
+                row.terms = row.terms.with_request(&request);
+            }
             let [x, y, z] = solid.mesh.bounds().size().to_array();
             row.measures = PartMeasures {
                 triangles: Some(solid.mesh.triangles().len() as u64),
@@ -138,6 +142,7 @@ fn quoted_row(profile: &MachineProfile, (id, name): (PartId, &str), solid: Solid
             clearance_mm: None,
             unit: None,
             note: String::new(),
+            reference: String::new(),
         },
         measures: PartMeasures { triangles: None, volume_mm3: None, size_x_mm: None, size_y_mm: None, size_z_mm: None },
         times: PartTimes { claimed_at: now.into(), state_at: now.into(), damaged_at: None },

@@ -83,7 +83,7 @@ impl TestDashboard {
             render_slot: Arc::new(Semaphore::new(1)),
             upload_slots: Arc::new(Semaphore::new(1)),
             quote_slots: Arc::new(Semaphore::new(2)),
-            quote_meshes: quote_meshes,
+            quote_meshes,
             changes: watch::Sender::new(0),
         };
         change(&mut web);

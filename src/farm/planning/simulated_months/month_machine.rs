@@ -10,7 +10,7 @@ use super::super::{
     plan_facts::{PlanFacts, PlanLine, PrinterAhead},
 };
 use crate::{
-    ledger::{PartRow, PublishedExperience, compare_precedence},
+    ledger::{PartRow, compare_precedence},
     settings::MachineProfile,
 };
 
@@ -60,8 +60,7 @@ impl MonthMachine {
     }
 
     /// The facts of its plan.
-    pub fn facts(&self, experience: &VecDeque<PublishedExperience>, now: Timestamp) -> PlanFacts {
-        let known: Vec<PublishedExperience> = experience.iter().cloned().collect();
+    pub fn facts(&self, packing: PackingExperience, now: Timestamp) -> PlanFacts {
         let printers = self.printers.iter().enumerate().map(|(place, printer)| {
             let rules = &self.profile.printers[place];
             let occupied = |build: &MonthBuild| PRINT_TIMES.occupied(build.height_mm);
@@ -81,7 +80,7 @@ impl MonthMachine {
             printers: printers.collect(),
             hindrance: None,
             times: PRINT_TIMES,
-            packing: PackingExperience::learn(&self.profile, &known),
+            packing,
         }
     }
 

@@ -6,6 +6,7 @@ use jiff::{SignedDuration, Timestamp};
 use rand::{RngExt, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 
+use super::month_size::MonthSize;
 use crate::ledger::{PartId, PartRow, fixtures::part_row};
 
 /// Median volume of a part, mm3; one part in six has e times that, or more.
@@ -42,15 +43,11 @@ pub fn draw_normal(rng: &mut ChaCha8Rng) -> f64 {
 }
 
 /// The orders of all months, in the sequence in which they come: on working days, from 08:00 to 18:00.
-pub fn draw_orders(
-    rng: &mut ChaCha8Rng,
-    start: Timestamp,
-    (months, orders, lines, printers): (u32, usize, usize, usize),
-) -> Vec<MonthOrder> {
+pub fn draw_orders(rng: &mut ChaCha8Rng, start: Timestamp, size: &MonthSize) -> Vec<MonthOrder> {
     let mut drawn = Vec::new();
     let mut id = 0;
-    for month in 0..months {
-        for _ in 0..orders {
+    for month in 0..size.months {
+        for _ in 0..size.orders {
             let day = loop {
                 let day = month * MONTH_DAYS + rng.random_range(0..MONTH_DAYS);
                 // The start is a Monday.
@@ -59,24 +56,31 @@ pub fn draw_orders(
                 }
             };
             let arrives_at = add_hours(start, f64::from(24 * day) + rng.random_range(8.0..18.0));
-            let parts: Vec<Arc<PartRow>> = (0..lines).map(|_| Arc::new(draw_part(rng, &mut id, arrives_at))).collect();
+            let parts: Vec<Arc<PartRow>> =
+                (0..size.lines).map(|_| Arc::new(draw_part(rng, &mut id, size.volume, arrives_at))).collect();
             let late_word = rng.random_bool(0.3).then(|| {
                 let said_at = add_hours(arrives_at, rng.random_range(0.3..24.0));
                 let more = rng.random_bool(0.5).then(|| rng.random_range(1..3));
-                (said_at, rng.random_range(0..lines), more)
+                (said_at, rng.random_range(0..size.lines), more)
             });
-            let wished_at = add_hours(arrives_at, rng.random_range(60.0..192.0));
-            drawn.push(MonthOrder { arrives_at, wished_at, folder: rng.random_range(0..printers), parts, late_word });
+            let wished_at = add_hours(arrives_at, rng.random_range(size.wish_hours.0..size.wish_hours.1));
+            drawn.push(MonthOrder {
+                arrives_at,
+                wished_at,
+                folder: rng.random_range(0..size.printers),
+                parts,
+                late_word,
+            });
         }
     }
     drawn.sort_by_key(|order| order.arrives_at);
     drawn
 }
 
-fn draw_part(rng: &mut ChaCha8Rng, id: &mut i64, arrives_at: Timestamp) -> PartRow {
+fn draw_part(rng: &mut ChaCha8Rng, id: &mut i64, volume: f64, arrives_at: Timestamp) -> PartRow {
     *id += 1;
     let copies = *[1, 1, 1, 2, 2, 4].choose(rng).unwrap();
-    let volume_mm3 = (MEDIAN_MM3 * draw_normal(rng).exp()).min(1e6);
+    let volume_mm3 = (volume * MEDIAN_MM3 * draw_normal(rng).exp()).min(1e6);
     let edge_mm = (volume_mm3 / FILLED).cbrt();
     let mut part = part_row(PartId(*id), copies, arrives_at);
     part.measures.volume_mm3 = Some(volume_mm3);

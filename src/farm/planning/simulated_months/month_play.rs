@@ -11,12 +11,13 @@ use super::{
         build_plan::plan_builds,
         date_outlook::EndReserve,
         earliest_date::{plan_earliest, ticket_date, time_held_back},
-        packing_experience::upper_end,
+        packing_experience::{PackingExperience, upper_end},
         plan_facts::PlanLine,
         reprint_odds::ReprintOdds,
     },
     month_machine::{MonthBuild, MonthMachine, PRINT_TIMES},
     month_orders::{MonthOrder, add_hours, draw_normal, draw_orders},
+    month_size::{MonthRules, MonthSize},
     month_table::MonthReport,
 };
 use crate::ledger::{BuildId, BuildState, PublishedExperience};
@@ -30,57 +31,6 @@ const UNATTENDED_HOURS: f64 = 1.0;
 /// Shares of failed builds, and of bad copies of the others.
 const FAILED_BUILDS: f64 = 0.05;
 const BAD_COPIES: f64 = 0.02;
-/// How much is played.
-#[derive(Debug, Clone, Copy)]
-pub struct MonthSize {
-    /// Seed of everything.
-    pub seed: u64,
-    /// Number of months.
-    pub months: u32,
-    /// Orders of each month.
-    pub orders: usize,
-    /// Printers alike.
-    pub printers: usize,
-    /// Lines of an order.
-    pub lines: usize,
-}
-
-/// How the farm decides.
-#[derive(Debug, Clone, Copy)]
-pub struct MonthRules {
-    /// Its name in the table.
-    pub name: &'static str,
-    /// Whether due dates fire builds; otherwise they fire when full, or after a day.
-    pub has_due_trigger: bool,
-    /// Hours before a print would have to begin; `None` = the default.
-    pub margin_hours: Option<f64>,
-    /// Whether nothing fires before a printer can begin it at once.
-    pub awaits_printer: bool,
-    /// Whether each printer has a hot folder of its own.
-    pub is_split: bool,
-    /// Whether customers get quoted dates, and tickets the dates that keep them.
-    pub has_quotes: bool,
-}
-
-impl MonthRules {
-    /// The earliest due first until the build is full, or a day has passed.
-    pub const SIMPLE: Self = Self {
-        name: "simple: earliest due first until full, or a day old",
-        has_due_trigger: false,
-        margin_hours: None,
-        awaits_printer: false,
-        is_split: false,
-        has_quotes: false,
-    };
-    /// As the farm does it, and as it is planned.
-    pub const HOUSE: Self = Self { name: "plan's rule", has_due_trigger: true, ..Self::SIMPLE };
-
-    /// The same with quotes.
-    pub const fn with_quotes(self) -> Self {
-        Self { has_quotes: true, ..self }
-    }
-}
-
 /// An order while it is made.
 struct OrderState {
     order: MonthOrder,
@@ -97,6 +47,7 @@ struct MonthPlay<'r> {
     machines: Vec<MonthMachine>,
     orders: Vec<OrderState>,
     experience: VecDeque<PublishedExperience>,
+    packing: PackingExperience,
     excess_hours: VecDeque<f64>,
     report: MonthReport,
 }
@@ -105,13 +56,16 @@ struct MonthPlay<'r> {
 pub fn play_months(size: &MonthSize, rules: &MonthRules) -> MonthReport {
     let start: Timestamp = "2026-01-05T00:00:00Z".parse().unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(size.seed);
-    let drawn = draw_orders(&mut rng, start, (size.months, size.orders, size.lines, size.printers));
+    let drawn = draw_orders(&mut rng, start, size);
     let (folders, printers) = if rules.is_split { (size.printers, 1) } else { (1, size.printers) };
     let due_margin = rules.has_due_trigger.then_some(rules.margin_hours);
-    let machines = (0..folders).map(|_| MonthMachine::new(due_margin, printers, start)).collect();
+    let mut machines = (0..folders).map(|_| MonthMachine::new(due_margin, printers, start)).collect::<Vec<_>>();
+    machines.iter_mut().for_each(|machine| machine.profile.trigger.max_wait_secs = 86_400.0 * rules.max_wait_days);
     let (experience, excess_hours) = Default::default();
+    let packing = PackingExperience::learn(&MonthMachine::new(None, 1, start).profile, &[]);
     let report = MonthReport::new(start, size.months);
-    let mut play = MonthPlay { rules, rng, now: start, machines, orders: Vec::new(), experience, excess_hours, report };
+    let mut play =
+        MonthPlay { rules, rng, now: start, machines, orders: Vec::new(), experience, packing, excess_hours, report };
     let mut coming: VecDeque<MonthOrder> = drawn.into();
     let mut words: Vec<(Timestamp, usize)> = Vec::new();
     let mut wakes: Vec<Timestamp> = Vec::new();
@@ -145,12 +99,11 @@ impl MonthPlay<'_> {
         let (mut date, mut ticket) = (order.wished_at, order.wished_at);
         if self.rules.has_quotes {
             let machine = &self.machines[at];
-            let facts = machine.facts(&self.experience, self.now);
-            let known: Vec<PublishedExperience> = self.experience.iter().cloned().collect();
+            let facts = machine.facts(self.packing, self.now);
             let plan = plan_earliest(&machine.profile, &facts, &order.parts, false, self.now);
             let (earliest, place) = plan.done.unwrap();
             let reserve = EndReserve { print_hours: upper_end(self.excess_hours.iter().copied().collect()).max(1.0) };
-            let odds = ReprintOdds::learn(&known);
+            let odds = ReprintOdds::learn(self.experience.make_contiguous());
             let build = (&plan.builds[place], copies);
             let held_secs = time_held_back(&machine.profile, &facts, build, (reserve, &odds), self.now);
             let kept = add_hours(earliest, held_secs / 3600.0);
@@ -217,7 +170,7 @@ impl MonthPlay<'_> {
     fn fire_builds(&mut self, at: usize) -> Option<Timestamp> {
         loop {
             let machine = &self.machines[at];
-            let facts = machine.facts(&self.experience, self.now);
+            let facts = machine.facts(self.packing, self.now);
             let first = plan_builds(&machine.profile, &facts, self.now).into_iter().next()?;
             let (fires_at, _) = first.fires?;
             if fires_at > self.now {
@@ -317,5 +270,6 @@ impl MonthPlay<'_> {
             state_at: self.now.into(),
         });
         self.experience.truncate(60);
+        self.packing = PackingExperience::learn(&self.machines[at].profile, self.experience.make_contiguous());
     }
 }

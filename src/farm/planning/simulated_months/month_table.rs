@@ -1,10 +1,12 @@
 //! What is told of simulated months, as a table of Markdown: means of the months with 95 % intervals.
 
-use std::fmt::Write;
-
 use jiff::Timestamp;
 
 use super::month_orders::MONTH_DAYS;
+
+/// The head of the table.
+pub const TABLE_HEAD: &str = "| rule | late orders, % | after the date wished for, % | builds | mm | printer hours | hours to delivery | \
+    hours to the quoted date | quoted after the wish, % |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|";
 
 /// The figures of a month.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -83,26 +85,20 @@ impl MonthReport {
         let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
         format!("{mean:.1} ± {:.1}", 2.09 * (variance / count).sqrt())
     }
-}
 
-/// A row for each rule.
-pub fn compare_rules(reports: &[(&str, MonthReport)]) -> String {
-    let mut table = "| rule | late orders, % | after the date wished for, % | builds | mm | printer hours | hours to delivery | hours to the \
-        quoted date | quoted after the wish, % |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|\n"
-        .to_owned();
-    let percent = |count: u32, of: u32| 100.0 * f64::from(count) / f64::from(of.max(1));
-    for (name, report) in reports {
+    /// Its row of the table.
+    pub fn table_row(&self, name: &str) -> String {
+        let percent = |count: u32, of: u32| 100.0 * f64::from(count) / f64::from(of.max(1));
         let cells = [
-            report.mean(|month| percent(month.late, month.orders)),
-            report.mean(|month| percent(month.after_wish, month.orders)),
-            report.mean(|month| f64::from(month.builds)),
-            report.mean(|month| month.height_mm),
-            report.mean(|month| month.printer_hours),
-            report.mean(|month| month.lead_hours / f64::from(month.orders.max(1))),
-            report.mean(|month| month.quoted_hours / f64::from(month.orders.max(1))),
-            report.mean(|month| percent(month.quotes_after_wish, month.orders)),
+            self.mean(|month| percent(month.late, month.orders)),
+            self.mean(|month| percent(month.after_wish, month.orders)),
+            self.mean(|month| f64::from(month.builds)),
+            self.mean(|month| month.height_mm),
+            self.mean(|month| month.printer_hours),
+            self.mean(|month| month.lead_hours / f64::from(month.orders.max(1))),
+            self.mean(|month| month.quoted_hours / f64::from(month.orders.max(1))),
+            self.mean(|month| percent(month.quotes_after_wish, month.orders)),
         ];
-        let _ = writeln!(table, "| {name} | {} |", cells.join(" | "));
+        format!("| {name} | {} |", cells.join(" | "))
     }
-    table
 }

@@ -57,6 +57,7 @@ fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
             DVec3::new(60.0 * f64::from(copy), 50.0 + 80.0 * object as f64, 40.0),
         ),
         words: build_file::OrderWords {
+            reference: Some("550e8400-e29b-41d4-a716-446655440000".to_owned()),
             order: Some("Müller & Söhne <4711>".to_owned()),
             due: Some("2026-12-24".to_owned()),
             note: Some("nicht <strahlen>\n& nicht färben".to_owned()),

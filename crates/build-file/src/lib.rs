@@ -68,3 +68,5 @@ pub use visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_in
 
 #[cfg(test)]
 mod build_tests;
+#[cfg(test)]
+mod camspec_tests;

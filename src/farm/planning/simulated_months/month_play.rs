@@ -32,7 +32,7 @@ const UNATTENDED_HOURS: f64 = 1.0;
 const FAILED_BUILDS: f64 = 0.05;
 const BAD_COPIES: f64 = 0.02;
 /// An order while it is made.
-struct OrderState {
+struct PlayedOrder {
     order: MonthOrder,
     /// The date that counts: what was wished for, or promised.
     date: Timestamp,
@@ -45,7 +45,7 @@ struct MonthPlay<'r> {
     rng: ChaCha8Rng,
     now: Timestamp,
     machines: Vec<MonthMachine>,
-    orders: Vec<OrderState>,
+    orders: Vec<PlayedOrder>,
     experience: VecDeque<PublishedExperience>,
     packing: PackingExperience,
     excess_hours: VecDeque<f64>,
@@ -118,7 +118,7 @@ impl MonthPlay<'_> {
             let copies = part.owed.copies;
             self.machines[at].add_waiting(Arc::new(part), copies);
         }
-        self.orders.push(OrderState { order, date, missing: copies });
+        self.orders.push(PlayedOrder { order, date, missing: copies });
     }
 
     /// Something is said late of an order: more copies of a line, or fewer as far as they are not built.

@@ -159,9 +159,11 @@ impl OrderingProgram {
         }
         self.farm.query_ledger(async |ledger| {
             let mut parts = Vec::new();
-            for state in PartState::ALL.into_iter().filter(|state| *state != PartState::Claimed) {
-                parts.extend(ledger.parts_in_state(state).await.unwrap());
+            for (order, _) in &self.orders {
+                // All states in one query: a part that moves on meanwhile is not found twice.
+                parts.extend(ledger.parts_of_order(order).await.unwrap());
             }
+            parts.retain(|part| part.state != PartState::Claimed);
             parts
         })
     }

@@ -186,7 +186,7 @@ pub const TAKEN: FieldDefinition = FieldDefinition::time("Taken");
 /// When a person said that a build may be published.
 pub const RELEASED: FieldDefinition = FieldDefinition::text("Released");
 /// What the customer's own system calls a line.
-pub const REFERENCE: FieldDefinition = FieldDefinition::text("Customer's number");
+pub const REFERENCE: FieldDefinition = FieldDefinition::text("Reference");
 /// When the file of a build was taken back out of the queue.
 pub const WITHDRAWN: FieldDefinition = FieldDefinition::time("Withdrawn");
 

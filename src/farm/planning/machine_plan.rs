@@ -154,7 +154,8 @@ fn view_under_way(
         Some((printer, _)) => Some(printer.clone()),
         None => print.map(|print| profile.printers[print.place].name.clone()),
     };
-    let has_begun = begins_at.is_some_and(|at| at <= now);
+    // A file that lies in the queue is not printed yet, however free its printer is.
+    let has_begun = build.row.place.taken_at.is_some();
     PlannedBuild {
         build: Some(build.id()),
         stage: match build.row.state {

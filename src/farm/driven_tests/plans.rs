@@ -35,7 +35,7 @@ fn a_plan_says_when_the_open_build_fires_where_it_is_printed_and_what_would_be_l
     farm.wait_for_parts(PartState::Built, 1);
     let made = plan(&farm);
     let [build] = &made.builds[..] else { panic!("{made:?}") };
-    assert_eq!((build.stage, build.printer.as_deref(), build.copies), (PlanStage::Printing, Some("left"), 1));
+    assert_eq!((build.stage, build.printer.as_deref(), build.copies), (PlanStage::Queued, Some("left"), 1));
     let [risk] = &made.risks[..] else { panic!("{made:?}") };
     assert_eq!((risk.order.as_str(), risk.cause, risk.is_late), ("A-1", RiskCause::TooLong, true));
 

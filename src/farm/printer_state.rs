@@ -50,6 +50,11 @@ impl MachinePrinters {
         self.0.iter().find(|printer| printer.name == name)
     }
 
+    /// The open queue folders, by the names of their printers.
+    pub fn open_queues(&self) -> Vec<(String, QueueFolder)> {
+        self.0.iter().filter_map(|printer| Some((printer.name.clone(), printer.opened.clone()?))).collect()
+    }
+
     /// Whether a queue folder is open.
     pub fn has_open_queue(&self) -> bool {
         self.0.iter().any(|printer| printer.opened.is_some())

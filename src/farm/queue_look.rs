@@ -7,12 +7,8 @@ use tokio::runtime::Handle;
 use tracing::{info, warn};
 
 use super::{
-    alert::AlertKind,
-    alert_registry::AlertRegistry,
-    farm::Farm,
-    folder_leases::FolderLeases,
-    jobs::BackgroundJob,
-    printer_state::{MachinePrinters, PrinterState},
+    alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob,
+    printer_state::MachinePrinters,
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
@@ -63,10 +59,9 @@ impl BackgroundJob<Farm> for QueueLookJob {
 pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
     for (name, machine) in &farm.machines {
         let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
-        let open = |printer: &PrinterState| Some((printer.name.clone(), printer.opened.clone()?));
         let look = QueueLook {
             profile: name.clone(),
-            queues: machine.printers.0.iter().filter_map(open).collect(),
+            queues: machine.printers.open_queues(),
             leases: machine.leases.clone(),
             ledger: farm.ledger.clone(),
             runtime: Handle::current(),

@@ -11,7 +11,6 @@ use super::{
     folder_leases::FolderLeases,
     jobs::BackgroundJob,
     printer_choice::printer_loads,
-    printer_state::PrinterState,
     printers::occupation_of,
     release_preview::awaits_release,
     withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
@@ -127,8 +126,7 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
                 }
                 continue;
             };
-            let opened = |printer: &PrinterState| Some((printer.name.clone(), printer.opened.clone()?));
-            let all_queues = machine.printers.0.iter().filter_map(opened).collect();
+            let all_queues = machine.printers.open_queues();
             let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
             let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger };
             farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());

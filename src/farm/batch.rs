@@ -121,9 +121,10 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     report_left_out(farm, name, None, cut_off).await?;
     let is_held = is_queue_full(farm, name).await?;
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
+    let outlook = printers::printer_outlook(farm, name, &waiting).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let open =
-        machine.trigger_facts(&waiting, &wanted, newest, (flush, takes_over), farm.schedule.clock.is_date_trusted());
+    let is_date_trusted = farm.schedule.clock.is_date_trusted();
+    let open = machine.trigger_facts(&waiting, &wanted, newest, &outlook, (flush, takes_over), is_date_trusted);
     let is_paused = machine.paused || machine.printers.are_all_down();
     machine.pacing.is_held = is_held;
     let facts = BatchFacts { open, has_unread_claims, is_paused, is_held };

@@ -4,6 +4,7 @@ use build_file::format_count;
 use jiff::Timestamp;
 
 use super::{
+    printer_outlook::PrinterOutlook,
     queue_depth::has_machine_room,
     trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
 };
@@ -65,11 +66,11 @@ pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<Fi
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
-    let oldest = row.oldest_at?.0;
+    let (oldest, outlook) = (row.oldest_at?.0, PrinterOutlook::of_status(profile, row));
     let facts = |newest: Timestamp| TriggerFacts {
         copies: row.waiting_copies.max(1) as usize,
         oldest,
-        due: DueFacts::of_arrivals(profile, height_mm, &row.due_arrivals, newest),
+        due: DueFacts::of_arrivals(profile, &outlook, height_mm, &row.due_arrivals, newest),
         height_mm,
         density: 0.0,
         full: false,

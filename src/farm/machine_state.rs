@@ -21,6 +21,7 @@ use super::{
     nesting_search::SharedBestLayout,
     obeyed_controls::ObeyedControls,
     open_night::OpenNight,
+    printer_outlook::PrinterOutlook,
     printer_state::MachinePrinters,
     time_source::TimeSource,
     time_text::written_stamp,
@@ -203,6 +204,7 @@ impl MachineState {
         waiting: &[WaitingPart],
         wanted: &BTreeSet<CopyId>,
         newest: Timestamp,
+        outlook: &PrinterOutlook,
         (flush, takes_over): (bool, bool),
         knows_the_date: bool,
     ) -> TriggerFacts {
@@ -215,7 +217,7 @@ impl MachineState {
         TriggerFacts {
             copies,
             oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
-            due: DueFacts::of_arrivals(&self.profile, layout.height_mm, &dues, newest),
+            due: DueFacts::of_arrivals(&self.profile, outlook, layout.height_mm, &dues, newest),
             height_mm: layout.height_mm,
             density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
             full: self.open.covers_copies(wanted) && !layout.placed.is_empty() && has_more,

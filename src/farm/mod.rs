@@ -96,6 +96,7 @@ mod part_questions;
 mod planning;
 mod print_times;
 mod printer_choice;
+mod printer_outlook;
 mod printer_state;
 mod printers;
 mod publish;

@@ -6,8 +6,6 @@ use jiff::{SignedDuration, Timestamp};
 
 use crate::{ledger::ToldPrint, settings::MachineProfile};
 
-/// Newest prints that are learned from.
-pub const LEARN_FROM: u32 = 40;
 /// With fewer prints, the settings count.
 const MIN_PRINTS: usize = 5;
 /// Heights that differ by less, mm, say nothing of the time per mm.

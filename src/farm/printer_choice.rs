@@ -28,6 +28,8 @@ pub struct BuildSpan {
     pub begins_at: Timestamp,
     /// When the printer is free of it.
     pub ends_at: Timestamp,
+    /// Whether its file was taken out of the queue.
+    pub is_taken: bool,
 }
 
 /// The load of each printer of a machine.
@@ -93,7 +95,8 @@ fn spans_of<'b>(
         if build.state == BuildState::Printing {
             free_at = free_at.max(now);
         }
-        spans.push(BuildSpan { build: build.build, begins_at, ends_at: free_at });
+        let is_taken = build.begun_at.is_some() || build.printer.is_none() || build.state == BuildState::Printing;
+        spans.push(BuildSpan { build: build.build, begins_at, ends_at: free_at, is_taken });
     }
     spans
 }

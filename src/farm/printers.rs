@@ -4,24 +4,22 @@ use std::path::Path;
 
 use anyhow::Result;
 use build_file::format_count;
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
     farm::Farm,
     machine_state::MachineState,
-    print_times::{LEARN_FROM, PrintTimes},
+    print_times::PrintTimes,
     printer_choice::{PrinterLoad, choose_printer, printer_loads},
+    printer_outlook::PrinterOutlook,
     queue_depth::queue_room,
 };
 use crate::{
-    ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp},
+    ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp, WaitingPart},
     settings::{FarmZone, MachineProfile, PrinterRules},
 };
-
-/// A published build whose outcome nobody told occupies its printer for this time at most.
-const FORGOTTEN_AFTER: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// What people see of a printer.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -123,10 +121,21 @@ pub(super) async fn occupation_of(
     profile: &MachineProfile,
     now: Timestamp,
 ) -> Result<(Vec<OccupyingBuild>, PrintTimes)> {
-    let since = now.checked_sub(FORGOTTEN_AFTER).unwrap_or(Timestamp::MIN);
-    let builds = ledger.occupying_builds(&profile.name, UtcTimestamp(since)).await?;
-    let told = ledger.told_prints(&profile.name, LEARN_FROM).await?;
+    let builds = ledger.occupying_builds(&profile.name, now.into()).await?;
+    let told = ledger.told_prints(&profile.name).await?;
     Ok((builds, PrintTimes::learn(profile, &told)))
+}
+
+/// What lies ahead of the printers of a machine that can be used. It is read only where something that waits has a due date.
+pub(super) async fn printer_outlook(farm: &Farm, name: &str, waiting: &[WaitingPart]) -> Result<PrinterOutlook> {
+    let machine = &farm.machines[name];
+    let (profile, now) = (&machine.profile, farm.schedule.time.date());
+    if waiting.iter().all(|waiting| waiting.part.terms.due_at.is_none()) {
+        return Ok(PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(profile) });
+    }
+    let usable = usable_printers(machine);
+    let (builds, times) = occupation_of(&farm.ledger, profile, now).await?;
+    Ok(PrinterOutlook::new(profile, &builds, times, |printer| usable.contains(&printer), now))
 }
 
 /// Takes in which printers people took out of use.

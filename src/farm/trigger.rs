@@ -6,6 +6,7 @@ use jiff::{SignedDuration, Timestamp, civil::Date};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::printer_outlook::PrinterOutlook;
 use crate::{ledger::DueArrival, settings::MachineProfile};
 
 /// Why a batch fired.
@@ -71,7 +72,7 @@ pub struct TriggerFacts {
 /// The gathering before a batch fires for a due date: parts that are dropped one after another go into one build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DueFacts {
-    /// Since when a due date is near: its date minus print time and margin, or the arrival of a part whose date is nearer.
+    /// Since when a due date is near: when its print must begin, less the margin, or the arrival of a part whose date is nearer.
     pub near_at: Timestamp,
     /// When printing must begin to meet the nearest due date.
     pub start_by: Timestamp,
@@ -87,20 +88,16 @@ impl DueFacts {
     /// arrived.
     pub fn of_arrivals(
         profile: &MachineProfile,
+        outlook: &PrinterOutlook,
         height_mm: f64,
         dues: &[DueArrival],
         newest: Timestamp,
     ) -> Option<Self> {
-        let print_secs = height_mm * profile.space.print_hours_per_mm * 3600.0;
         let margin_secs = profile.trigger.due_margin_secs?;
-        let near_at =
-            |due: &DueArrival| Some(add_secs(due.due_at.0, -(print_secs + margin_secs))?.max(due.arrived_at.0));
+        let begin_by = |due_at: Timestamp| outlook.begin_by(profile, height_mm, due_at);
+        let near_at = |due: &DueArrival| Some(add_secs(begin_by(due.due_at.0), -margin_secs)?.max(due.arrived_at.0));
         let nearest = dues.iter().map(|due| due.due_at.0).min()?;
-        Some(Self {
-            near_at: dues.iter().filter_map(near_at).min()?,
-            start_by: add_secs(nearest, -print_secs)?,
-            newest,
-        })
+        Some(Self { near_at: dues.iter().filter_map(near_at).min()?, start_by: begin_by(nearest), newest })
     }
 
     /// When the batch fires if nothing more arrives. A due date that can still be met is never missed by gathering.
@@ -181,7 +178,7 @@ fn first_daily_time_after(profile: &MachineProfile, oldest: Timestamp) -> Option
 pub(super) mod tests {
     use jiff::{SignedDuration, ToSpan};
 
-    use super::*;
+    use super::{super::print_times::PrintTimes, *};
     use crate::ledger::fixtures::{fresh, waiting};
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
@@ -214,6 +211,11 @@ pub(super) mod tests {
         }
     }
 
+    /// Nothing is known of its printers.
+    fn without_printers(machine: &MachineProfile) -> PrinterOutlook {
+        PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(machine) }
+    }
+
     /// The facts of a part that is due then and is the only one that arrived.
     fn due_facts(
         machine: &MachineProfile,
@@ -222,7 +224,7 @@ pub(super) mod tests {
         arrived: Timestamp,
     ) -> Option<DueFacts> {
         let due = DueArrival { due_at: due?.into(), arrived_at: arrived.into() };
-        DueFacts::of_arrivals(machine, height_mm, &[due], arrived)
+        DueFacts::of_arrivals(machine, &without_printers(machine), height_mm, &[due], arrived)
     }
 
     fn at(hour: i8, minute: i8) -> Timestamp {
@@ -273,7 +275,7 @@ pub(super) mod tests {
         let machine = machine_with_triggers("gather_secs = \"15m\"\nmax_wait_secs = \"24h\"\n");
         let overdue = |arrived: Timestamp| DueArrival { due_at: at(0, 0).into(), arrived_at: arrived.into() };
         let fires = |dues: &[DueArrival], newest: Timestamp| {
-            DueFacts::of_arrivals(&machine, 10.0, dues, newest).unwrap().fires_at(&machine)
+            DueFacts::of_arrivals(&machine, &without_printers(&machine), 10.0, dues, newest).unwrap().fires_at(&machine)
         };
         assert_eq!(fires(&[overdue(at(8, 0))], at(8, 0)), at(8, 15));
         // Any part that arrives counts, also one without a date.
@@ -282,7 +284,8 @@ pub(super) mod tests {
         let earlier = DueArrival { due_at: at(0, 0).checked_sub(24.hours()).unwrap().into(), ..overdue(at(8, 50)) };
         assert_eq!(fires(&[overdue(at(8, 0)), earlier], at(8, 50)), at(9, 0));
         let at_once = machine_with_triggers("gather_secs = 0\n");
-        let due = DueFacts::of_arrivals(&at_once, 10.0, &[overdue(at(8, 0))], at(8, 14)).unwrap();
+        let due = DueFacts::of_arrivals(&at_once, &without_printers(&at_once), 10.0, &[overdue(at(8, 0))], at(8, 14))
+            .unwrap();
         assert_eq!(due.fires_at(&at_once), at(8, 0));
     }
 
@@ -292,7 +295,9 @@ pub(super) mod tests {
         // 10 mm take an hour: it must begin at 11:00, and is near from 10:30 on.
         let due = |arrived: Timestamp| DueArrival { due_at: at(12, 0).into(), arrived_at: arrived.into() };
         let fires = |arrived: Timestamp, newest: Timestamp| {
-            DueFacts::of_arrivals(&machine, 10.0, &[due(arrived)], newest).unwrap().fires_at(&machine)
+            DueFacts::of_arrivals(&machine, &without_printers(&machine), 10.0, &[due(arrived)], newest)
+                .unwrap()
+                .fires_at(&machine)
         };
         assert_eq!(fires(at(8, 0), at(8, 0)), at(10, 30));
         assert_eq!(fires(at(8, 0), at(10, 20)), at(10, 35));

@@ -1,5 +1,6 @@
 //! Printers that a person has taken out of use, and the builds that lie at a printer.
 
+use jiff::{SignedDuration, Timestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -65,6 +66,11 @@ pub(super) const BUILDS_AHEAD: &str = "SELECT profile, printer, CAST(sum(builds)
     WHERE state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
     UNION ALL SELECT profile, coalesce(printer, ''), 1, 0 FROM build WHERE state IN ('nesting', 'verified') \
     UNION ALL SELECT profile, printer, 0, 1 FROM printer_down) AS one GROUP BY profile, printer ORDER BY profile, printer";
+
+/// A published build whose outcome nobody told occupies its printer for this time at most.
+const FORGOTTEN_AFTER: SignedDuration = SignedDuration::from_hours(30 * 24);
+/// Newest prints of a machine from which is learned how long a print takes.
+const LEARNED_PRINTS: u32 = 40;
 
 /// A published build that its printer has not taken, as far as is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -203,9 +209,10 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The builds of a machine that occupy its printers: those that are made, and those published since `since` whose end was
-    /// not told, in the order of their publication.
-    pub async fn occupying_builds(&self, profile: &str, since: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
+    /// The builds of a machine that occupy its printers: those that are made, and the published ones whose end was not told
+    /// ([`FORGOTTEN_AFTER`]), in the order of their publication.
+    pub async fn occupying_builds(&self, profile: &str, now: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
+        let since = UtcTimestamp(now.0.checked_sub(FORGOTTEN_AFTER).unwrap_or(Timestamp::MIN));
         let columns =
             format!("SELECT id AS build, printer, state, height_mm, published_at, {BEGUN_AT} AS begun_at FROM build");
         let published = format!(
@@ -220,15 +227,15 @@ impl Ledger {
         Ok(builds)
     }
 
-    /// The last prints of a machine that ended well, of which the begin is known, the newest first.
-    pub async fn told_prints(&self, profile: &str, limit: u32) -> Result<Vec<ToldPrint>> {
+    /// The last prints of a machine that ended well, of which the begin is known, the newest first ([`LEARNED_PRINTS`]).
+    pub async fn told_prints(&self, profile: &str) -> Result<Vec<ToldPrint>> {
         let query = format!(
             "SELECT printer, height_mm, begun_at, told_at FROM (SELECT printer, height_mm, {BEGUN_AT} AS begun_at, \
              state_at AS told_at FROM build WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND state = 'complete' \
              AND height_mm IS NOT NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2) AS newest \
              WHERE begun_at IS NOT NULL AND begun_at < told_at"
         );
-        let query = sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).bind(limit);
+        let query = sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).bind(LEARNED_PRINTS);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    BuildId, BuildState, BuildsAhead, Ledger, NightState, PauseCause, UtcTimestamp,
+    BuildId, BuildState, BuildsAhead, Ledger, NightState, OccupyingBuild, PauseCause, ToldPrint, UtcTimestamp,
     error::Result,
     printer::BUILDS_AHEAD,
     sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
@@ -43,6 +43,15 @@ pub struct ProfileStatus {
     /// When the newest part arrived, be it read or not.
     #[serde(skip)]
     pub newest_at: Option<UtcTimestamp>,
+    /// The builds that occupy its printers, where a part that can be built has a due date.
+    #[serde(skip)]
+    pub occupying: Vec<OccupyingBuild>,
+    /// The prints from which is learned how long one takes, as for `occupying`.
+    #[serde(skip)]
+    pub told_prints: Vec<ToldPrint>,
+    /// When this was read.
+    #[serde(skip)]
+    pub read_at: Option<UtcTimestamp>,
     /// The open build.
     pub open: Option<OpenBuildForecast>,
     /// Builds that are being nested or published.
@@ -294,6 +303,12 @@ impl Ledger {
         }
         for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {
             profile_entry(&mut profiles, &profile).last_published = Some(row);
+        }
+        drop(snapshot);
+        let read_at = self.now().into();
+        for (profile, status) in profiles.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
+            status.occupying = self.occupying_builds(profile, read_at).await?;
+            (status.told_prints, status.read_at) = (self.told_prints(profile).await?, Some(read_at));
         }
         Ok(profiles.into_values().collect())
     }

@@ -90,4 +90,9 @@ impl PrinterRules {
     pub fn begins_at(&self, at: jiff::Timestamp, zone: &FarmZone) -> jiff::Timestamp {
         self.calendar.next_open(at, zone.time_zone()).unwrap_or(jiff::Timestamp::MAX)
     }
+
+    /// The last moment up to `at` in which a print may begin, if there is one.
+    pub fn begins_by(&self, at: jiff::Timestamp, zone: &FarmZone) -> Option<jiff::Timestamp> {
+        self.calendar.last_open(at, zone.time_zone())
+    }
 }

@@ -53,6 +53,16 @@ impl WorkCalendar {
         })
     }
 
+    /// The last moment up to `at`, to the second, in which a print may begin; `None` = there is none in the two years before.
+    pub fn last_open(&self, at: Timestamp, zone: &TimeZone) -> Option<Timestamp> {
+        let today = at.to_zoned(zone.clone()).date();
+        (0..MAX_DAYS_AHEAD).find_map(|back| {
+            let day = today.checked_sub(back.days()).ok()?;
+            let spans = self.spans_of(day, zone).into_iter().filter(|(start, _)| *start <= at);
+            spans.filter_map(|(_, end)| Some(end.checked_sub(1.second()).ok()?.min(at))).max()
+        })
+    }
+
     /// Begin and end of the hours that begin on a day.
     fn spans_of(&self, day: Date, zone: &TimeZone) -> Vec<(Timestamp, Timestamp)> {
         if self.days_off.iter().any(|(first, last)| (*first..=*last).contains(&day)) {
@@ -155,6 +165,24 @@ mod tests {
         assert_eq!(next(&week, "2026-11-28T12:00"), "2026-11-30 06:00 CET");
         assert_eq!(next(&week, "2026-12-24T22:30"), "2026-12-26 08:30 CET");
         assert_eq!(next(&week, "2026-12-26T13:00"), "2027-01-02 08:30 CET");
+    }
+
+    #[test]
+    fn the_last_moment_in_which_a_print_begins_is_in_the_hours_before() {
+        let week = calendar("Mon-Fri 6-22, Sat 22-2", &["2026-12-25"]);
+        let last = |at: &str| {
+            let at: jiff::civil::DateTime = at.parse().unwrap();
+            let open = week.last_open(at.to_zoned(berlin()).unwrap().timestamp(), &berlin()).unwrap();
+            open.to_zoned(berlin()).strftime("%F %T").to_string()
+        };
+        assert_eq!(last("2026-11-25T07:15"), "2026-11-25 07:15:00");
+        assert_eq!(last("2026-11-25T05:00"), "2026-11-24 21:59:59");
+        assert_eq!(last("2026-11-29T01:00"), "2026-11-29 01:00:00", "the night of Saturday");
+        assert_eq!(last("2026-11-30T05:00"), "2026-11-29 01:59:59");
+        assert_eq!(last("2026-12-25T12:00"), "2026-12-24 21:59:59");
+        let never = calendar("Mon 6-7", &["2020-01-01..2030-01-01"]);
+        let in_it: Timestamp = "2026-11-25T12:00:00Z".parse().unwrap();
+        assert_eq!(never.last_open(in_it, &berlin()), None);
     }
 
     #[test]

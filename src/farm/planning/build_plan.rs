@@ -4,8 +4,11 @@
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    super::trigger::{DueFacts, FireTrigger, TriggerFacts, find_trigger, next_timed_trigger},
-    plan_facts::{PlanFacts, PlanLine, PrinterAhead, StandingLayout},
+    super::{
+        printer_outlook::{PrinterAhead, PrinterOutlook},
+        trigger::{DueFacts, FireTrigger, TriggerFacts, find_trigger, next_timed_trigger},
+    },
+    plan_facts::{PlanFacts, PlanLine, StandingLayout},
 };
 use crate::{
     ledger::{BuildId, DueArrival},
@@ -51,10 +54,10 @@ pub struct ComingPrint {
 
 /// Plans the builds to come of a machine, in the order in which they fire.
 pub fn plan_builds(profile: &MachineProfile, facts: &PlanFacts, now: Timestamp) -> Vec<ComingBuild> {
-    let mut printers = facts.printers.clone();
+    let mut outlook = facts.outlook.clone();
     let mut builds: Vec<ComingBuild> = Vec::new();
     for fired in &facts.fired {
-        let print = print_next(profile, facts, &mut printers, fired.height_mm, now);
+        let print = print_next(profile, &mut outlook, fired.height_mm, (now, now));
         let (lines, height_mm) = (Vec::new(), fired.height_mm);
         let is_nested = height_mm > 0.0;
         builds.push(ComingBuild {
@@ -73,11 +76,13 @@ pub fn plan_builds(profile: &MachineProfile, facts: &PlanFacts, now: Timestamp) 
         let taken = take_head(profile, facts, &mut waiting, layout.take());
         let fires = match facts.hindrance {
             Some(_) => None,
-            None => fire_of(profile, facts, &all, &taken, !waiting.is_empty(), fires_from),
+            None => fire_of(profile, (facts, &outlook), &all, &taken, !waiting.is_empty(), fires_from),
         };
+        // Where the queue is full, it goes on being the open build until a printer takes a file.
+        let fires = fires.and_then(|(at, by)| Some((outlook.room_from(profile.printing.queue_depth, at)?, by)));
         let print = fires.and_then(|(at, _)| {
             fires_from = at;
-            print_next(profile, facts, &mut printers, taken.height_mm, add_secs(at, profile.search.final_secs))
+            print_next(profile, &mut outlook, taken.height_mm, (at, add_secs(at, profile.search.final_secs)))
         });
         builds.push(ComingBuild { fires, print, ..taken });
     }
@@ -123,7 +128,7 @@ fn take_head(
 /// When a build of the waiting copies fires, and why, if it is looked at from `from` on.
 fn fire_of(
     profile: &MachineProfile,
-    facts: &PlanFacts,
+    (facts, outlook): (&PlanFacts, &PrinterOutlook),
     waiting: &[PlanLine],
     taken: &ComingBuild,
     is_full: bool,
@@ -135,7 +140,7 @@ fn fire_of(
     let trigger_facts = TriggerFacts {
         copies: waiting.iter().map(|line| line.copies as usize).sum(),
         oldest: waiting.iter().map(|line| line.part.times.claimed_at.0).min().unwrap_or_default(),
-        due: DueFacts::of_arrivals(profile, taken.height_mm, &dues, facts.newest),
+        due: DueFacts::of_arrivals(profile, outlook, taken.height_mm, &dues, facts.newest),
         height_mm: taken.height_mm,
         density: taken.volume_mm3 / profile.build_volume().size_mm.element_product(),
         full: is_full,
@@ -152,19 +157,24 @@ fn fire_of(
 /// Gives the next build to the printer that is free first, as the farm does.
 fn print_next(
     profile: &MachineProfile,
-    facts: &PlanFacts,
-    printers: &mut [PrinterAhead],
+    outlook: &mut PrinterOutlook,
     height_mm: f64,
-    ready_at: Timestamp,
+    (fires_at, ready_at): (Timestamp, Timestamp),
 ) -> Option<ComingPrint> {
+    let depth = profile.printing.queue_depth;
+    let has_room = |printer: &PrinterAhead| depth == 0 || printer.has_room(depth, fires_at);
+    // What has fired is not held back.
+    let is_held = !outlook.printers.iter().any(has_room);
     let begins_at = |printer: &PrinterAhead| {
         profile.printers[printer.place].begins_at(printer.free_at.max(ready_at), &profile.time_zone)
     };
     let key = |printer: &&mut PrinterAhead| (begins_at(printer), printer.builds, printer.place);
-    let printer = printers.iter_mut().min_by_key(key)?;
+    let usable = outlook.printers.iter_mut().filter(|printer| is_held || has_room(printer));
+    let printer = usable.min_by_key(key)?;
     let (free_at, begins_at) = (printer.free_at, begins_at(printer));
-    let ends_at = begins_at.checked_add(facts.times.occupied(height_mm)).ok()?;
+    let ends_at = begins_at.checked_add(outlook.times.occupied(height_mm)).ok()?;
     (printer.free_at, printer.builds) = (ends_at, printer.builds + 1);
+    printer.takes_at.push(begins_at);
     Some(ComingPrint { place: printer.place, ready_at, free_at, begins_at, ends_at })
 }
 

@@ -64,7 +64,7 @@ impl EndReserve {
     /// The time to hold back for a build of this height.
     pub fn span_of(&self, facts: &PlanFacts, height_mm: f64, is_nested: bool) -> SignedDuration {
         let higher_mm = if is_nested { 0.0 } else { facts.packing.spread * height_mm };
-        let hours = self.print_hours + facts.times.print_hours(higher_mm);
+        let hours = self.print_hours + facts.outlook.times.print_hours(higher_mm);
         SignedDuration::try_from_secs_f64(3600.0 * hours).unwrap_or(SignedDuration::MAX)
     }
 }
@@ -79,7 +79,7 @@ pub fn outlook_of_coming(
     due_at: Timestamp,
     now: Timestamp,
 ) -> Option<DateOutlook> {
-    let occupied = facts.times.occupied(build.height_mm);
+    let occupied = facts.outlook.times.occupied(build.height_mm);
     let ends = |begins: Timestamp| begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
     let at_once = ends(add_secs(now, profile.search.final_secs));
     let at_risk = |cause: RiskCause, until: Option<Timestamp>, is_late: bool| {
@@ -111,11 +111,11 @@ pub fn outlook_of_coming(
     if !is_first && fits_first {
         return at_risk(RiskCause::LeftOut, None, is_late);
     }
+    if ends(print.free_at) > limit {
+        return at_risk(RiskCause::PrinterBusy, Some(print.free_at), is_late);
+    }
     if ends(print.ready_at) > limit {
         return at_risk(RiskCause::AwaitsFire, build.fires.map(|(at, _)| at), is_late);
-    }
-    if ends(print.free_at.max(print.ready_at)) > limit {
-        return at_risk(RiskCause::PrinterBusy, Some(print.free_at), is_late);
     }
     at_risk(RiskCause::PrinterClosed, Some(print.begins_at), is_late)
 }
@@ -150,7 +150,7 @@ pub fn outlook_of_made(
     if ends_at <= limit {
         return None;
     }
-    let occupied = facts.times.occupied(build.height_mm);
+    let occupied = facts.outlook.times.occupied(build.height_mm);
     let ends = |begins: Timestamp| begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
     let (cause, until) = match () {
         () if due_at <= now => (RiskCause::Passed, None),

@@ -101,10 +101,11 @@ pub fn time_held_back(
     if again == 0 {
         return spread_secs;
     }
-    let busy = facts.printers.iter().map(|printer| printer.free_at).min().unwrap_or(now);
+    let busy = facts.outlook.printers.iter().map(|printer| printer.free_at).min().unwrap_or(now);
     let height_mm = odds.usual_height_mm.unwrap_or(build.height_mm).max(build.height_mm);
-    let estimate_secs =
-        busy.duration_since(now).as_secs_f64().max(0.0) + facts.times.occupied(height_mm).as_secs_f64() + spread_secs;
+    let estimate_secs = busy.duration_since(now).as_secs_f64().max(0.0)
+        + facts.outlook.times.occupied(height_mm).as_secs_f64()
+        + spread_secs;
     let round_secs = odds.turnaround_hours.map_or(estimate_secs, |hours| 3600.0 * hours);
     let begin_secs = profile.trigger.gather_secs + profile.search.final_secs;
     spread_secs + f64::from(again) * (begin_secs + round_secs)

@@ -270,7 +270,7 @@ fn outlook_of_unplanned(
 ) -> Option<DateOutlook> {
     let due_at = part.terms.due_at?.0;
     let height_mm = first.map_or(0.0, |build| build.height_mm);
-    let at_once = now.checked_add(reading.facts.times.occupied(height_mm)).unwrap_or(Timestamp::MAX);
+    let at_once = now.checked_add(reading.facts.outlook.times.occupied(height_mm)).unwrap_or(Timestamp::MAX);
     let margin_secs = profile.trigger.due_margin_secs.unwrap_or(0.0);
     let cause = match () {
         () if due_at <= now => RiskCause::Passed,

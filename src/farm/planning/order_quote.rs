@@ -213,7 +213,7 @@ impl OrderShares {
             height_mm,
             added_mm: (sum_mm(&plan.builds) - sum_mm(base)).max(0.0),
             share: own_mm / height_mm.max(1e-9),
-            print_hours: facts.times.print_hours(own_mm),
+            print_hours: facts.outlook.times.print_hours(own_mm),
             cake_litres: 1e-6 * base_mm2 * own_mm,
             part_litres: 1e-6 * with.iter().map(|build| volume_mm3(build)).sum::<f64>(),
         }

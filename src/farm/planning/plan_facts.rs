@@ -5,7 +5,7 @@ use std::{collections::HashSet, sync::Arc};
 use jiff::Timestamp;
 use nester::OrientationRule;
 
-use super::{super::print_times::PrintTimes, packing_experience::PackingExperience};
+use super::{super::printer_outlook::PrinterOutlook, packing_experience::PackingExperience};
 use crate::{
     ledger::{BuildId, PartId, PartRow, WaitingPart, compare_precedence, rank_waiting_copies},
     settings::MachineProfile,
@@ -37,17 +37,6 @@ pub struct StandingLayout {
     pub part_volume_mm3: f64,
 }
 
-/// A printer, and what lies ahead of it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PrinterAhead {
-    /// Its number in the machine's file.
-    pub place: usize,
-    /// When it has done what it was given; it may begin later, in its hours.
-    pub free_at: Timestamp,
-    /// Number of builds before that.
-    pub builds: usize,
-}
-
 /// A build that has fired, and for which no printer is decided yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiredBuild {
@@ -77,12 +66,10 @@ pub struct PlanFacts {
     pub newest: Timestamp,
     /// Builds that have fired and have no printer yet, the oldest first.
     pub fired: Vec<FiredBuild>,
-    /// The printers in use.
-    pub printers: Vec<PrinterAhead>,
+    /// The printers in use, and how long prints take.
+    pub outlook: PrinterOutlook,
     /// Why nothing fires; `None` = nothing prevents it.
     pub hindrance: Option<PlanHindrance>,
-    /// How long prints take.
-    pub times: PrintTimes,
     /// How high parts stand.
     pub packing: PackingExperience,
 }

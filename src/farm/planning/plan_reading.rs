@@ -8,14 +8,15 @@ use jiff::Timestamp;
 use super::{
     super::{
         layout::{CopyId, LayoutPlacement, placed_from_json},
-        print_times::{LEARN_FROM as PRINTS, PrintTimes, print_excess_hours},
+        print_times::{PrintTimes, print_excess_hours},
         printer_choice::{BuildSpan, build_spans},
+        printer_outlook::PrinterOutlook,
         printers::occupation_of,
         release_preview::awaits_release,
     },
     date_outlook::{EndReserve, MadeBuild},
     packing_experience::{self, PackingExperience, upper_end},
-    plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PrinterAhead, StandingLayout},
+    plan_facts::{FiredBuild, PlanFacts, PlanHindrance, StandingLayout},
 };
 use crate::{
     ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, PublishedExperience, WaitingPart},
@@ -74,13 +75,7 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
     let down = ledger.down_printers().await?;
     let is_down = |name: &str| down.iter().any(|down| down.profile == profile.name && down.printer == name);
     let spans = build_spans(profile, &occupying, &times, now);
-    let in_use = profile.printers.iter().enumerate().filter(|(_, rules)| !is_down(&rules.name));
-    let ahead = |(place, rules): (usize, &crate::settings::PrinterRules)| {
-        let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);
-        let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
-        PrinterAhead { place, free_at, builds: spans.iter().filter(|span| span.ends_at >= now).count() }
-    };
-    let printers: Vec<PrinterAhead> = in_use.map(ahead).collect();
+    let outlook = PrinterOutlook::new(profile, &occupying, times, |name| !is_down(name), now);
     let is_paused = status.as_ref().is_some_and(|row| row.paused.is_some());
     let is_homeless = |build: &&OccupyingBuild| build.printer.is_none() && build.published_at.is_none();
     let fired = |build: &OccupyingBuild| FiredBuild { build: build.build, height_mm: build.height_mm.unwrap_or(0.0) };
@@ -90,13 +85,12 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
         layout,
         newest: ledger.newest_arrival(&profile.name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0),
         fired: occupying.iter().filter(is_homeless).map(fired).collect(),
-        hindrance: match (is_paused, printers.is_empty()) {
+        hindrance: match (is_paused, outlook.printers.is_empty()) {
             (true, _) => Some(PlanHindrance::Paused),
             (false, true) => Some(PlanHindrance::NoPrinter),
             (false, false) => None,
         },
-        printers,
-        times,
+        outlook,
         packing: PackingExperience::learn(profile, &experience),
     };
     let under_way = read_under_way(ledger, profile, &occupying, &spans, now).await?;
@@ -130,7 +124,7 @@ async fn excess_hours(
     experience: &[PublishedExperience],
 ) -> Result<f64> {
     if times.learned_from > 0 {
-        let told = ledger.told_prints(&profile.name, PRINTS).await?;
+        let told = ledger.told_prints(&profile.name).await?;
         return Ok(upper_end(print_excess_hours(times, &told)).max(0.0));
     }
     let heights: Vec<f64> = experience.iter().map(|build| build.height_mm).collect();

@@ -5,11 +5,15 @@ use std::sync::Arc;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    super::{print_times::PrintTimes, trigger::tests::machine_with_triggers},
+    super::{
+        print_times::PrintTimes,
+        printer_outlook::{PrinterAhead, PrinterOutlook},
+        trigger::tests::machine_with_triggers,
+    },
     build_plan::{ComingBuild, plan_builds},
     date_outlook::{EndReserve, MadeBuild, RiskCause, outlook_of_coming, outlook_of_made},
     packing_experience::PackingExperience,
-    plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PlanLine, PrinterAhead, StandingLayout},
+    plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PlanLine, StandingLayout},
 };
 use crate::{
     ledger::{BuildId, PartId, PartRow, WaitingPart, fixtures::part_row},
@@ -48,15 +52,15 @@ fn cubes(id: i64, copies: u32, due: Option<f64>) -> WaitingPart {
 /// Facts at the usual density: 100 cubes stand 100 mm high.
 fn facts(profile: &MachineProfile, waiting: Vec<WaitingPart>) -> PlanFacts {
     let times = PrintTimes { hours_per_mm: 0.1, cool_down_hours: 0.0, learned_from: 0 };
-    let printers = (0..profile.printers.len()).map(|place| PrinterAhead { place, free_at: at(0.0), builds: 0 });
+    let idle = |place| PrinterAhead { place, free_at: at(0.0), builds: 0, takes_at: Vec::new() };
+    let printers = (0..profile.printers.len()).map(idle).collect();
     PlanFacts {
         lines: PlanFacts::rank_lines(profile, waiting, &Default::default()),
         layout: None,
         newest: at(0.0),
         fired: Vec::new(),
-        printers: printers.collect(),
+        outlook: PrinterOutlook { printers, times },
         hindrance: None,
-        times,
         packing: PackingExperience::learn(profile, &[]),
     }
 }
@@ -94,7 +98,7 @@ fn a_build_fires_early_enough_for_its_due_date_and_goes_to_the_printer_that_is_f
     let profile = machine(&rules);
     let plan = |due: f64, left: f64, right: f64| {
         let mut facts = facts(&profile, vec![cubes(1, 40, Some(due))]);
-        (facts.printers[0].free_at, facts.printers[1].free_at) = (at(left), at(right));
+        (facts.outlook.printers[0].free_at, facts.outlook.printers[1].free_at) = (at(left), at(right));
         let builds = plan_builds(&profile, &facts, at(0.0));
         let print = builds[0].print.unwrap();
         let name = profile.printers[print.place].name.clone();
@@ -103,9 +107,25 @@ fn a_build_fires_early_enough_for_its_due_date_and_goes_to_the_printer_that_is_f
     // It prints for 4 hours, and fires an hour before that.
     assert_eq!(plan(20.0, 0.0, 0.0), ("left".to_owned(), 15.0, 15.0, 19.0));
     assert_eq!(plan(20.0, 18.0, 0.0), ("right".to_owned(), 15.0, 15.0, 19.0));
+    assert_eq!(plan(28.0, 40.0, 0.0), ("right".to_owned(), 21.0, 21.0, 25.0), "the right one closes at 22");
+    // None can begin it in time.
     assert_eq!(plan(8.0, 10.0, 0.0), ("right".to_owned(), 3.0, 6.0, 10.0), "the right one begins at six");
     assert_eq!(plan(8.0, 5.0, 0.0), ("left".to_owned(), 3.0, 5.0, 9.0));
     assert_eq!(plan(2.0, 30.0, 30.0), ("left".to_owned(), 0.0, 30.0, 34.0));
+}
+
+#[test]
+fn where_the_queue_is_full_a_build_stays_open_until_a_printer_takes_a_file() {
+    let mut profile = machine("max_wait_secs = 0\n");
+    let fires = |profile: &MachineProfile| {
+        let builds = plan_builds(profile, &facts(profile, vec![cubes(1, 350, None)]), at(0.0));
+        lines(&builds).into_iter().map(|(_, _, [fires, begins, _])| (fires, begins)).collect::<Vec<_>>()
+    };
+    assert_eq!(fires(&profile), [(0.0, 0.0), (0.0, 10.0), (0.0, 20.0), (0.0, 30.0)]);
+    profile.printing.queue_depth = 1;
+    assert_eq!(fires(&profile), [(0.0, 0.0), (0.0, 10.0), (10.0, 20.0), (20.0, 30.0)]);
+    profile.printing.queue_depth = 2;
+    assert_eq!(fires(&profile), [(0.0, 0.0), (0.0, 10.0), (0.0, 20.0), (10.0, 30.0)]);
 }
 
 #[test]
@@ -172,9 +192,9 @@ fn a_due_date_at_risk_has_the_cause_that_would_have_to_go() {
     assert_eq!(cause(&waits, &base, 15.0), Some((RiskCause::AwaitsFire, false)), "one hour is little");
     assert_eq!(cause(&waits, &base, 16.0), None);
     let mut busy = base.clone();
-    busy.printers[0].free_at = at(20.0);
+    busy.outlook.printers[0].free_at = at(20.0);
     assert_eq!(cause(&waits, &busy, 23.0), Some((RiskCause::PrinterBusy, true)));
-    assert_eq!(cause(&waits, &busy, 12.0), Some((RiskCause::AwaitsFire, true)), "the printer is not all");
+    assert_eq!(cause(&waits, &busy, 12.0), Some((RiskCause::PrinterBusy, true)), "a flush would not help");
     let mut paused = base.clone();
     paused.hindrance = Some(PlanHindrance::Paused);
     assert_eq!(cause(&waits, &paused, 3.0), Some((RiskCause::Paused, true)));

@@ -5,9 +5,13 @@ use std::{cmp::Ordering, collections::VecDeque, sync::Arc};
 use jiff::Timestamp;
 
 use super::super::{
-    super::{print_times::PrintTimes, trigger::tests::machine_with_triggers},
+    super::{
+        print_times::PrintTimes,
+        printer_outlook::{PrinterAhead, PrinterOutlook},
+        trigger::tests::machine_with_triggers,
+    },
     packing_experience::PackingExperience,
-    plan_facts::{PlanFacts, PlanLine, PrinterAhead},
+    plan_facts::{PlanFacts, PlanLine},
 };
 use crate::{
     ledger::{PartRow, compare_precedence},
@@ -70,16 +74,15 @@ impl MonthMachine {
                 free_at = rules.begins_at(free_at, &self.profile.time_zone) + occupied(build);
             }
             let builds = printer.queue.len() + usize::from(printer.prints.is_some());
-            PrinterAhead { place, free_at, builds }
+            PrinterAhead { place, free_at, builds, takes_at: Vec::new() }
         });
         PlanFacts {
             lines: self.lines.clone(),
             layout: None,
             newest: self.newest,
             fired: Vec::new(),
-            printers: printers.collect(),
+            outlook: PrinterOutlook { printers: printers.collect(), times: PRINT_TIMES },
             hindrance: None,
-            times: PRINT_TIMES,
             packing,
         }
     }

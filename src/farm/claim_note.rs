@@ -276,9 +276,8 @@ pub(super) fn ticket_row(received: &ReceivedTicket) -> NewTicketRow {
 
 /// The order of a claim: its folder, or else its package.
 fn order_of_claim(claim: &ClaimedPart) -> String {
-    let path = Path::new(&claim.name);
-    let is_package = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("camspec"));
-    match path.file_stem().filter(|_| claim.order.is_empty() && is_package) {
+    let is_package = build_file::is_camspec_name(&claim.name.to_string_lossy());
+    match Path::new(&claim.name).file_stem().filter(|_| claim.order.is_empty() && is_package) {
         Some(stem) => intake::display_name(stem),
         None => claim.order.clone(),
     }

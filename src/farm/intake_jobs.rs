@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     intake::{self, PutContents, TicketError},
-    ledger::{NewPartRow, PartId, PartRow, PartState, RecordedPart, RefusalCause, UtcTimestamp},
+    ledger::{NewPartRow, PartId, PartRow, PartState, RecordedPart, RefusalCause, TakenOver, UtcTimestamp},
     settings::MachineProfile,
 };
 
@@ -262,8 +262,13 @@ async fn record_claimed_file(
         farm.reading.counted_reads.insert(recorded.id);
         if part_spec.is_ok() {
             let earlier = farm.ledger.find_revised_parts(recorded.id).await?;
-            // What was asked with a file of several solids is not known any more for the file as a whole.
-            let takes_over = row.ticket.is_none() && earlier.len() == 1;
+            let takes_over = match &earlier[..] {
+                _ if row.ticket.is_some() => TakenOver::Nothing,
+                [..] if build_file::is_camspec_name(&row.name) => TakenOver::Date,
+                [_] => TakenOver::All,
+                // What was asked with a file of several solids is not known any more for the file as a whole.
+                _ => TakenOver::Nothing,
+            };
             for old in earlier {
                 farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
             }

@@ -6,6 +6,8 @@ use std::{
     path::Path,
 };
 
+use build_file::is_camspec_name;
+
 use super::{
     ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
     code_page::decode_candidates,
@@ -92,7 +94,9 @@ impl ClaimedPart {
         }
         let asked = self.list.as_ref().map(|path| self.add_list_row(path, &mut given)).transpose()?.flatten();
         let name = self.display_name();
-        match read_copies_in_name(&name) {
+        // The name of a package is that of its order; how many of each line are wanted stands in it.
+        let in_name = if is_camspec_name(&name) { CopiesInName::Unsaid } else { read_copies_in_name(&name) };
+        match in_name {
             CopiesInName::Said(copies) => {
                 let ticket = Ticket { copies: Some(copies), ..Ticket::default() };
                 given.merge_ticket(SpecSource::Name, name.clone(), ticket, name);

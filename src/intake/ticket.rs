@@ -1,6 +1,6 @@
 //! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
-use build_file::{LengthUnit, escape_invisible, escape_invisible_lines};
+use build_file::{LengthUnit, MAX_CLEARANCE_MM, escape_invisible, escape_invisible_lines};
 use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
 use serde::Deserialize;
 use thiserror::Error;
@@ -11,7 +11,6 @@ use super::{
 };
 
 /// A larger clearance is taken for a wrong unit.
-const MAX_CLEARANCE_MM: f64 = 100.0;
 /// Maximum length of an order name or a note.
 const MAX_TEXT_BYTES: usize = 4096;
 /// The fields of a ticket. `None` = the ticket does not set the field.

@@ -57,19 +57,27 @@ impl Ledger {
             let (from, to) = (claimed.state.to_string(), PartState::Waiting.to_string());
             return Err(IllegalMove { thing: "part", from, to }.into());
         }
-        let mut waiting = Vec::new();
+        // All rows come first: each begins with what was asked with the file, and not with what the file asks for another solid.
+        let mut parts = Vec::new();
         for solid in solids {
-            if let Some(part) = find_or_insert_solid(&mut change, &claimed, solid).await? {
-                write_solid_facts(&mut change, &part, solid).await?;
-                change.move_part(part.id, PartState::Waiting, None, "").await?;
-                // A part that is read again keeps its copies, which were counted when it was read first.
-                if part.measures.triangles.is_none() {
-                    change.note_wanted_change(i64::from(solid.copies)).await?;
-                }
-                // A part that was taken back may have all its copies in builds by now.
-                change.end_waiting(part.id, None).await?;
-                waiting.push(part.id);
+            parts.extend(find_or_insert_solid(&mut change, &claimed, solid).await?.map(|part| (part, solid)));
+        }
+        let taken_over = match solids {
+            [_] => change.has_taken_copies_over(id).await?.then_some(claimed.owed.copies),
+            _ => None,
+        };
+        let mut waiting = Vec::new();
+        for (part, solid) in parts {
+            let copies = taken_over.unwrap_or(solid.copies);
+            write_solid_facts(&mut change, &part, solid, copies).await?;
+            change.move_part(part.id, PartState::Waiting, None, "").await?;
+            // A part that is read again keeps its copies, which were counted when it was read first.
+            if part.measures.triangles.is_none() {
+                change.note_wanted_change(i64::from(copies)).await?;
             }
+            // A part that was taken back may have all its copies in builds by now.
+            change.end_waiting(part.id, None).await?;
+            waiting.push(part.id);
         }
         if waiting.is_empty() {
             return Err(LedgerError::NoSolid(id));
@@ -280,7 +288,7 @@ async fn find_or_insert_solid(
 
 /// Stores what was read about a solid. The number of copies is kept if the part was read before, so a retry does not
 /// multiply it.
-async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &SolidFacts) -> Result<()> {
+async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &SolidFacts, copies: u32) -> Result<()> {
     let [x, y, z] = solid.size_mm;
     sql::query(
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
@@ -288,7 +296,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
          THEN '' ELSE $9 END WHERE id = $10",
     )
-    .bind(solid.copies)
+    .bind(copies)
     .bind(&solid.object_name)
     .bind(solid.triangles as i64)
     .bind(solid.volume_mm3)

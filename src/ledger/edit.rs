@@ -58,6 +58,20 @@ pub struct EditedPart {
     pub changes: Vec<String>,
 }
 
+/// What a revision without a ticket of its own takes over of the part that it replaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakenOver {
+    /// Nothing: it has a ticket, or replaces several parts.
+    Nothing,
+    /// The due date and the note: the rest stands in the file itself.
+    Date,
+    /// All that was asked with it.
+    All,
+}
+
+/// End of the detail of the event of a revision that takes all over.
+const ALL_TAKEN_OVER: &str = ", with all that was asked with it";
+
 impl Ledger {
     /// Changes what was asked with a part. A part that is built can be ordered in more copies, nothing else.
     pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
@@ -171,24 +185,31 @@ impl Ledger {
         Ok(query.bind(new).fetch_all(self.reader()?).await?)
     }
 
-    /// Records that a part that was just claimed replaces an earlier revision. Without a ticket of its own it takes over
-    /// what was asked with that one.
-    pub async fn record_revision(&self, old: PartId, new: PartId, takes_over: bool) -> Result<()> {
+    /// Records that a part that was just claimed replaces an earlier revision, and what it takes over of that one.
+    pub async fn record_revision(&self, old: PartId, new: PartId, takes_over: TakenOver) -> Result<()> {
         let mut change = self.begin_change().await?;
         let earlier = change.require_part(old).await?;
         sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(old).execute(change.db()).await?;
-        if takes_over {
-            sql::query(
+        let take = match takes_over {
+            TakenOver::Nothing => None,
+            TakenOver::Date => Some(
+                "UPDATE part SET (due_at, due_text, note) = (SELECT due_at, due_text, note FROM part WHERE id = $1) \
+                 WHERE id = $2 AND state = 'claimed'",
+            ),
+            TakenOver::All => Some(
                 "UPDATE part SET (copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
                  (SELECT copies - cancelled_copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note \
                  FROM part WHERE id = $1) WHERE id = $2 AND state = 'claimed'",
-            )
-            .bind(old)
-            .bind(new)
-            .execute(change.db())
-            .await?;
+            ),
+        };
+        if let Some(take) = take {
+            sql::query(take).bind(old).bind(new).execute(change.db()).await?;
         }
-        let asked = if takes_over { ", with all that was asked with it" } else { "" };
+        let asked = match takes_over {
+            TakenOver::Nothing => "",
+            TakenOver::Date => ", with its due date and its note",
+            TakenOver::All => ALL_TAKEN_OVER,
+        };
         let detail = format!("it replaces part {old}, an earlier revision{asked}");
         change.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await?;
         change.commit().await
@@ -199,6 +220,15 @@ impl Ledger {
         let query =
             sql::select_as("FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+impl LedgerChange {
+    /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.
+    pub(super) async fn has_taken_copies_over(&mut self, part: PartId) -> Result<bool> {
+        let query =
+            "SELECT EXISTS (SELECT 1 FROM event WHERE part_id = $1 AND kind = 'revised' AND detail LIKE '%' || $2)";
+        Ok(sql::query_scalar(query).bind(part).bind(ALL_TAKEN_OVER).fetch_one(self.db()).await?)
     }
 }
 

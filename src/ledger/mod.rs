@@ -86,7 +86,7 @@ pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState
 pub use decisions::ClaimDecisions;
 pub use deep_check::{BuiltPartRow, PartFileRow};
 pub use due_dates::DuePartRow;
-pub use edit::{EditedPart, PartEdit};
+pub use edit::{EditedPart, PartEdit, TakenOver};
 pub use error::LedgerError;
 pub use event::EventRow;
 pub use event_kind::EventKind;

@@ -289,7 +289,8 @@ impl PartTerms {
     pub fn with_request(mut self, request: &RequestedTerms) -> Self {
         self.reference.clone_from(&request.reference);
         self.priority = request.priority.unwrap_or(self.priority);
-        self.clearance_mm = request.clearance_mm.or(self.clearance_mm);
+        // Nobody asked for less than either.
+        self.clearance_mm = request.clearance_mm.into_iter().chain(self.clearance_mm).reduce(f64::max);
         self.orientation = request.orientation.unwrap_or(self.orientation);
         for tilt in &request.tilts.0 {
             if !self.tilts.0.contains(tilt) {

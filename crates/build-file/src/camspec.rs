@@ -15,8 +15,15 @@ use super::{FileReadError, LengthUnit, escape_invisible};
 
 /// Greatest deviation of a rotation matrix from an orthonormal one, and of a normal from length 1.
 const PRECISION: f64 = 1e-3;
+/// Greatest distance to all other parts that a file or a ticket may ask for, mm.
+pub const MAX_CLEARANCE_MM: f64 = 100.0;
 /// A fixed orientation obeys to this angle, degrees: matrices are written with few digits.
 const FIXED_WITHIN_DEG: f64 = 0.1;
+
+/// Whether a file of this name is a package.
+pub fn is_camspec_name(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with(".camspec")
+}
 
 /// What a package says of one of its models beyond the mesh.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -111,7 +118,7 @@ pub(super) fn parse_camspec(text: &str) -> Result<Vec<CamspecLine>, FileReadErro
     let mut lines = Vec::with_capacity(document.manifest.len());
     let (mut places, mut references) = (HashMap::new(), Vec::new());
     for raw in &document.manifest {
-        if places.insert(raw.id.to_lowercase(), lines.len()).is_some() {
+        if places.insert(raw.id.trim().to_lowercase(), lines.len()).is_some() {
             return Err(invalid(format!("the id {:?} is in its manifest twice", raw.id)));
         }
         references.push(reference_rotation(raw)?);
@@ -124,7 +131,7 @@ pub(super) fn parse_camspec(text: &str) -> Result<Vec<CamspecLine>, FileReadErro
     }
     let mut oriented = HashSet::new();
     for constraint in &document.constraints {
-        let at = places.get(&constraint.manifest_id.to_lowercase());
+        let at = places.get(&constraint.manifest_id.trim().to_lowercase());
         let &at = at.ok_or_else(|| {
             invalid(format!("a constraint names the id {:?}, which its manifest does not", constraint.manifest_id))
         })?;
@@ -200,7 +207,11 @@ fn spacing_mm(constraint: &RawConstraint) -> Result<f64, FileReadError> {
         let unit = read_unit(unit, &format!("the unit of {}", constraint.kind))?;
         let length = value[key].as_f64().filter(|length| length.is_finite() && *length >= 0.0);
         let length = length.ok_or_else(|| invalid(format!("{} has no {key}", constraint.kind)))?;
-        Ok::<_, FileReadError>(length * unit.mm_per_unit())
+        let mm = length * unit.mm_per_unit();
+        match mm <= MAX_CLEARANCE_MM {
+            true => Ok(mm),
+            false => Err(invalid(format!("{} is {mm} mm; it is {MAX_CLEARANCE_MM} mm at most", constraint.kind))),
+        }
     };
     match constraint.kind.as_str() {
         "MIN_PART_DISTANCE" => length(value, "distance"),

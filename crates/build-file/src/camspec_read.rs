@@ -26,12 +26,16 @@ pub(super) fn read_camspec_parts(
     read_model: &mut ModelReader<'_>,
 ) -> Result<PartFileContents, FileReadError> {
     let mut package = PackageReader::open(file, limits)?;
-    let document = package.find_entry(&DOCUMENTS).ok_or_else(|| FileReadError::Invalid {
-        format: "CAMSPEC",
-        reason: "there is no camspec.json in the package".to_owned(),
-    })?;
+    let documents = package.entries_named(&DOCUMENTS);
+    let [document] = &documents[..] else {
+        let reason = match &documents[..] {
+            [] => "there is no camspec.json in the package".to_owned(),
+            several => format!("it holds several documents: {}", escape_invisible(&several.join(", "))),
+        };
+        return Err(FileReadError::Invalid { format: "CAMSPEC", reason });
+    };
     let mut text = Vec::new();
-    package.unpack_entry(&document, MAX_DOCUMENT_BYTES, &mut text)?;
+    package.unpack_entry(document, MAX_DOCUMENT_BYTES, &mut text)?;
     let text = String::from_utf8(text)
         .map_err(|_| FileReadError::Invalid { format: "CAMSPEC", reason: format!("{document} is not UTF-8") })?;
     let folder = document.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
@@ -48,6 +52,7 @@ pub(super) fn read_camspec_parts(
             None => known.entry(key).or_insert(read_packed_model(&mut package, &folder, &line, read_model)?),
         };
         take_solids(&mut contents, read, &line);
+        check_totals(&contents, limits)?;
     }
     match contents.solids.is_empty() {
         true => {
@@ -101,6 +106,23 @@ fn take_solids(contents: &mut PartFileContents, read: &PartFileContents, line: &
         if !contents.warnings.contains(&warning) {
             contents.warnings.push(warning);
         }
+    }
+}
+
+/// A package is one dropped file: its lines together may ask for what one file may ask for.
+fn check_totals(contents: &PartFileContents, limits: &ReadLimits) -> Result<(), FileReadError> {
+    let total = |count: fn(&PartFileSolid) -> u64| contents.solids.iter().map(count).sum::<u64>();
+    let totals = [
+        (total(|solid| u64::from(solid.copies)), "copies", limits.max_copies, "max_copies"),
+        (total(|solid| solid.mesh.triangles().len() as u64), "triangles", limits.max_triangles, "max_triangles"),
+    ];
+    match totals.into_iter().find(|(total, _, limit, _)| total > limit) {
+        None => Ok(()),
+        Some((_, what, limit, key)) => Err(FileReadError::TooLarge {
+            what: format!("its lines have more than {limit} {what} together"),
+            limit,
+            key,
+        }),
     }
 }
 
@@ -179,6 +201,74 @@ mod tests {
         let path = package(dir.path(), &[("models/block.stl", stl.as_slice()), ("camspec.json", document.as_slice())]);
         let said = read(&path, Some(LengthUnit::Millimeter)).unwrap();
         assert!((said.solids[1].mesh.bounds().size().z - 30.0).abs() < 1e-4, "a ticket says the unit");
+    }
+
+    #[test]
+    fn what_is_not_clear_in_a_package_is_refused() {
+        let (dir, stl) = (tempfile::tempdir().unwrap(), block_stl());
+        let document = document(json!([line("a", "block.stl", 5, "MM")]));
+        let refused = |entries: &[(&str, &[u8])]| read(&package(dir.path(), entries), None).unwrap_err().to_string();
+        for [one, other] in [["a/camspec.json", "b/camspec.json"], ["camspec.json", ".camspec.json"]] {
+            let text =
+                refused(&[("models/block.stl", &stl), ("a/block.stl", &stl), (one, &document), (other, &document)]);
+            assert!(text.contains("several documents") && text.contains(one) && text.contains(other), "{text}");
+        }
+        let elsewhere = [("left/block.stl", &stl[..]), ("right/block.stl", &stl), ("camspec.json", &document)];
+        assert!(refused(&elsewhere).contains("no file \"block.stl\""));
+    }
+
+    #[test]
+    fn a_model_that_contradicts_its_line_is_refused_unless_a_ticket_says_the_unit() {
+        let dir = tempfile::tempdir().unwrap();
+        let xml = |unit: &str| {
+            format!(
+                r#"<model unit="{unit}" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1"
+                type="model"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/><vertex x="0" y="9" z="0"/>
+                <vertex x="0" y="0" z="9"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
+                <triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh></object></resources><build>
+                <item objectid="1"/></build></model>"#
+            )
+        };
+        let rels = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship
+            Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+        let document = document(json!([line("a", "block.3mf", 1, "MM")]));
+        let read_in = |unit: &str, ticket: Option<LengthUnit>| {
+            let model =
+                package(dir.path(), &[("_rels/.rels", rels.as_bytes()), ("3D/3dmodel.model", xml(unit).as_bytes())]);
+            let model = fs::read(model).unwrap();
+            read(&package(dir.path(), &[("models/block.3mf", &model), ("camspec.json", &document)]), ticket)
+        };
+        assert_eq!(read_in("millimeter", None).unwrap().solids[0].mesh.bounds().size().z, 9.0);
+        let text = read_in("inch", None).unwrap_err().to_string();
+        assert!(text.contains("block.3mf: its unit is Inch, and the manifest says Millimeter"), "{text}");
+        assert_eq!(read_in("inch", Some(LengthUnit::Centimeter)).unwrap().solids[0].mesh.bounds().size().z, 90.0);
+    }
+
+    #[test]
+    fn the_lines_of_a_package_ask_for_no_more_than_one_file_may() {
+        let (dir, stl) = (tempfile::tempdir().unwrap(), block_stl());
+        let limits = ReadLimits { max_copies: 10, max_triangles: 30, ..ReadLimits::for_testing() };
+        let read = |lines: serde_json::Value| {
+            let document = document(lines);
+            let path = package(dir.path(), &[("models/block.stl", &stl), ("camspec.json", &document)]);
+            read_part_file(&path, "brandt.camspec", None, LengthUnit::Millimeter, &limits)
+        };
+        let both =
+            |one: u32, other: u32| json!([line("a", "block.stl", one, "MM"), line("b", "block.stl", other, "MM")]);
+        assert_eq!(read(both(5, 5)).unwrap().solids.len(), 2, "24 triangles, 10 copies");
+        let error = read(both(5, 6)).unwrap_err();
+        assert!(matches!(error, FileReadError::TooLarge { key: "max_copies", .. }), "{error}");
+        let three =
+            json!([line("a", "block.stl", 1, "MM"), line("b", "block.stl", 1, "MM"), line("c", "block.stl", 1, "MM")]);
+        let error = read(three).unwrap_err();
+        assert!(matches!(error, FileReadError::TooLarge { key: "max_triangles", .. }), "{error}");
+        let mut wide: serde_json::Value = serde_json::from_slice(&document(both(1, 1))).unwrap();
+        wide["globalConstraints"] = json!([{"type": "MIN_PART_DISTANCE", "value": {"distance": 1e308, "units": "FT"}}]);
+        let wide = wide.to_string().into_bytes();
+        let path = package(dir.path(), &[("models/block.stl", &stl), ("camspec.json", &wide)]);
+        let error =
+            super::super::read_part_file(&path, "w.camspec", None, LengthUnit::Millimeter, &limits).unwrap_err();
+        assert!(error.to_string().contains("100 mm at most"), "{error}");
     }
 
     #[test]

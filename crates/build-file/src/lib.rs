@@ -53,7 +53,7 @@ pub use build_file::{
 };
 pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;
-pub use camspec::SolidRequest;
+pub use camspec::{MAX_CLEARANCE_MM, SolidRequest, is_camspec_name};
 pub use error::{FileReadError, FileWriteError};
 pub use file_end::{has_end, may_be_part};
 pub use file_name::build_file_name;

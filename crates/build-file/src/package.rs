@@ -2,7 +2,7 @@
 //! trusted.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashMap,
     fs::File,
     io::{self, BufReader, Read, Seek, SeekFrom, Write},
     path::Path,
@@ -98,15 +98,20 @@ impl PackageReader {
         result
     }
 
-    /// The first entry with one of these names, in any letter case, in the package or in its only folder.
-    pub(super) fn find_entry(&self, names: &[&str]) -> Option<String> {
-        let lower: Vec<String> = names.iter().map(|name| name.to_ascii_lowercase()).collect();
-        if let Some(name) = lower.iter().find(|name| self.entries.contains_key(*name)) {
-            return Some(name.clone());
-        }
-        let folders: HashSet<&str> = self.entries.keys().filter_map(|name| Some(name.split_once('/')?.0)).collect();
-        let mut inside = lower.iter().flat_map(|name| folders.iter().map(move |folder| format!("{folder}/{name}")));
-        inside.find(|name| self.entries.contains_key(name))
+    /// The first of these paths that is an entry, in any letter case.
+    pub(super) fn find_entry(&self, paths: &[&str]) -> Option<String> {
+        paths.iter().map(|path| path.to_ascii_lowercase()).find(|path| self.entries.contains_key(path))
+    }
+
+    /// The entries with one of these names, in any letter case, in the package or in its folders, in the order of the alphabet.
+    pub(super) fn entries_named(&self, names: &[&str]) -> Vec<String> {
+        let is_named = |path: &&String| {
+            let name = path.split_once('/').map_or(path.as_str(), |(_, name)| name);
+            names.iter().any(|wanted| wanted.eq_ignore_ascii_case(name))
+        };
+        let mut found: Vec<String> = self.entries.keys().filter(is_named).cloned().collect();
+        found.sort();
+        found
     }
 
     /// Unpacks an entry; a longer one than `most` bytes is refused.

@@ -7,10 +7,12 @@ use std::{
 };
 
 use super::{
-    FileReadError, LengthUnit, PartFileContents, ReadLimits, camspec_read,
+    FileReadError, LengthUnit, PartFileContents, ReadLimits,
+    camspec::is_camspec_name,
+    camspec_read,
     sniff::{FileFormat, ForeignFormat, HEAD_BYTES, detect_format},
     stl_read::{StlContents, read_ascii, read_binary},
-    threemf_read,
+    threemf_read::{self, AskedUnit},
 };
 
 /// Reads a dropped file. `name` is the name under which it was dropped (the store may use another name). The content
@@ -20,6 +22,16 @@ pub fn read_part_file(
     file: &Path,
     name: &str,
     unit: Option<LengthUnit>,
+    default_unit: LengthUnit,
+    limits: &ReadLimits,
+) -> Result<PartFileContents, FileReadError> {
+    read_file(file, name, unit.map(AskedUnit::Ticket), default_unit, limits)
+}
+
+fn read_file(
+    file: &Path,
+    name: &str,
+    unit: Option<AskedUnit>,
     default_unit: LengthUnit,
     limits: &ReadLimits,
 ) -> Result<PartFileContents, FileReadError> {
@@ -35,7 +47,7 @@ pub fn read_part_file(
     let mut head = Vec::new();
     (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
     let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
-    let stl_unit = unit.unwrap_or(default_unit);
+    let stl_unit = unit.map_or(default_unit, AskedUnit::unit);
     let contents = match detect_format(&head, len, name) {
         FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
         FileFormat::Camspec => return read_camspec(file, unit, limits),
@@ -54,13 +66,13 @@ pub fn read_part_file(
 }
 
 /// Reads a CAMSPEC package. Its models are STL or 3MF files.
-fn read_camspec(file: &Path, unit: Option<LengthUnit>, limits: &ReadLimits) -> Result<PartFileContents, FileReadError> {
+fn read_camspec(file: &Path, unit: Option<AskedUnit>, limits: &ReadLimits) -> Result<PartFileContents, FileReadError> {
     camspec_read::read_camspec_parts(file, limits, &mut |model, name, line| {
-        if name.to_ascii_lowercase().ends_with(".camspec") {
+        if is_camspec_name(name) {
             let remedy = "Unpack it, and drop the packages that are in it.";
             return Err(FileReadError::Unsupported { what: "it is a package in a package".to_owned(), remedy });
         }
-        read_part_file(model, name, unit.or(Some(line.unit)), line.unit, limits)
+        read_file(model, name, unit.or(Some(AskedUnit::Manifest(line.unit))), line.unit, limits)
     })
 }
 

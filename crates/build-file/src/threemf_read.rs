@@ -27,17 +27,39 @@ struct ItemGroup {
     part_number: Option<String>,
 }
 
-/// Reads a dropped package. `stem` names unnamed objects; `ticket_unit` overrides the file's unit.
+/// The unit that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AskedUnit {
+    /// By a person, who knows better than the file.
+    Ticket(LengthUnit),
+    /// By the package that the file is in, which it must not contradict.
+    Manifest(LengthUnit),
+}
+
+impl AskedUnit {
+    pub(super) fn unit(self) -> LengthUnit {
+        match self {
+            Self::Ticket(unit) | Self::Manifest(unit) => unit,
+        }
+    }
+}
+
+/// Reads a dropped package. `stem` names unnamed objects; `asked_unit` overrides the file's unit.
 pub(super) fn read_threemf_parts(
     file: &Path,
     stem: &str,
-    ticket_unit: Option<LengthUnit>,
+    asked_unit: Option<AskedUnit>,
     limits: &ReadLimits,
 ) -> Result<PartFileContents, FileReadError> {
     let document = ModelDocument::read_package(file, limits)?;
     let file_unit = document.start_part().unit;
-    let unit = ticket_unit.unwrap_or(file_unit);
+    let unit = asked_unit.map_or(file_unit, AskedUnit::unit);
     let mut warnings = document.warnings.clone();
+    if let Some(AskedUnit::Manifest(unit)) = asked_unit.filter(|_| unit != file_unit) {
+        let what = format!("its unit is {file_unit:?}, and the manifest says {unit:?}");
+        let remedy = "Say the same unit in both, or drop the package with a ticket that says the unit.";
+        return Err(FileReadError::Unsupported { what, remedy });
+    }
     if unit != file_unit {
         warnings.push(format!("the ticket's unit {unit:?} is used instead of the file's {file_unit:?}"));
     }

@@ -79,6 +79,34 @@ fn each_line_of_a_package_is_a_part_and_its_id_comes_back_in_the_pick_map_and_th
 }
 
 #[test]
+fn a_package_that_is_dropped_again_is_made_as_it_says_now_and_keeps_its_date() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let document = |lines: serde_json::Value, fixed: &str| {
+        let constraint = json!({"manifestId": fixed, "type": "FIXED_ORIENTATION", "value": {"rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1]}});
+        package(&json!({"version": "1.0.0", "manifest": lines, "constraints": [constraint], "globalConstraints": []}))
+    };
+    farm.drop_bytes("Brandt_x12.camspec.toml", b"due = 2031-01-01");
+    farm.drop_bytes("Brandt_x12.camspec", &document(json!([line("a", 5)]), "a"));
+    let first = farm.wait_for_parts(PartState::Waiting, 1);
+    assert_eq!((first[0].owed.copies, first[0].terms.orientation), (5, OrientationRule::Fixed));
+    farm.drop_bytes("Brandt_x12.camspec", &document(json!([line("a", 3), line("b", 2)]), "b"));
+    farm.wait_for_parts(PartState::Rejected, 1);
+    let parts = farm.wait_for_parts(PartState::Waiting, 2);
+    let asked = |part: &crate::ledger::PartRow| {
+        (
+            part.terms.reference.clone(),
+            part.owed.copies,
+            part.terms.orientation,
+            part.terms.due_at == first[0].terms.due_at,
+        )
+    };
+    let expected =
+        [("a".to_owned(), 3, OrientationRule::Free, true), ("b".to_owned(), 2, OrientationRule::Fixed, true)];
+    assert_eq!(parts.iter().map(asked).collect::<Vec<_>>(), expected);
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
 fn a_package_that_cannot_be_obeyed_is_refused_as_a_whole_with_the_reason() {
     let mut farm = HandDrivenFarm::open(QUICK);
     let place = json!({"x": 0, "y": 0, "z": 0, "units": "MM"});

@@ -245,8 +245,51 @@ async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
     assert!(ledger.find_revised_parts(other).await.unwrap().is_empty());
     let loose = ledger.record_claim(&revision("d", "")).await.unwrap().id;
     assert!(ledger.find_revised_parts(loose).await.unwrap().is_empty(), "without an order both are made");
-    ledger.record_revision(old, new, false).await.unwrap();
+    ledger.record_revision(old, new, TakenOver::Nothing).await.unwrap();
     assert_eq!(ledger.find_part(old).await.unwrap().unwrap().owed.replaced_by, Some(new));
+}
+
+/// Each solid begins with what was asked with the file, and not with what the file asks for the first one.
+#[tokio::test]
+async fn what_a_file_asks_for_one_of_its_solids_holds_for_that_one_alone() {
+    let ledger = fresh().await;
+    let file = ledger.record_claim(&asked(new_part("a", 1), |terms| terms.priority = 40)).await.unwrap().id;
+    let asks = |reference: &str, priority: Option<u8>, orientation: Option<OrientationRule>| {
+        Some(RequestedTerms {
+            reference: reference.to_owned(),
+            priority,
+            clearance_mm: None,
+            orientation,
+            tilts: RequiredTilts::default(),
+        })
+    };
+    let first = SolidFacts { request: asks("a", Some(100), Some(OrientationRule::Fixed)), ..solid(0, 1) };
+    let second = SolidFacts { request: asks("b", None, None), ..solid(1, 1) };
+    let parts = ledger.accept_solids(file, &[first, second]).await.unwrap();
+    let mut terms = Vec::new();
+    for part in parts {
+        let part = ledger.find_part(part).await.unwrap().unwrap();
+        terms.push((part.terms.reference, part.terms.priority, part.terms.orientation));
+    }
+    let expected = [("a".to_owned(), 100, OrientationRule::Fixed), ("b".to_owned(), 40, OrientationRule::Free)];
+    assert_eq!(terms, expected);
+}
+
+/// A file that holds five of its part, of which ten are wanted after an edit: its revision is made ten times, not fifty.
+#[tokio::test]
+async fn a_revision_takes_the_copies_over_that_are_wanted_however_many_its_file_holds() {
+    let ledger = fresh().await;
+    let old = ledger.record_claim(&new_part("a", 1)).await.unwrap().id;
+    ledger.accept_solids(old, &[solid(0, 5)]).await.unwrap();
+    ledger.edit_part(old, &PartEdit { copies: Some(10), ..PartEdit::default() }, "a@b").await.unwrap();
+    for (takes_over, claim, wanted) in [(TakenOver::All, "b", 10), (TakenOver::Nothing, "c", 5)] {
+        let new = ledger.record_claim(&new_part(claim, 1)).await.unwrap().id;
+        ledger.record_revision(old, new, takes_over).await.unwrap();
+        let taken = ledger.find_part(new).await.unwrap().unwrap().owed.copies;
+        ledger.accept_solids(new, &[solid(0, 5 * taken)]).await.unwrap();
+        assert_eq!(ledger.find_part(new).await.unwrap().unwrap().owed.copies, wanted, "{takes_over:?}");
+    }
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }
 
 #[tokio::test]
@@ -254,7 +297,7 @@ async fn an_order_whose_part_was_replaced_is_complete_with_the_copies_of_the_new
     let ledger = fresh().await;
     let old = line(&ledger, "a", 3, "brandt").await;
     let new = line(&ledger, "b", 3, "brandt").await;
-    ledger.record_revision(old, new, false).await.unwrap();
+    ledger.record_revision(old, new, TakenOver::Nothing).await.unwrap();
     ledger.cancel_part(old, RefusalCause::Replaced, "a newer one came").await.unwrap();
     assert_eq!(copies(&ledger, old).await, LineCopies { cancelled: 3, ..Default::default() });
     let build = published(&ledger, &[(new, 0), (new, 1), (new, 2)]).await;

@@ -101,7 +101,7 @@ fn measure_build(part: &Path, folder: &Path, arguments: &LargeMeshArguments) -> 
     let mut contents = step("read the part's file", || {
         build_file::read_part_file(part, "boulder.stl", None, LengthUnit::Millimeter, &limits)
     })?;
-    let mesh = Arc::new(contents.solids.remove(0).mesh);
+    let mesh = contents.solids.remove(0).mesh;
     drop(contents);
     println!("{} triangles, {} vertices", mesh.triangles().len(), mesh.vertices().len());
     step("a box tree by itself", || ClearanceTree::new(mesh.clone()));

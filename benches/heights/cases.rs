@@ -136,7 +136,7 @@ fn solids(
         return Ok(solids.clone());
     }
     let contents = build_file::read_part_file(path, name, None, LengthUnit::default(), &ReadLimits::default())?;
-    let solids: Vec<_> = contents.solids.into_iter().map(|s| (Arc::new(s.mesh), s.copies)).collect();
+    let solids: Vec<_> = contents.solids.into_iter().map(|s| (s.mesh, s.copies)).collect();
     known.insert(hash, solids.clone());
     Ok(solids)
 }

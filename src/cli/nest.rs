@@ -15,7 +15,7 @@ use nester::{LeftOutFit, NestingInstance, NestingSolution, PreparedMeshCache, Pr
 use super::{CommandExit, CommonArgs, UsageError, table::print_to_stderr};
 use crate::{build::BuildPart, farm::DiskPreparationCache};
 pub use args::NestArgs;
-pub use parts::parse_part_argument;
+pub use parts::{RequestedFile, parse_part_argument};
 use progress::SearchProgress;
 
 /// Largest size of the `--cache` folder, bytes.

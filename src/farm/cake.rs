@@ -274,7 +274,7 @@ impl OriginalMeshes {
             &self.meshes.limits,
         )
         .ok()?;
-        Some(Arc::new(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh))
+        Some(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh)
     }
 }
 

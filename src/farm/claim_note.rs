@@ -8,9 +8,9 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use nester::OrientationLimits;
 use serde::{Deserialize, Serialize};
 
+use super::file_fault::FileTerms;
 use crate::{
     intake::{
         self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
@@ -233,27 +233,23 @@ pub(super) fn new_part_row(
         }
     });
     let source = part_spec.and_then(|g| g.sources.first()).map(ticket_row);
-    let orientation = OrientationLimits::new(
-        ticket.orientation.unwrap_or(profile.turning.orientation),
-        ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
-        ticket.not_down.as_deref().unwrap_or(&profile.turning.not_down),
-    );
+    let FileTerms { limits, unit, copies } = FileTerms::of_ticket(&ticket, profile);
     NewPartRow {
         claim: claim.id.clone(),
         profile: profile.name.clone(),
         name: claim.display_name(),
         content_hash: stored.hash.clone(),
         bytes: stored.bytes,
-        copies: ticket.copies.unwrap_or(1),
+        copies,
         terms: NewTerms {
             order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
             priority: ticket.priority.unwrap_or(50),
             due_at,
             due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),
-            orientation: orientation.rule,
-            tilts: RequiredTilts(orientation.tilts),
+            orientation: limits.rule,
+            tilts: RequiredTilts(limits.tilts),
             clearance_mm: ticket.clearance_mm,
-            unit: ticket.unit,
+            unit,
             note: ticket.note.unwrap_or_default(),
         },
         warnings,

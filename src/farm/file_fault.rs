@@ -6,6 +6,7 @@ use solids::MeshDefects;
 
 use super::file_request::requested_terms;
 use crate::{
+    intake::Ticket,
     ledger::{RefusalCause, RequestedTerms},
     settings::{MachineProfile, MeshErrorPolicy},
 };
@@ -25,6 +26,17 @@ pub(super) struct FileTerms {
 }
 
 impl FileTerms {
+    /// The terms of a file with this ticket.
+    pub fn of_ticket(ticket: &Ticket, profile: &MachineProfile) -> Self {
+        let turning = &profile.turning;
+        let limits = OrientationLimits::new(
+            ticket.orientation.unwrap_or(turning.orientation),
+            ticket.keep_up.as_deref().unwrap_or(&turning.keep_up),
+            ticket.not_down.as_deref().unwrap_or(&turning.not_down),
+        );
+        Self { limits, unit: ticket.unit, copies: ticket.copies.unwrap_or(1) }
+    }
+
     /// These terms with what the file asks for one of its solids itself.
     fn with_request(&self, request: Option<&RequestedTerms>) -> Self {
         let mut terms = self.clone();

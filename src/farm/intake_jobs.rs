@@ -262,13 +262,7 @@ async fn record_claimed_file(
         farm.reading.counted_reads.insert(recorded.id);
         if part_spec.is_ok() {
             let earlier = farm.ledger.find_revised_parts(recorded.id).await?;
-            let takes_over = match &earlier[..] {
-                _ if row.ticket.is_some() => TakenOver::Nothing,
-                [..] if build_file::is_camspec_name(&row.name) => TakenOver::Date,
-                [_] => TakenOver::All,
-                // What was asked with a file of several solids is not known any more for the file as a whole.
-                _ => TakenOver::Nothing,
-            };
+            let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), earlier.len());
             for old in earlier {
                 farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
             }

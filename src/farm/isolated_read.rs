@@ -7,6 +7,7 @@ use std::{
     os::unix::process::{CommandExt, ExitStatusExt},
     path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
+    sync::Arc,
 };
 
 use anyhow::{Context, Result, ensure};
@@ -145,7 +146,7 @@ fn receive_solid(head: SolidHeader, from: &mut impl Read) -> Result<PartFileSoli
         corners.iter_mut().try_for_each(|number| from.read_exact(number))?;
         triangles.push(corners.map(u32::from_le_bytes));
     }
-    let mesh = Mesh::new(vertices, triangles)?;
+    let mesh = Arc::new(Mesh::new(vertices, triangles)?);
     Ok(PartFileSolid { name: head.name, mesh, copies: head.copies, warnings: head.warnings, request: head.request })
 }
 

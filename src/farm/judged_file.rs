@@ -3,7 +3,6 @@
 use std::{fs, path::Path};
 
 use build_file::ReadLimits;
-use nester::OrientationLimits;
 
 use super::{
     failure::PartReadError,
@@ -39,11 +38,5 @@ pub fn judge_file(
         Err(PartReadError::Refused(_, reason)) => return Some(reason),
         Err(PartReadError::TryLater(_)) => return None,
     };
-    let limits_of_turning = OrientationLimits::new(
-        ticket.orientation.unwrap_or(profile.turning.orientation),
-        ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
-        ticket.not_down.as_deref().unwrap_or(&profile.turning.not_down),
-    );
-    let terms = FileTerms { limits: limits_of_turning, unit: ticket.unit, copies: ticket.copies.unwrap_or(1) };
-    find_file_fault(&contents, &terms, profile, limits).map(|(_, reason)| reason)
+    find_file_fault(&contents, &FileTerms::of_ticket(ticket, profile), profile, limits).map(|(_, reason)| reason)
 }

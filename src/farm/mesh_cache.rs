@@ -32,8 +32,8 @@ impl MeshCache {
     }
 
     /// Inserts a mesh and returns the cached one (an equal one may be in the cache already).
-    pub fn insert(&self, key: MeshCacheKey, mesh: Mesh) -> Arc<Mesh> {
-        self.lock_meshes().entry(key).or_insert_with(|| Arc::new(mesh)).clone()
+    pub fn insert(&self, key: MeshCacheKey, mesh: Arc<Mesh>) -> Arc<Mesh> {
+        self.lock_meshes().entry(key).or_insert(mesh).clone()
     }
 
     /// Keeps only the meshes that are still needed.

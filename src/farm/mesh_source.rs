@@ -93,7 +93,7 @@ impl MeshSource {
 
     /// Keeps a mesh of a part in memory.
     pub fn insert_mesh(&self, profile: &MachineProfile, part: &PartRow, mesh: Mesh) {
-        self.mesh_cache.insert(cache_key(profile, part, part.solid.object_index), mesh);
+        self.mesh_cache.insert(cache_key(profile, part, part.solid.object_index), Arc::new(mesh));
     }
 
     /// The mesh of a part, from memory or from the store.

@@ -47,7 +47,11 @@ struct CopiesMention {
 }
 
 /// Reads what a file name says about the number of copies: `_x10`, `4x_`, `×3`, `qty_6`, `6 Stk`, `5ex`, `3個` and others.
+/// The name of a CAMSPEC package is that of its order, and says nothing: how many are wanted stands in the package.
 pub fn read_copies_in_name(name: &str) -> CopiesInName {
+    if build_file::is_camspec_name(name) {
+        return CopiesInName::Unsaid;
+    }
     let words = split_name_words(without_copy_number(without_extension(name)));
     let mut mentions = mentions_in_words(&words);
     // `plate_4x_M3_qty_6`: the clear word tells what the unclear one is not.

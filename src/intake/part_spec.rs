@@ -6,8 +6,6 @@ use std::{
     path::Path,
 };
 
-use build_file::is_camspec_name;
-
 use super::{
     ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
     code_page::decode_candidates,
@@ -94,9 +92,7 @@ impl ClaimedPart {
         }
         let asked = self.list.as_ref().map(|path| self.add_list_row(path, &mut given)).transpose()?.flatten();
         let name = self.display_name();
-        // The name of a package is that of its order; how many of each line are wanted stands in it.
-        let in_name = if is_camspec_name(&name) { CopiesInName::Unsaid } else { read_copies_in_name(&name) };
-        match in_name {
+        match read_copies_in_name(&name) {
             CopiesInName::Said(copies) => {
                 let ticket = Ticket { copies: Some(copies), ..Ticket::default() };
                 given.merge_ticket(SpecSource::Name, name.clone(), ticket, name);
@@ -187,6 +183,15 @@ pub(super) fn read_orphan_ticket(inbox: &Path, ticket: &InboxEntry) -> Option<(S
 
 fn display_file_name(path: &Path) -> String {
     display_name(path.file_name().unwrap_or_default())
+}
+
+/// Reads a ticket from its file.
+///
+/// # Errors
+/// It cannot be read, or is no ticket.
+pub fn read_ticket(path: &Path) -> Result<Ticket, TicketError> {
+    let text = read_ticket_text(path).map_err(|error| unreadable_ticket(path, error))?;
+    parse_ticket_text(path, &text)
 }
 
 fn parse_ticket_text(path: &Path, text: &str) -> Result<Ticket, TicketError> {

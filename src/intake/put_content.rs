@@ -182,6 +182,11 @@ impl ArrivingContent {
         Ok(self.file.write_all(chunk)?)
     }
 
+    /// Where it lies until it is kept or dropped.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Keeps the file under its BLAKE3, durably.
     ///
     /// # Errors

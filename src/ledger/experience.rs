@@ -32,13 +32,13 @@ pub struct PublishedExperience {
 sql_row!(PublishedExperience { build, state, height_mm, part_volume_mm3, copies, bad_copies, published_at, state_at });
 
 impl Ledger {
-    /// The last published builds of a machine, the newest first.
+    /// The last published builds of a machine that were not taken back out of the queue, the newest first.
     pub async fn published_experience(&self, profile: &str, limit: u32) -> Result<Vec<PublishedExperience>> {
         let query = sql::query_as(
             "SELECT id AS build, state, height_mm, part_volume_mm3, coalesce(copies, 0) AS copies, \
              (SELECT count(*) FROM bad_placement l WHERE l.build_id = build.id) AS bad_copies, published_at, state_at FROM build \
              WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND published_at IS NOT NULL AND height_mm IS NOT NULL \
-             AND part_volume_mm3 IS NOT NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2",
+             AND part_volume_mm3 IS NOT NULL AND withdrawn_at IS NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2",
         );
         Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
     }

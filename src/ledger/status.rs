@@ -305,7 +305,7 @@ impl Ledger {
             profile_entry(&mut profiles, &profile).last_published = Some(row);
         }
         drop(snapshot);
-        let read_at = self.now().into();
+        let read_at = self.now();
         for (profile, status) in profiles.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
             status.occupying = self.occupying_builds(profile, read_at).await?;
             (status.told_prints, status.read_at) = (self.told_prints(profile).await?, Some(read_at));

@@ -267,7 +267,7 @@ const DOORS: [ApiRoute; 12] = [
             ("POST", "/api/v1/quote"),
             "post_quote",
             "When parts could be done that nobody has ordered yet, and what they would add; nothing is changed",
-            RequestBody::Form("quote", schema_of::<quote::QuoteRequest>),
+            RequestBody::Form("quote", schema_of::<order_request::OrderRequest>),
             || post(quote::post_quote).layer(DefaultBodyLimit::disable()),
         )
     },

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -152,16 +153,21 @@ impl LineRequest {
                 false => format!("content = {content:?}; it must be a BLAKE3, 64 digits of 0-9 and a-f"),
             });
         }
-        let ticket_text = Value::Object(self.ticket_fields(order, name)?).to_string();
-        let ticket = Ticket::from_json(&ticket_text, name).map_err(|error| match error {
+        let (ticket, ticket_text) = self.read_ticket(order)?;
+        due_of(&ticket, zone)?;
+        let copies = ticket.copies.unwrap_or(1);
+        Ok(CheckedLine { name: name.to_owned(), content, ticket, ticket_text, copies })
+    }
+
+    /// The ticket that it stands for, and its text.
+    pub(super) fn read_ticket(&self, order: &OrderRequest) -> Result<(Ticket, String), String> {
+        let name = self.name.trim();
+        let text = Value::Object(self.ticket_fields(order, name)?).to_string();
+        let ticket = Ticket::from_json(&text, name).map_err(|error| match error {
             TicketError::Broken { why, .. } => why,
             other => other.to_string(),
         })?;
-        if let Some(due) = ticket.due {
-            due.to_timestamp(zone.time_zone()).map_err(|error| format!("its due date is no date here: {error}"))?;
-        }
-        let copies = ticket.copies.unwrap_or(1);
-        Ok(CheckedLine { name: name.to_owned(), content, ticket, ticket_text, copies })
+        Ok((ticket, text))
     }
 
     /// The fields of its ticket.
@@ -197,6 +203,12 @@ impl LineRequest {
         ];
         Ok(fields.into_iter().filter_map(|(field, value)| Some((field.to_owned(), value?))).collect())
     }
+}
+
+/// When a ticket is due, if it says so.
+pub(super) fn due_of(ticket: &Ticket, zone: &FarmZone) -> Result<Option<Timestamp>, String> {
+    let at = ticket.due.map(|due| due.to_timestamp(zone.time_zone())).transpose();
+    at.map_err(|error| format!("its due date is no date here: {error}"))
 }
 
 #[cfg(test)]

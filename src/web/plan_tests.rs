@@ -53,12 +53,13 @@ async fn a_quote_that_cannot_be_made_says_why_and_one_too_many_is_asked_to_come_
     let json = "application/json";
     for (asked, why) in [
         ("{\"machine\": \"none\", \"lines\": []}", "there is no machine none"),
-        ("{\"machine\": \"cube\", \"lines\": []}", "a quote has 1 to 200 lines"),
-        ("{\"machine\": \"cube\", \"lines\": [{\"copies\": 2}]}", "a line has either file or content"),
-        ("{\"machine\": \"cube\", \"lines\": [{\"content\": \"x\"}]}", "x is no BLAKE3"),
-        ("{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\"}]}", "a.stl is not here"),
-        ("{\"machine\": \"cube\", \"due\": \"soon\", \"lines\": [{\"file\": \"a.stl\"}]}", "date"),
-        ("{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\", \"prize\": 1}]}", "prize"),
+        ("{\"machine\": \"cube\", \"lines\": []}", "a quote has 1 to 500 lines"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"copies\": 2}]}", "missing field `name`"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"name\": \"a.stl\", \"content\": \"x\"}]}", "it must be a BLAKE3"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"name\": \"a.stl\"}]}", "line 1 (a.stl): it names no content"),
+        ("{\"machine\": \"cube\", \"due\": \"soon\", \"lines\": [{\"name\": \"a.stl\"}]}", "date"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"name\": \"a.stl\", \"unit\": \"parsec\"}]}", "parsec"),
+        ("{\"machine\": \"cube\", \"lines\": [{\"name\": \"a.stl\", \"prize\": 1}]}", "prize"),
     ] {
         let (status, answer) = ask_quote(&dashboard, json, asked.to_owned()).await;
         assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "{asked}: {answer}");
@@ -69,11 +70,14 @@ async fn a_quote_that_cannot_be_made_says_why_and_one_too_many_is_asked_to_come_
     assert_eq!((places.len(), status), (2, StatusCode::TOO_MANY_REQUESTS));
     drop(places);
     let form = quote_form(
-        "{\"machine\": \"cube\", \"lines\": [{\"file\": \"a.stl\"}, {\"file\": \"b.stl\"}]}",
+        "{\"machine\": \"cube\", \"lines\": [{\"name\": \"a.stl\"}, {\"name\": \"b.stl\"}]}",
         "a.stl",
         "solid",
     );
     let (status, answer) = ask_quote(&dashboard, "multipart/form-data; boundary=b", form).await;
     assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "{answer}");
-    assert!(answer.to_string().contains("b.stl is not here"), "{answer}");
+    assert!(
+        answer.to_string().contains("line 2 (b.stl): it names no content, and no file of that name came"),
+        "{answer}"
+    );
 }

@@ -20,7 +20,7 @@ use super::{
     error::{HandlerError, HandlerResult},
     state::DashboardState,
 };
-use crate::intake::{PutContents, PutError, StoredFile, is_content_hash};
+use crate::intake::{ArrivingContent, PutContents, PutError, StoredFile, is_content_hash};
 
 /// A file that the farm has.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -115,10 +115,20 @@ pub(super) fn take_place(web: &DashboardState) -> HandlerResult<tokio::sync::Own
 /// Receives a file as it comes, and keeps it under its BLAKE3.
 pub(super) async fn receive_content<E: std::fmt::Display>(
     web: &DashboardState,
-    mut chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
     announced: u64,
     expected: Option<String>,
 ) -> HandlerResult<StoredFile> {
+    let file = receive_file(web, chunks, announced).await?;
+    run_on_disk(move || file.finish_content(expected.as_deref())).await
+}
+
+/// Receives a file as it comes. It is removed when it is dropped.
+pub(super) async fn receive_file<E: std::fmt::Display>(
+    web: &DashboardState,
+    mut chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    announced: u64,
+) -> HandlerResult<ArrivingContent> {
     let (contents, max_bytes) = (put_contents(web), web.current_settings().limits.max_bytes);
     let token = rand::random();
     let mut file = run_on_disk(move || contents.begin_content(token, announced, max_bytes)).await?;
@@ -126,7 +136,7 @@ pub(super) async fn receive_content<E: std::fmt::Display>(
         let chunk = chunk.map_err(|error| incomplete_body(&error))?;
         file = run_on_disk(move || file.write_chunk(&chunk).map(|()| file)).await?;
     }
-    run_on_disk(move || file.finish_content(expected.as_deref())).await
+    Ok(file)
 }
 
 /// The body of a request ended before it was complete.

@@ -1,7 +1,12 @@
 //! Quotes for programs: when parts could be done that nobody has ordered yet. The files that come with a request are removed again, and
 //! nothing else is changed.
 
-use std::{path::Path, sync::Arc, time::Duration};
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::Context;
 use axum::{
@@ -10,69 +15,41 @@ use axum::{
     http::{StatusCode, header},
 };
 use jiff::Timestamp;
-use schemars::JsonSchema;
-use serde::Deserialize;
-use tempfile::TempDir;
-use tokio::io::AsyncWriteExt;
 
 use super::{
     error::{HandlerError, HandlerResult},
+    order_request::{LineRequest, MAX_LINES, OrderRequest, due_of},
+    put_content::{put_contents, receive_file},
     state::DashboardState,
 };
 use crate::{
     farm::{
         OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan, read_quoted_files,
     },
-    intake::{self, ContentStore},
+    intake::{ArrivingContent, ContentStore, is_content_hash},
     settings::MachineProfile,
 };
 
 /// Quotes that are made at the same time.
 pub(super) const MAX_QUOTES: usize = 2;
-/// Lines of a quote, and files that come with it.
-const MAX_LINES: usize = 200;
 /// Greatest length of the field `quote`, bytes.
-const MAX_QUESTION_BYTES: usize = 1 << 18;
+const MAX_QUESTION_BYTES: usize = 1 << 20;
 /// No quote is waited for any longer: large files take their time to be read.
 const TIME_LIMIT: Duration = Duration::from_secs(20);
 
-/// What a quote is asked for.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct QuoteRequest {
-    /// The machine.
-    machine: String,
-    /// The date that is wished for, such as 2026-11-25 (the end of that day in the farm's time zone) or 2026-11-25T17:00:00Z.
-    #[serde(default)]
-    due: Option<String>,
-    /// What is asked for.
-    lines: Vec<QuoteRequestLine>,
-}
-
-/// A part of a quote: a file that comes with the request, or one that the farm has.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct QuoteRequestLine {
-    /// Name of a file of the form.
-    #[serde(default)]
-    file: Option<String>,
-    /// BLAKE3 of the file of a part that the farm keeps, 64 hex digits.
-    #[serde(default)]
-    content: Option<String>,
-    /// Copies of each solid in it.
-    #[serde(default = "one_copy")]
-    copies: u32,
-}
-
-fn one_copy() -> u32 {
-    1
-}
+/// Files that came with a request, by name.
+type QuoteFiles = HashMap<String, ArrivingContent>;
 
 fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
     HandlerError::Refused(status, text.to_string())
 }
 
-/// Makes a quote for a JSON document, or for a form with such a document in its field `quote` and files.
+fn unprocessable(text: impl ToString) -> HandlerError {
+    refused(StatusCode::UNPROCESSABLE_ENTITY, text)
+}
+
+/// Makes a quote for what would be ordered with the same JSON document, or with a form with such a document in its field `quote` and
+/// files.
 pub(super) async fn post_quote(
     State(web): State<Arc<DashboardState>>,
     request: Request,
@@ -80,28 +57,25 @@ pub(super) async fn post_quote(
     let busy = || refused(StatusCode::TOO_MANY_REQUESTS, "other quotes are being made just now: ask again in a moment");
     let place = web.quote_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    let folder = TempDir::with_prefix("nestd-quote-").context("a folder for the files of a quote")?;
-    let asked = if kind.starts_with("multipart/form-data") {
+    let (asked, came) = if kind.starts_with("multipart/form-data") {
         let form =
             Multipart::from_request(request, &web).await.map_err(|error| refused(error.status(), error.body_text()))?;
-        receive_form(&web, form, folder.path()).await?
+        receive_form(&web, form).await?
     } else {
-        let body = Json::<QuoteRequest>::from_request(request, &web).await;
-        body.map_err(|error| refused(error.status(), error.body_text()))?.0
+        let body = Json::<OrderRequest>::from_request(request, &web).await;
+        (body.map_err(|error| refused(error.status(), error.body_text()))?.0, QuoteFiles::new())
     };
     let settings = web.current_settings();
     let profile = settings.profiles.get(&asked.machine).cloned().map(Arc::new);
-    let profile = profile
-        .ok_or_else(|| refused(StatusCode::UNPROCESSABLE_ENTITY, format!("there is no machine {}", asked.machine)))?;
-    let due_at = due_of(&asked, &profile)?;
-    let files = find_files(&web, &asked, folder.path()).await?;
+    let profile = profile.ok_or_else(|| unprocessable(format!("there is no machine {}", asked.machine)))?;
+    let (files, due_at) = find_files(&web, &profile, &asked, &came).await?;
     let now = Timestamp::now();
     let reading = read_plan(&web.ledger, &profile, now).await?;
     let (limits, meshes) = (settings.limits.clone(), web.quote_meshes.clone());
     let work = move || {
-        let parts = read_quoted_files(&profile, &limits, &files, true, now);
+        let parts = read_quoted_files(&profile, &limits, &files, Some(Instant::now() + TIME_LIMIT), now);
         // They are in memory, or refused.
-        drop(folder);
+        drop(came);
         let question = QuoteQuestion { parts: parts?, due_at, within: QUOTE_SEARCH_TIME };
         Ok(quote_order(&profile, &reading, question, &meshes, place, now))
     };
@@ -109,94 +83,80 @@ pub(super) async fn post_quote(
     let late = |_| refused(StatusCode::SERVICE_UNAVAILABLE, "it takes too long to read these files");
     match made.map_err(late)?.context("making a quote ended")? {
         Ok(quote) => Ok(Json(quote)),
-        Err(QuoteError::Refused(reason)) => {
-            Err(refused(StatusCode::UNPROCESSABLE_ENTITY, reason.trim_end_matches('.')))
-        }
+        Err(QuoteError::Refused(reason)) => Err(unprocessable(reason.trim_end_matches('.'))),
         Err(QuoteError::TryLater(why)) => Err(refused(StatusCode::SERVICE_UNAVAILABLE, why)),
     }
 }
 
-fn due_of(asked: &QuoteRequest, profile: &MachineProfile) -> HandlerResult<Option<Timestamp>> {
-    let parse = |text: &String| intake::parse_due_text(text, profile.time_zone.time_zone());
-    let due = asked.due.as_ref().map(parse).transpose();
-    due.map(|due| due.map(|(at, _)| at)).map_err(|why| refused(StatusCode::UNPROCESSABLE_ENTITY, why))
-}
-
-/// Receives a form: its document, and its files into a folder.
-async fn receive_form(web: &DashboardState, mut form: Multipart, folder: &Path) -> HandlerResult<QuoteRequest> {
+/// Receives a form: its document, and its files.
+async fn receive_form(web: &DashboardState, mut form: Multipart) -> HandlerResult<(OrderRequest, QuoteFiles)> {
     let broken = |error: axum::extract::multipart::MultipartError| refused(error.status(), error.body_text());
-    let (mut asked, mut files, max_bytes) = (None, 0, web.current_settings().limits.max_bytes);
-    while let Some(mut field) = form.next_field().await.map_err(broken)? {
+    let (mut asked, mut files) = (None, QuoteFiles::new());
+    while let Some(field) = form.next_field().await.map_err(broken)? {
         match field.file_name().map(str::to_owned) {
-            None if field.name() == Some("quote") => {
-                let mut text = Vec::new();
-                while let Some(chunk) = field.chunk().await.map_err(broken)? {
-                    text.extend_from_slice(&chunk);
-                    if text.len() > MAX_QUESTION_BYTES {
-                        return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, "the field quote is too long"));
-                    }
-                }
-                let read = serde_json::from_slice(&text);
-                asked =
-                    Some(read.map_err(|error| refused(StatusCode::UNPROCESSABLE_ENTITY, format!("quote: {error}")))?);
-            }
+            None if field.name() == Some("quote") => asked = Some(receive_question(field).await?),
             None => {}
-            Some(_) if files == MAX_LINES => {
+            Some(_) if files.len() == MAX_LINES => {
                 return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, format!("a quote takes {MAX_LINES} files at most")));
             }
             Some(name) => {
-                files += 1;
-                receive_file(field, &file_in(folder, &name), max_bytes).await?;
+                let file = receive_file(web, Box::pin(field), 0).await?;
+                if files.insert(name.clone(), file).is_some() {
+                    return Err(unprocessable(format!("two files of the form are called {name}")));
+                }
             }
         }
     }
-    asked.ok_or_else(|| refused(StatusCode::UNPROCESSABLE_ENTITY, "the form has no field quote"))
+    Ok((asked.ok_or_else(|| unprocessable("the form has no field quote"))?, files))
 }
 
-/// Where a file of this name lies: the name itself is no path here.
-fn file_in(folder: &Path, name: &str) -> std::path::PathBuf {
-    folder.join(blake3::hash(name.as_bytes()).to_hex().as_str())
-}
-
-async fn receive_file(mut field: Field<'_>, path: &Path, max_bytes: u64) -> HandlerResult<()> {
-    let mut file = tokio::fs::File::create(path).await.context("a file of a quote")?;
-    let mut bytes = 0;
+async fn receive_question(mut field: Field<'_>) -> HandlerResult<OrderRequest> {
+    let mut text = Vec::new();
     while let Some(chunk) = field.chunk().await.map_err(|error| refused(error.status(), error.body_text()))? {
-        bytes += chunk.len() as u64;
-        if bytes > max_bytes {
-            return Err(refused(
-                StatusCode::PAYLOAD_TOO_LARGE,
-                format!("a file may have {max_bytes} bytes (limits.max_bytes)"),
-            ));
+        text.extend_from_slice(&chunk);
+        if text.len() > MAX_QUESTION_BYTES {
+            return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, "the field quote is too long"));
         }
-        file.write_all(&chunk).await.context("a file of a quote")?;
     }
-    Ok(file.flush().await.context("a file of a quote")?)
+    serde_json::from_slice(&text).map_err(|error| unprocessable(format!("quote: {error}")))
 }
 
-/// The files of all lines: those of the form, and those in the store.
-async fn find_files(web: &DashboardState, asked: &QuoteRequest, folder: &Path) -> HandlerResult<Vec<QuotedFile>> {
-    let wrong = |text: String| Err(refused(StatusCode::UNPROCESSABLE_ENTITY, text));
+/// The files of all lines, and the earliest date that they say.
+async fn find_files(
+    web: &DashboardState,
+    profile: &MachineProfile,
+    asked: &OrderRequest,
+    came: &QuoteFiles,
+) -> HandlerResult<(Vec<QuotedFile>, Option<Timestamp>)> {
     if asked.lines.is_empty() || asked.lines.len() > MAX_LINES {
-        return wrong(format!("a quote has 1 to {MAX_LINES} lines"));
+        return Err(unprocessable(format!("a quote has 1 to {MAX_LINES} lines")));
+    }
+    let (mut files, mut dues) = (Vec::with_capacity(asked.lines.len()), Vec::new());
+    for (at, line) in asked.lines.iter().enumerate() {
+        let name = build_file::escape_invisible(line.name.trim());
+        let wrong = |why: String| unprocessable(format!("line {} ({name}): {why}", at + 1));
+        let (ticket, _) = line.read_ticket(asked).map_err(wrong)?;
+        dues.extend(due_of(&ticket, &profile.time_zone).map_err(wrong)?);
+        let path = find_file(web, line, came).await.map_err(wrong)?;
+        files.push(QuotedFile { name: line.name.trim().to_owned(), path, ticket });
+    }
+    Ok((files, dues.into_iter().min()))
+}
+
+/// Where the file of a line lies: it came with the request, was put, or is that of a part.
+async fn find_file(web: &DashboardState, line: &LineRequest, came: &QuoteFiles) -> Result<PathBuf, String> {
+    let Some(hash) = &line.content else {
+        let came = came.get(line.name.trim()).map(|file| file.path().to_owned());
+        return came.ok_or_else(|| "it names no content, and no file of that name came with the request".to_owned());
+    };
+    if !is_content_hash(hash) {
+        return Err(format!("content = {hash:?}; it must be a BLAKE3, 64 digits of 0-9 and a-f"));
     }
     let store = ContentStore::from_dir(web.current_settings().state_dir.join("store"));
-    let mut files = Vec::with_capacity(asked.lines.len());
-    for line in &asked.lines {
-        let (name, path) = match (&line.file, &line.content) {
-            (Some(name), None) => (name.clone(), file_in(folder, name)),
-            (None, Some(hash)) => {
-                let Ok(path) = store.file_path(hash) else { return wrong(format!("{hash} is no BLAKE3")) };
-                let known = web.ledger.parts_with_content(hash).await?.into_iter().next();
-                (known.map(|part| part.name).unwrap_or_default(), path)
-            }
-            _ => return wrong("a line has either file or content".to_owned()),
-        };
-        if line.copies == 0 || name.is_empty() || !tokio::fs::try_exists(&path).await.unwrap_or(false) {
-            let what = line.file.as_ref().or(line.content.as_ref());
-            return wrong(format!("{} is not here, or no copy of it is asked for", what.map_or("", String::as_str)));
+    for path in [Some(put_contents(web).path_of(hash)), store.file_path(hash).ok()].into_iter().flatten() {
+        if tokio::fs::try_exists(&path).await.unwrap_or(false) {
+            return Ok(path);
         }
-        files.push(QuotedFile { name, path, copies: line.copies });
     }
-    Ok(files)
+    Err(format!("the farm does not have content {hash}: put it first, to /api/v1/content/{hash}"))
 }

@@ -1,5 +1,7 @@
 //! The contents of a dropped file: turns vertices and triangles from any reader into checked parts with warnings.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use solids::{Mesh, MeshBuilder, MeshError};
 
@@ -27,7 +29,7 @@ pub struct PartFileSolid {
     /// The name in the file, or else the dropped file's name without extension.
     pub name: String,
     /// In mm. Not necessarily closed: see [`Mesh::defects`].
-    pub mesh: Mesh,
+    pub mesh: Arc<Mesh>,
     /// Number of copies that the file itself requests, at least 1.
     pub copies: u32,
     /// Warnings about this part, for people; sentences.
@@ -77,7 +79,7 @@ fn described_solid(name: String, mesh: Mesh, copies: u32, unit: LengthUnit) -> P
         ));
     }
     warnings.extend(suspicious_size(mesh.bounds().size().max_element(), unit));
-    PartFileSolid { name, mesh, copies, warnings, request: None }
+    PartFileSolid { name, mesh: Arc::new(mesh), copies, warnings, request: None }
 }
 
 /// The triangles of an STL file while it is read: welded and checked one by one.

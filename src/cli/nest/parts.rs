@@ -51,7 +51,7 @@ pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<
             for warning in contents.warnings.iter().cloned().chain(solid_warnings) {
                 print_to_stderr(&format!("{}: {warning}", row.name));
             }
-            let solids = contents.solids.into_iter().map(|s| (s.name, Arc::new(s.mesh), s.copies)).collect();
+            let solids = contents.solids.into_iter().map(|s| (s.name, s.mesh, s.copies)).collect();
             known.insert(source_hash.clone(), solids);
         }
         let solids = &known[&source_hash];

@@ -11,7 +11,10 @@ use super::{
     hand_driven_farm::farm_files::list_build_files,
     stl,
 };
-use crate::ledger::{CommandKind, PartState};
+use crate::{
+    intake::Ticket,
+    ledger::{CommandKind, PartState},
+};
 
 /// Searches are quick, nothing turns, and a build of 20 mm is printed in two hours.
 const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.2\narrival_secs = 0.1\nimprove_secs = 0\norientation = \"fixed\"\nprint_hours_per_mm = 0.1\n\
@@ -79,13 +82,18 @@ fn a_plan_changes_nothing_and_says_why_nothing_fires() {
     assert_eq!(last(&farm), before);
 }
 
+/// A file of a quote.
+fn quoted_file(name: &str, path: std::path::PathBuf, copies: u32) -> QuotedFile {
+    QuotedFile { name: name.to_owned(), path, ticket: Ticket { copies: Some(copies), ..Ticket::default() } }
+}
+
 /// A quote for copies of a mesh.
 fn quote(farm: &HandDrivenFarm, mesh: &solids::Mesh, copies: u32, due_in_hours: Option<i64>) -> OrderQuote {
     let (profile, now) = (Arc::new(farm.profiles()[PROFILE].clone()), farm.date());
     let path = farm.root().join("asked.stl");
     std::fs::write(&path, stl(mesh)).unwrap();
-    let files = [QuotedFile { name: "asked.stl".to_owned(), path: path.clone(), copies }];
-    let parts = read_quoted_files(&profile, &Default::default(), &files, false, now).unwrap();
+    let files = [quoted_file("asked.stl", path.clone(), copies)];
+    let parts = read_quoted_files(&profile, &Default::default(), &files, None, now).unwrap();
     std::fs::remove_file(path).unwrap();
     let due_at = due_in_hours.map(|hours| now.checked_add(jiff::SignedDuration::from_hours(hours)).unwrap());
     let question = QuoteQuestion { parts, due_at, within: std::time::Duration::from_secs(30) };
@@ -131,13 +139,40 @@ fn a_quote_inserts_into_a_copy_of_the_open_build_and_takes_nothing() {
 }
 
 #[test]
+fn parts_are_quoted_as_their_tickets_ask_and_large_files_only_so_many_at_a_time() {
+    let farm = HandDrivenFarm::open(MACHINE);
+    let (profile, path) = (farm.profiles()[PROFILE].clone(), farm.root().join("asked.stl"));
+    std::fs::write(&path, stl(&block(1.0, 2.0, 3.0))).unwrap();
+    let file = |ticket: &str| {
+        let ticket = Ticket::from_toml(ticket, "t").unwrap();
+        QuotedFile { name: "asked.stl".to_owned(), path: path.clone(), ticket }
+    };
+    let files = [
+        file("unit = \"inch\"\ncopies = 3\norientation = \"free\"\nclearance_mm = 4.0"),
+        file("priority = 100"),
+        file(""),
+    ];
+    let limits = build_file::ReadLimits { max_triangles: 24, ..Default::default() };
+    let parts = read_quoted_files(&profile, &limits, &files, None, farm.date()).unwrap();
+    let size = |at: usize| (parts[at].row.measures.size_z_mm.unwrap() * 10.0).round() / 10.0;
+    assert_eq!((size(0), size(1), size(2)), (76.2, 3.0, 3.0));
+    let [inch, urgent, _] = &parts[..] else { panic!("{parts:?}") };
+    assert_eq!((inch.row.owed.copies, inch.row.terms.clearance_mm), (3, Some(4.0)));
+    assert_eq!(inch.row.terms.orientation, nester::OrientationRule::Free);
+    assert_eq!((urgent.row.terms.priority, urgent.row.terms.orientation), (100, profile.turning.orientation));
+    let more = [&files[..], &[file("unit = \"cm\"")]].concat();
+    let refused = read_quoted_files(&profile, &limits, &more, None, farm.date()).unwrap_err();
+    assert!(refused.to_string().contains("24 triangles at most together"), "{refused}");
+}
+
+#[test]
 fn what_would_be_refused_is_not_quoted_and_what_it_delays_is_named() {
     let mut farm = HandDrivenFarm::open(MACHINE);
     let profile = farm.profiles()[PROFILE].clone();
     let path = farm.root().join("large.stl");
     std::fs::write(&path, stl(&block(300.0, 20.0, 20.0))).unwrap();
-    let files = [QuotedFile { name: "large.stl".to_owned(), path, copies: 1 }];
-    let refused = read_quoted_files(&profile, &Default::default(), &files, false, farm.date()).unwrap_err();
+    let files = [quoted_file("large.stl", path, 1)];
+    let refused = read_quoted_files(&profile, &Default::default(), &files, None, farm.date()).unwrap_err();
     assert!(refused.to_string().contains("the build volume of test is 120 x 120 x 120 mm"), "{refused}");
 
     // Two printers, both busy for four hours; the date of the waiting part is just kept.
@@ -176,10 +211,10 @@ fn quotes_take_less_than_two_seconds_with_400_waiting_parts() {
             let path = farm.root().join("asked.stl");
             std::fs::write(&path, stl(&sample_parts::random_part(seed))).unwrap();
             let began = Instant::now();
-            let files = [QuotedFile { name: "asked.stl".to_owned(), path, copies: 1 + (seed % 4) as u32 }];
+            let files = [quoted_file("asked.stl", path, 1 + (seed % 4) as u32)];
             let meshes = if is_warm { warm.clone() } else { farm.quote_meshes() };
             let reading = farm.ask(async |ledger| read_plan(ledger, &profile, now).await.unwrap());
-            let parts = read_quoted_files(&profile, &Default::default(), &files, false, now).unwrap();
+            let parts = read_quoted_files(&profile, &Default::default(), &files, None, now).unwrap();
             let question = QuoteQuestion { parts, due_at: None, within: crate::farm::QUOTE_SEARCH_TIME };
             let (busy, ended) = std::sync::mpsc::channel::<()>();
             nested +=

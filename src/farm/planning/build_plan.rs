@@ -52,7 +52,7 @@ pub struct ComingPrint {
     pub ends_at: Timestamp,
 }
 
-/// Plans the builds to come of a machine, in the order in which they fire.
+/// Plans the builds to come of a machine, in the order in which they fire. Copies beyond the last build that is planned are in none.
 pub fn plan_builds(profile: &MachineProfile, facts: &PlanFacts, now: Timestamp) -> Vec<ComingBuild> {
     let mut outlook = facts.outlook.clone();
     let mut builds: Vec<ComingBuild> = Vec::new();

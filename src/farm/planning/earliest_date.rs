@@ -65,7 +65,11 @@ pub fn plan_with_order(
     let builds = plan_builds(profile, &facts_with_order(profile, facts, order, due_at, stands), now);
     let ends = |build: &ComingBuild| build.print.map(|print| print.ends_at).filter(|at| *at < Timestamp::MAX);
     let of_order: Vec<usize> = (0..builds.len()).filter(|&at| holds_order(&builds[at], order)).collect();
-    let all_end = of_order.iter().all(|&at| ends(&builds[at]).is_some());
+    let of_part = |id: PartId| order.iter().any(|part| part.id == id);
+    let lines = builds.iter().flat_map(|build| &build.lines).filter(|line| of_part(line.part.id));
+    let planned: u64 = lines.map(|line| u64::from(line.copies)).sum();
+    let is_whole = planned == order.iter().map(|part| u64::from(part.owed.copies)).sum::<u64>();
+    let all_end = is_whole && of_order.iter().all(|&at| ends(&builds[at]).is_some());
     let last = of_order.iter().filter_map(|&at| Some((ends(&builds[at])?, at))).max();
     PlanWithOrder { due_at, done: last.filter(|_| all_end), builds }
 }

@@ -234,8 +234,12 @@ fn find_delays(
     let mut others = plan.builds.clone();
     others.iter_mut().for_each(|build| build.lines.retain(|line| !order.iter().any(|part| part.id == line.part.id)));
     let before = late(base);
-    let is_new =
-        |risk: &DateRisk| !before.iter().any(|known| (&known.order, known.due_at) == (&risk.order, risk.due_at));
+    // Parts without an order stand for themselves.
+    let is_same = |known: &DateRisk, risk: &DateRisk| {
+        let is_of_order = !risk.order.is_empty() || known.parts == risk.parts;
+        is_of_order && (&known.order, known.due_at) == (&risk.order, risk.due_at)
+    };
+    let is_new = |risk: &DateRisk| !before.iter().any(|known| is_same(known, risk));
     late(&others).into_iter().filter(is_new).collect()
 }
 

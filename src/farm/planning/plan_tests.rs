@@ -12,6 +12,7 @@ use super::{
     },
     build_plan::{ComingBuild, plan_builds},
     date_outlook::{EndReserve, MadeBuild, RiskCause, outlook_of_coming, outlook_of_made},
+    earliest_date::plan_earliest,
     packing_experience::PackingExperience,
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PlanLine, StandingLayout},
 };
@@ -112,6 +113,17 @@ fn a_build_fires_early_enough_for_its_due_date_and_goes_to_the_printer_that_is_f
     assert_eq!(plan(8.0, 10.0, 0.0), ("right".to_owned(), 3.0, 6.0, 10.0), "the right one begins at six");
     assert_eq!(plan(8.0, 5.0, 0.0), ("left".to_owned(), 3.0, 5.0, 9.0));
     assert_eq!(plan(2.0, 30.0, 30.0), ("left".to_owned(), 0.0, 30.0, 34.0));
+}
+
+#[test]
+fn an_order_that_no_plan_reaches_the_end_of_has_no_date() {
+    let profile = machine("max_wait_secs = 0\n");
+    let order = |copies: u32| {
+        plan_earliest(&profile, &facts(&profile, Vec::new()), &[Arc::new(cubes(1, copies, None).part)], false, at(0.0))
+    };
+    let (done, place) = order(10_000).done.unwrap();
+    assert_eq!((hour(done), place), (1000.0, 99));
+    assert_eq!(order(10_001).done, None, "only a hundred builds are planned");
 }
 
 #[test]

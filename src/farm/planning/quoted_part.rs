@@ -1,10 +1,14 @@
 //! The parts that a quote is asked for: read like dropped files, and put beside the waiting ones as if they had arrived now.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Instant,
+};
 
-use build_file::ReadLimits;
+use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use jiff::Timestamp;
-use nester::OrientationLimits;
 use solids::Mesh;
 
 use super::super::{
@@ -14,6 +18,7 @@ use super::super::{
     isolated_read::PartReadRequest,
 };
 use crate::{
+    intake::Ticket,
     ledger::{
         ClaimedFile, OwedCopies, PartId, PartMeasures, PartRejection, PartRow, PartState, PartTerms, PartTimes,
         RequiredTilts, SolidOfFile,
@@ -31,8 +36,8 @@ pub struct QuotedFile {
     pub name: String,
     /// Where it lies.
     pub path: PathBuf,
-    /// Copies of each solid in it.
-    pub copies: u32,
+    /// What its ticket would say.
+    pub ticket: Ticket,
 }
 
 /// A part that a quote is asked for.
@@ -55,7 +60,8 @@ pub enum QuoteError {
     TryLater(String),
 }
 
-/// Reads the files of a quote. `is_isolated`: in a process of their own each, because they come from outside.
+/// Reads the files of a quote, each once. `isolated_until`: in a process of their own each, because they come from outside, and none
+/// is begun later.
 ///
 /// # Errors
 /// One of them cannot be read, or would be refused.
@@ -63,88 +69,117 @@ pub fn read_quoted_files(
     profile: &MachineProfile,
     limits: &ReadLimits,
     files: &[QuotedFile],
-    is_isolated: bool,
+    isolated_until: Option<Instant>,
     now: Timestamp,
 ) -> Result<Vec<QuotedPart>, QuoteError> {
-    let mut parts: Vec<QuotedPart> = Vec::new();
+    let (mut parts, mut triangles): (Vec<QuotedPart>, u64) = Default::default();
+    let mut known: HashMap<(&Path, Option<LengthUnit>), PartFileContents> = HashMap::new();
     for file in files {
-        let request = PartReadRequest {
-            file: file.path.clone(),
-            name: file.name.clone(),
-            unit: None,
-            default_unit: profile.intake.unit,
-            limits: limits.clone(),
+        let terms = FileTerms::of_ticket(&file.ticket, profile);
+        let contents = match known.entry((&file.path, terms.unit)) {
+            Entry::Occupied(known) => &*known.into_mut(),
+            Entry::Vacant(place) => {
+                let contents = read_quoted_file(profile, limits, file, isolated_until)?;
+                triangles += contents.solids.iter().map(|solid| solid.mesh.triangles().len() as u64).sum::<u64>();
+                &*place.insert(contents)
+            }
         };
-        let contents = if is_isolated { request.read_isolated() } else { request.read_in_process() };
-        let contents = contents.map_err(|error| match error {
-            PartReadError::TryLater(why) => QuoteError::TryLater(why),
-            PartReadError::Refused(_, reason) => QuoteError::Refused(reason),
-        })?;
-        let terms = FileTerms { limits: machine_limits(profile), unit: None, copies: file.copies };
-        if let Some((_, reason)) = find_file_fault(&contents, &terms, profile, limits) {
+        if triangles > limits.max_triangles {
+            let most = limits.max_triangles;
+            return Err(QuoteError::Refused(format!(
+                "the files of a quote have {most} triangles at most together (limits.max_triangles): ask for fewer at a time"
+            )));
+        }
+        if let Some((_, reason)) = find_file_fault(contents, &terms, profile, limits) {
             return Err(QuoteError::Refused(reason));
         }
-        for (index, solid) in contents.solids.into_iter().enumerate() {
-            let number = i64::MAX - parts.len() as i64;
-            let place = SolidOfFile { object_index: index as u32, object_name: solid.name.clone() };
-            let mut row = quoted_row(profile, (PartId(number), &file.name), place, now);
-            row.owed.copies = solid.copies.saturating_mul(file.copies);
-            if let Some(request) = solid.request.as_deref().and_then(|request| requested_terms(request).ok()) {
-                row.terms = row.terms.with_request(&request);
-            }
-            let [x, y, z] = solid.mesh.bounds().size().to_array();
-            row.measures = PartMeasures {
-                triangles: Some(solid.mesh.triangles().len() as u64),
-                volume_mm3: Some(solid.mesh.volume_mm3()),
-                size_x_mm: Some(x),
-                size_y_mm: Some(y),
-                size_z_mm: Some(z),
-            };
-            parts.push(QuotedPart { row: Arc::new(row), mesh: Arc::new(solid.mesh) });
+        for (index, solid) in contents.solids.iter().enumerate() {
+            let number = PartId(i64::MAX - parts.len() as i64);
+            let row = quoted_row(profile, &terms, (number, file), (index as u32, solid), now);
+            parts.push(QuotedPart { row: Arc::new(row), mesh: solid.mesh.clone() });
         }
     }
     Ok(parts)
 }
 
-/// How parts may be turned, by the rules of the machine.
-fn machine_limits(profile: &MachineProfile) -> OrientationLimits {
-    let turning = &profile.turning;
-    OrientationLimits::new(turning.orientation, &turning.keep_up, &turning.not_down)
+fn read_quoted_file(
+    profile: &MachineProfile,
+    limits: &ReadLimits,
+    file: &QuotedFile,
+    isolated_until: Option<Instant>,
+) -> Result<PartFileContents, QuoteError> {
+    let request = PartReadRequest {
+        file: file.path.clone(),
+        name: file.name.clone(),
+        unit: file.ticket.unit,
+        default_unit: profile.intake.unit,
+        limits: limits.clone(),
+    };
+    let contents = match isolated_until {
+        Some(until) if Instant::now() > until => {
+            return Err(QuoteError::TryLater(
+                "it takes too long to read all these files: ask for fewer at a time".to_owned(),
+            ));
+        }
+        Some(_) => request.read_isolated(),
+        None => request.read_in_process(),
+    };
+    contents.map_err(|error| match error {
+        PartReadError::TryLater(why) => QuoteError::TryLater(why),
+        PartReadError::Refused(_, reason) => QuoteError::Refused(reason),
+    })
 }
 
-/// The row of a part without its measures, by the rules of the machine.
-fn quoted_row(profile: &MachineProfile, (id, name): (PartId, &str), solid: SolidOfFile, now: Timestamp) -> PartRow {
-    let limits = machine_limits(profile);
+/// The row of a solid, as if its file had arrived now.
+fn quoted_row(
+    profile: &MachineProfile,
+    asked: &FileTerms,
+    (id, file): (PartId, &QuotedFile),
+    (object_index, solid): (u32, &PartFileSolid),
+    now: Timestamp,
+) -> PartRow {
+    let [x, y, z] = solid.mesh.bounds().size().to_array();
+    let terms = PartTerms {
+        order_name: String::new(),
+        priority: file.ticket.priority.unwrap_or(USUAL_PRIORITY),
+        due_at: None,
+        due_text: String::new(),
+        orientation: asked.limits.rule,
+        tilts: RequiredTilts(asked.limits.tilts.clone()),
+        clearance_mm: file.ticket.clearance_mm,
+        unit: asked.unit,
+        note: String::new(),
+        reference: String::new(),
+    };
+    let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
     PartRow {
         id,
         profile: profile.name.clone(),
-        name: name.to_owned(),
-        solid,
+        name: file.name.clone(),
+        solid: SolidOfFile { object_index, object_name: solid.name.clone() },
         file: ClaimedFile { claim: String::new(), content_hash: String::new(), bytes: 0, reads: 0 },
         state: PartState::Waiting,
         rejection: PartRejection { reason: String::new(), refusal: None },
         warnings: String::new(),
         owed: OwedCopies {
-            copies: 1,
+            copies: solid.copies.saturating_mul(asked.copies),
             cancelled_copies: 0,
             put_back_at: None,
             fetch_at: None,
             question: String::new(),
             replaced_by: None,
         },
-        terms: PartTerms {
-            order_name: String::new(),
-            priority: USUAL_PRIORITY,
-            due_at: None,
-            due_text: String::new(),
-            orientation: profile.turning.orientation,
-            tilts: RequiredTilts(limits.tilts),
-            clearance_mm: None,
-            unit: None,
-            note: String::new(),
-            reference: String::new(),
+        terms: match &request {
+            Some(request) => terms.with_request(request),
+            None => terms,
         },
-        measures: PartMeasures { triangles: None, volume_mm3: None, size_x_mm: None, size_y_mm: None, size_z_mm: None },
+        measures: PartMeasures {
+            triangles: Some(solid.mesh.triangles().len() as u64),
+            volume_mm3: Some(solid.mesh.volume_mm3()),
+            size_x_mm: Some(x),
+            size_y_mm: Some(y),
+            size_z_mm: Some(z),
+        },
         times: PartTimes { claimed_at: now.into(), state_at: now.into(), damaged_at: None },
     }
 }

@@ -75,9 +75,12 @@ async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
     let ledger = fresh().await;
     let build = published_at(&ledger, "a", "left").await;
     let open = ledger.open_build("paper-200").await.unwrap();
+    let learned = async || ledger.published_experience("paper-200", 10).await.unwrap().len();
+    assert_eq!(learned().await, 1);
     ledger.begin_withdrawal(build, WITHDRAWN_BY_NESTD, "").await.unwrap();
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
     ledger.finish_withdrawal(build).await.unwrap();
+    assert_eq!(learned().await, 0, "it is no print that failed");
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), Some(build));
     assert_eq!(ledger.open_build("paper-200").await.unwrap().id, open.id);
     let other = waiting(&ledger, "b", 1).await;

@@ -73,7 +73,7 @@ fn read_builds() -> Vec<(String, String)> {
         let query = HistoryQuery { limit: Some(MAX_WORDS), ..HistoryQuery::default() };
         Ok(ledger.read_history(&query).await?)
     });
-    let meaning = |row: &crate::ledger::HistoryRow| format!("{}, {}", row.profile, row.state);
+    let meaning = |row: &crate::ledger::HistoryRow| format!("{}, {}", row.profile, row.state_word());
     read.unwrap_or_default().iter().map(|row| (format!("b{}", row.build), meaning(row))).collect()
 }
 

@@ -45,7 +45,8 @@ fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
     let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
-    let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts, columns));
+    let mut text =
+        format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state_word(), align_fields(&facts, columns));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();

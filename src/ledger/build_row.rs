@@ -185,7 +185,17 @@ pub struct BuildDocuments {
 
 sql_row!(BuildDocuments { layout, profile_snapshot, curve, sidecars });
 
+/// A state for people: "withdrawn" for a build that was taken back out of the queue.
+pub(super) fn state_word(state: BuildState, withdrawn_at: Option<UtcTimestamp>) -> String {
+    withdrawn_at.map_or_else(|| state.to_string(), |_| "withdrawn".to_owned())
+}
+
 impl BuildRow {
+    /// Its state for people, who call a build that was taken back out of the queue withdrawn, and not failed.
+    pub fn state_word(&self) -> String {
+        state_word(self.state, self.place.withdrawn_at)
+    }
+
     /// Height over time: (wall seconds, build height in mm) of each improvement that the search found. Empty until the
     /// build is verified.
     pub fn height_curve(&self) -> Vec<(f64, f64)> {

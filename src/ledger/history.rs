@@ -8,6 +8,7 @@ use sqlx::AssertSqlSafe;
 
 use super::{
     BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, UtcTimestamp,
+    build_row::state_word,
     error::Result,
     sql::{self, FromSqlRow, SqlRow, sql_row},
 };
@@ -174,6 +175,11 @@ impl HistoryRow {
     /// Whether its file was put into the queue and not taken back.
     pub fn is_published(&self) -> bool {
         self.published_at.is_some() && self.withdrawn_at.is_none()
+    }
+
+    /// Its state for people, who call a build that was taken back out of the queue withdrawn, and not failed.
+    pub fn state_word(&self) -> String {
+        state_word(self.state, self.withdrawn_at)
     }
 
     /// Share of the machine's height that the build uses, 0..1.

@@ -50,6 +50,8 @@ pub struct PlacementRow {
     pub published_at: Option<UtcTimestamp>,
     /// Whether it was told to be printed badly, so that it does not count.
     pub is_bad: bool,
+    /// Whether its build was taken back out of the queue before it was printed, so that it does not count.
+    pub is_withdrawn: bool,
     /// How it stands there.
     #[serde(flatten)]
     pub pose_columns: PoseColumns,
@@ -58,7 +60,7 @@ pub struct PlacementRow {
     pub removal: RemovalColumns,
 }
 
-sql_row!(PlacementRow { part_id, copy, build_id, build_state, published_at, is_bad; pose_columns, removal });
+sql_row!(PlacementRow { part_id, copy, build_id, build_state, published_at, is_bad, is_withdrawn; pose_columns, removal });
 
 /// How a copy stands in a build; `None` until the build is verified.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -118,7 +120,8 @@ impl Ledger {
     /// The placements of a part, by copy.
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
         let query = sql::select_as(
-            "FROM (SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id) \
+            "FROM (SELECT l.*, b.state AS build_state, b.published_at, \
+             b.withdrawn_at IS NOT NULL AS is_withdrawn FROM build_copy l JOIN build b ON b.id = l.build_id) \
              AS placed WHERE part_id = $1 ORDER BY copy, build_id",
         );
         Ok(query.bind(part).fetch_all(self.reader()?).await?)
@@ -127,7 +130,8 @@ impl Ledger {
     /// The copies in a build with their poses, by part and copy.
     pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
         let query = sql::select_as(
-            "FROM (SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id) \
+            "FROM (SELECT l.*, b.state AS build_state, b.published_at, \
+             b.withdrawn_at IS NOT NULL AS is_withdrawn FROM build_copy l JOIN build b ON b.id = l.build_id) \
              AS placed WHERE build_id = $1 ORDER BY part_id, copy",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)

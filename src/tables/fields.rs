@@ -11,6 +11,8 @@ pub const PART: FieldDefinition = FieldDefinition::whole("Part");
 pub const PROFILE: FieldDefinition = FieldDefinition::text("Profile");
 /// State of a part or a build.
 pub const STATE: FieldDefinition = FieldDefinition::text("State");
+/// State of a build as the ledger has it: one that was withdrawn has failed there.
+pub const LEDGER_STATE: FieldDefinition = FieldDefinition::text("State in the ledger");
 /// When a build was published; before that, when it entered its state.
 pub const TIME: FieldDefinition = FieldDefinition::time("Time");
 /// What a person must say or do for a part, and how.

@@ -73,10 +73,10 @@ pub const ORDER_BUILD_COLUMNS: &[TableColumn<BuiltCopies>] = &[
 ];
 
 impl BuiltCopies {
-    /// The builds that hold copies of a line, oldest first.
+    /// The builds that hold copies of a line and were not taken back out of the queue, oldest first.
     pub fn of_line(line: &OrderLine, placements: &[PlacementRow]) -> Vec<Self> {
         let mut builds: BTreeMap<i64, Self> = BTreeMap::new();
-        for placed in placements {
+        for placed in placements.iter().filter(|placed| !placed.is_withdrawn) {
             let counted = builds.entry(placed.build_id.0).or_insert_with(|| Self {
                 build: placed.build_id,
                 build_state: placed.build_state,

@@ -118,7 +118,11 @@ fn where_or_why(row: &OrderedPart) -> CellValue {
 pub fn whereabouts(placements: &[PlacementRow]) -> String {
     let mut builds: BTreeMap<(BuildId, String), u32> = BTreeMap::new();
     for placement in placements {
-        let state = if placement.is_bad { "bad".to_owned() } else { placement.build_state.to_string() };
+        let state = match placement {
+            placement if placement.is_withdrawn => "withdrawn".to_owned(),
+            placement if placement.is_bad => "bad".to_owned(),
+            placement => placement.build_state.to_string(),
+        };
         *builds.entry((placement.build_id, state)).or_default() += 1;
     }
     let texts: Vec<String> = builds.iter().map(|((id, state), n)| format!("{n} in build {id} ({state})")).collect();

@@ -46,10 +46,10 @@ pub(super) async fn show_build(
         None => Markup::default(),
     };
     let content = html! {
-        h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
+        h1 { "Build " (build.id) " on " (build.profile) ": " (build.state_word()) }
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
-            p class=(if is_failure(build.state) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
+            p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
         @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
         p.links { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" }
@@ -100,8 +100,8 @@ fn view_version(build: &BuildRow) -> String {
 }
 
 /// Whether the reason of a build is a failure, not a note of the operator.
-fn is_failure(state: BuildState) -> bool {
-    matches!(state, BuildState::Failed | BuildState::Interrupted)
+fn is_failure(build: &BuildRow) -> bool {
+    build.place.withdrawn_at.is_none() && matches!(build.state, BuildState::Failed | BuildState::Interrupted)
 }
 
 /// A chart of the build height over the time of the search.

@@ -28,7 +28,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 12] = [
+const MIGRATIONS: [ServerMigration; 13] = [
     migration(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
@@ -59,6 +59,10 @@ const MIGRATIONS: [ServerMigration; 12] = [
     ServerMigration {
         is_additive: true,
         ..migration(30, "references", include_str!("../../../migrations/postgres/0030_references.sql"))
+    },
+    ServerMigration {
+        is_additive: true,
+        ..migration(31, "withdrawn views", include_str!("../../../migrations/postgres/0031_withdrawn_views.sql"))
     },
 ];
 

@@ -81,6 +81,15 @@ async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
     ledger.finish_withdrawal(build).await.unwrap();
     assert_eq!(learned().await, 0, "it is no print that failed");
+    let history = ledger.read_history(&HistoryQuery::default()).await.unwrap();
+    assert_eq!((history[0].state_word().as_str(), history[0].is_published()), ("withdrawn", false));
+    let part = ledger.placements_of_build(build).await.unwrap()[0].part_id;
+    let line = ledger.line_of_part(part).await.unwrap();
+    assert_eq!((line.copies.bad, line.copies.waiting), (0, 1));
+    assert!(ledger.placements_of_part(part).await.unwrap().iter().all(|placed| placed.is_withdrawn));
+    let views = "SELECT h.state, p.copies_bad FROM v_build_history h JOIN v_part_history p ON p.part = $1";
+    let seen: Vec<(String, i64)> = sql::query_as(views).bind(part).fetch_all(ledger.reader().unwrap()).await.unwrap();
+    assert_eq!(seen, [("withdrawn".to_owned(), 0)]);
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), Some(build));
     assert_eq!(ledger.open_build("paper-200").await.unwrap().id, open.id);
     let other = waiting(&ledger, "b", 1).await;

@@ -171,7 +171,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
             farm.query_ledger(async |ledger| ledger.resume_profile("test", "a@test").await.unwrap());
             !list_build_files(&queue(&farm, "test")).is_empty()
         };
-        wait_until_or("a build is in the queue", 60.0, || log_text(&farm), is_queued);
+        wait_until_or("a build is in the queue", 180.0, || log_text(&farm), is_queued);
         for build in farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()) {
             if random.random_bool(0.8) {
                 // Its printer may have taken it.

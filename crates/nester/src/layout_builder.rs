@@ -19,6 +19,8 @@ use super::{
 /// Voxels by which a part is grown beyond half its clearance. Less growth wastes less space, but fails the exact test
 /// more often.
 const GROWTH_VOXELS: f64 = 0.45;
+/// Least pitch of a finer builder, mm and relative to the clearance.
+const LEAST_PITCH: (f64, f64) = (0.3, 0.15);
 /// Greatest memory for remembered lowest layers, bytes.
 const MAX_LOWEST_LAYER_BYTES: usize = 64 << 20;
 /// Number of positions that may fail the exact test before a part is placed on top of all others.
@@ -69,6 +71,13 @@ impl<'t> LayoutBuilder<'t> {
             must_be_removable: prepared.must_be_separable,
             steps: 0,
         }
+    }
+
+    /// A builder whose voxels are at most `factor` times finer, for lower first layouts that cost more.
+    pub(crate) fn finer_by(prepared: &'t PreparedInstance, factor: f64) -> Self {
+        let builder = Self::new(prepared);
+        let least = LEAST_PITCH.0.max(LEAST_PITCH.1 * prepared.max_clearance_mm);
+        Self { pitch: (builder.pitch / factor).max(least), ..builder }
     }
 
     /// The same builder, which tries at least this number of rotations of each item.

@@ -109,6 +109,8 @@ pub use solution::NestingSolution;
 pub use tilt::{FaceNotDown, MAX_TILTS, TiltLimit, TiltLimitError, write_tilts};
 
 #[cfg(test)]
+mod first_layout_tests;
+#[cfg(test)]
 mod improvement_tests;
 #[cfg(test)]
 mod interlock_tests;

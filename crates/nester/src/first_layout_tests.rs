@@ -1,0 +1,72 @@
+//! Tests of the first layouts: what they cost, and what finer voxels are good for.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{
+    NestingConfig, NestingInstance, OrientationRule, PreparedMeshes, SearchBudget,
+    layout_builder::LayoutBuilder,
+    nester::finer_voxels,
+    nester_tests::{asked, item},
+    nesting_run::NestingRun,
+    prepared_instance::height_mm,
+    recipe::PlacementRecipe,
+    testing::block,
+};
+
+/// Runs a test with a search that has made nothing yet.
+fn with_run<T>(instance: &NestingInstance, budget: &SearchBudget, test: impl FnOnce(&mut NestingRun<'_>) -> T) -> T {
+    let (config, meshes) = (NestingConfig::default(), PreparedMeshes::default());
+    test(&mut NestingRun::new(instance, &config, &meshes, budget, &mut ()))
+}
+
+#[test]
+fn finer_voxels_leave_less_air_between_parts() {
+    let instance =
+        asked(DVec3::new(12.0, 12.0, 60.0), 1.0, vec![item(block(DVec3::splat(10.3)), 3, OrientationRule::Fixed)]);
+    with_run(&instance, &SearchBudget::until_cancelled(), |run| {
+        let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
+        let height = |mut builder: LayoutBuilder<'_>| {
+            let built =
+                builder.build_separable(&PlacementRecipe::FIRST[0], &task.copies, &[], f64::INFINITY, |_| false);
+            let pieces = built.expect("nothing ends it");
+            assert_eq!(pieces.len(), 3);
+            height_mm(&pieces)
+        };
+        let (coarse, fine) = (height(LayoutBuilder::new(&task)), height(LayoutBuilder::finer_by(&task, 2.0)));
+        assert!(fine < coarse - 0.1 && fine >= 3.0 * 10.3 + 2.0, "{fine} {coarse}");
+    });
+}
+
+#[test]
+fn voxels_are_as_fine_as_what_is_left_of_the_share_allows() {
+    assert_eq!(finer_voxels(0.06, 0.06), None);
+    assert_eq!(finer_voxels(-0.1, 0.02), None);
+    let factor = finer_voxels(0.06, 0.02).expect("there is room for three layouts");
+    assert!((1.5..1.6).contains(&factor), "{factor}");
+    // An endless budget is no reason for endless voxels.
+    assert_eq!(finer_voxels(0.1, 0.0), Some(2.0));
+}
+
+#[test]
+fn first_layouts_keep_to_their_share_of_the_budget() {
+    let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+    let instance = asked(DVec3::new(60.0, 60.0, 120.0), 1.5, vec![item(clip, 12, OrientationRule::Free)]);
+    let made_of = |evaluations: u64| {
+        with_run(&instance, &SearchBudget::of_evaluations(evaluations), |run| {
+            let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
+            run.build_first_layouts(&task, &[]);
+            assert_eq!(run.best_items.len(), 12);
+            run.evaluations
+        })
+    };
+    // With a budget that is used up by it, only the very first one is built.
+    let first = made_of(1);
+    assert_eq!(made_of(15 * first), first, "nothing more fits into a tenth");
+    for evaluations in [40 * first, 100 * first] {
+        let made = made_of(evaluations);
+        // A layout that is under way ends after the part at which the share is used up.
+        assert!(made > first && made as f64 <= 0.1 * evaluations as f64 + 0.3 * first as f64, "{made} {first}");
+    }
+}

@@ -283,7 +283,7 @@ impl AlertKind {
             }
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
-                 them."
+                 them. Lines that a program ordered are cancelled with DELETE (docs/api.md)."
             }
             Self::Incomplete => {
                 "Add the rows or files that are missing, and leave one list in each folder; what is left is refused, each with its \

@@ -258,7 +258,9 @@ async fn record_claimed_file(
         Some(recorded) => recorded,
         None => farm.ledger.record_claim(row).await?,
     };
-    if recorded.is_new {
+    let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
+    // One that was cancelled while its claim was made is refused already.
+    if recorded.is_new && part.state == PartState::Claimed {
         farm.reading.counted_reads.insert(recorded.id);
         if part_spec.is_ok() {
             let earlier = farm.ledger.find_revised_parts(recorded.id).await?;

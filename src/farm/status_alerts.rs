@@ -1,6 +1,8 @@
 //! The alerts that follow from the ledger, so that they are known after a restart too: failed builds and prints, parts
 //! and builds that wait for a yes, and parts of machines that are not configured.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
@@ -42,13 +44,21 @@ pub(super) async fn update_ledger_alerts(
     // Another node serves them, or this one takes them as soon as it can.
     let has_node =
         |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.profile == name && !row.node.is_empty());
-    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile) && !has_node(&row.profile)) {
-        let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
-        if parts > 0 || builds > 0 {
+    let arriving: BTreeMap<String, u32> = ledger.count_arriving_lines().await?.into_iter().collect();
+    let known: BTreeSet<&String> = rows.iter().map(|row| &row.profile).chain(arriving.keys()).collect();
+    for name in known.into_iter().filter(|name| !machines.contains_key(*name) && !has_node(name)) {
+        let row = rows.iter().find(|row| row.profile == *name);
+        let parts = row.map_or(0, |row| row.waiting_parts + row.claimed_parts);
+        let builds = row.map_or(0, |row| row.nesting.len());
+        let lines = arriving.get(name).copied().unwrap_or(0);
+        if parts > 0 || builds > 0 || lines > 0 {
             let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
-            let detail = format!("{parts} and {builds} in work");
-            alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
-            gone.push(row.profile.clone());
+            let ordered = match lines {
+                0 => String::new(),
+                lines => format!(", and {} ordered by request", format_count(lines, "line", "lines")),
+            };
+            alerts.raise(AlertKind::MachineGone, name, "", &format!("{parts} and {builds} in work{ordered}"));
+            gone.push(name.clone());
         }
     }
     alerts.retain_profiles(AlertKind::MachineGone, &gone);

@@ -198,12 +198,16 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
         let now = change.now;
         insert_ticket(change, id, ticket, now).await?;
     }
-    let detail = match change.take_ordered_line(&part.claim).await? {
-        Some(client) => format!("{}, ordered by {client}", part.name),
+    let line = change.take_ordered_line(&part.claim).await?;
+    let detail = match &line {
+        Some(line) => format!("{}, ordered by {}", part.name, line.client),
         None => part.name.clone(),
     };
     change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &detail).await?;
     change.open_order(&part.terms.order_name).await?;
+    if line.is_some_and(|line| line.is_cancelled) {
+        change.reject_part(id, RefusalCause::Cancelled, "Its line was cancelled before it was taken.").await?;
+    }
     Ok(RecordedPart { id, is_new: true })
 }
 

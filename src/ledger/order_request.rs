@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    Ledger, UtcTimestamp,
+    EventKind, Ledger, RefusalCause, UtcTimestamp,
     change::LedgerChange,
     error::Result,
     sql::{self, sql_row},
@@ -67,7 +67,18 @@ pub enum RecordedRequest {
     Known(AnsweredRequest),
 }
 
-/// The lines of which no part was recorded.
+/// A line whose part is being recorded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct TakenLine {
+    /// Who ordered it.
+    pub client: String,
+    /// Whether it was cancelled before: its claim was made at the same time.
+    pub is_cancelled: bool,
+}
+
+sql_row!(TakenLine { client, is_cancelled });
+
+/// The lines of which no part was recorded. One that was cancelled before counts as taken, and has no part.
 const ARRIVING: &str =
     "FROM ordered_line l WHERE taken_at IS NULL AND NOT EXISTS (SELECT 1 FROM part p WHERE p.claim = l.claim)";
 
@@ -123,6 +134,48 @@ impl Ledger {
         Ok(query.bind(order_name).fetch_all(self.reader()?).await?)
     }
 
+    /// How many lines arrive for each machine for which any do.
+    pub async fn count_arriving_lines(&self) -> Result<Vec<(String, u32)>> {
+        let query = format!("SELECT profile, count(*) {ARRIVING} GROUP BY profile ORDER BY profile");
+        Ok(sql::query_as(sqlx::AssertSqlSafe(query)).fetch_all(self.reader()?).await?)
+    }
+
+    /// Whether a line of an order was cancelled before it was a part; `None` = there is no such line, or it was forgotten.
+    pub async fn is_cancelled_line(&self, order_name: &str, claim: &str) -> Result<Option<bool>> {
+        let query = sql::query_scalar(
+            "SELECT taken_at IS NOT NULL AND NOT EXISTS (SELECT 1 FROM part p WHERE p.claim = l.claim) \
+             FROM ordered_line l WHERE order_name = $1 AND claim = $2",
+        );
+        Ok(query.bind(order_name).bind(claim).fetch_optional(self.reader()?).await?)
+    }
+
+    /// Whether lines of an order were cancelled before they were parts.
+    pub async fn has_cancelled_lines(&self, order_name: &str) -> Result<bool> {
+        let query = sql::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM ordered_line l WHERE order_name = $1 AND taken_at IS NOT NULL \
+             AND NOT EXISTS (SELECT 1 FROM part p WHERE p.claim = l.claim))",
+        );
+        Ok(query.bind(order_name).fetch_one(self.reader()?).await?)
+    }
+
+    /// Cancels a line of which the ledger has no part; `false` = it has one, or the line was cancelled before. A claim that is being made
+    /// of it becomes a part that is refused with it.
+    pub async fn cancel_arriving_line(&self, line: &OrderedLine, reason: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let now = change.now;
+        let cancel = sql::query(
+            "UPDATE ordered_line SET taken_at = $1 WHERE claim = $2 AND taken_at IS NULL \
+             AND NOT EXISTS (SELECT 1 FROM part p WHERE p.claim = ordered_line.claim)",
+        );
+        if cancel.bind(now).bind(&line.claim).execute(change.db()).await? == 0 {
+            return Ok(false);
+        }
+        let detail = format!("{} of order {}, ordered by {}: {reason}", line.name, line.order_name, line.client);
+        change.write_refusal_event(EventKind::Refused, &line.profile, None, RefusalCause::Cancelled, &detail).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
     /// The contents that lines need of which the ledger has no part.
     pub async fn contents_of_arriving_lines(&self) -> Result<Vec<String>> {
         let query = sql::query_scalar("SELECT DISTINCT content_hash FROM ordered_line WHERE taken_at IS NULL");
@@ -169,10 +222,16 @@ async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()
 }
 
 impl LedgerChange {
-    /// The part of a claim is being recorded. Returns who ordered it by request.
-    pub(super) async fn take_ordered_line(&mut self, claim: &str) -> Result<Option<String>> {
+    /// The part of a claim is being recorded. Returns the line that ordered it by request.
+    pub(super) async fn take_ordered_line(&mut self, claim: &str) -> Result<Option<TakenLine>> {
         let now = self.now;
-        let take = sql::query_scalar("UPDATE ordered_line SET taken_at = $1 WHERE claim = $2 RETURNING client");
-        Ok(take.bind(now).bind(claim).fetch_optional(self.db()).await?)
+        let find =
+            sql::query_as("SELECT client, taken_at IS NOT NULL AS is_cancelled FROM ordered_line WHERE claim = $1");
+        let found: Option<TakenLine> = find.bind(claim).fetch_optional(self.db()).await?;
+        if found.as_ref().is_some_and(|line| !line.is_cancelled) {
+            let take = sql::query("UPDATE ordered_line SET taken_at = $1 WHERE claim = $2");
+            take.bind(now).bind(claim).execute(self.db()).await?;
+        }
+        Ok(found)
     }
 }

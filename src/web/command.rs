@@ -109,13 +109,25 @@ pub(super) struct CommandAnswers {
     pub(super) is_complete: bool,
 }
 
+impl CommandAnswers {
+    /// Whether nothing was asked.
+    pub(super) fn is_empty(&self) -> bool {
+        self.is_complete && self.done.is_empty() && self.refusals.is_empty()
+    }
+}
+
 /// Sends commands to the daemon and waits for the answers; then shows the page `back` again, or what was refused.
 pub(super) async fn send_commands(
     web: &DashboardState,
     commands: Vec<NewCommand>,
     back: &str,
 ) -> HandlerResult<Response> {
-    let CommandAnswers { mut refusals, is_complete, .. } = run_commands(web, commands).await?;
+    show_answers(run_commands(web, commands).await?, back)
+}
+
+/// Shows the page `back` again, or what was refused.
+pub(super) fn show_answers(answers: CommandAnswers, back: &str) -> HandlerResult<Response> {
+    let CommandAnswers { mut refusals, is_complete, .. } = answers;
     if !is_complete {
         refusals.push("The daemon has not answered; the order is noted and is done when it runs.".to_owned());
         return Ok(result_page("Not answered yet", &refusals, back));

@@ -15,18 +15,19 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
     api_body::JsonBody,
-    command::{check_takes_orders, run_commands},
+    command::{CommandAnswers, check_takes_orders, run_commands},
     dto::PartResource,
     enum_words::words_of,
     error::{HandlerError, HandlerResult},
-    order_forms::{waiting_lines, waiting_of_several},
+    order_cancel::{CancelTarget, cancel_lines, is_being_read},
     part_forms::{MAX_COPIES, MAX_PRIORITY},
+    query::order_address,
     request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
     intake,
-    ledger::{CommandArgument, CommandKind, NewCommand, OrderedLine, PartEdit, PartId, PartRow, PartState},
+    ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState},
     settings::FarmZone,
 };
 
@@ -34,7 +35,7 @@ use crate::{
 #[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct EditRequest {
-    /// Copies wanted in all, those in builds included.
+    /// Copies wanted in all, those in builds included; for one part at a time.
     copies: Option<u32>,
     /// When it is due; null = no date.
     #[serde(deserialize_with = "given_or_null")]
@@ -42,14 +43,14 @@ pub(super) struct EditRequest {
     due: Option<Option<String>>,
     /// Priority, 0 to 100.
     priority: Option<u8>,
-    /// How it may be turned.
+    /// How it may be turned; not for a whole order.
     #[schemars(with = "Option<String>", extend("enum" = words_of::<OrientationRule>()))]
     orientation: Option<OrientationRule>,
     /// Its own clearance, mm; null = that of the machine.
     #[serde(deserialize_with = "given_or_null")]
     #[schemars(with = "Option<f64>")]
     clearance_mm: Option<Option<f64>>,
-    /// Unit of its file: mm, cm, m, inch, ft or micron.
+    /// Unit of its file: mm, cm, m, inch, ft or micron; not for a whole order.
     #[schemars(with = "Option<String>")]
     unit: Option<LengthUnit>,
     /// Note for people.
@@ -80,6 +81,8 @@ pub(super) struct LineResponse {
     line: String,
     /// Whether the farm still makes a part of it.
     arriving: bool,
+    /// Whether it was cancelled before the farm had a part of it.
+    cancelled: bool,
     /// Its parts: several where its file holds several solids. A refused one says why.
     parts: Vec<PartResource>,
 }
@@ -124,6 +127,18 @@ fn read_edit(web: &DashboardState, request: &EditRequest) -> HandlerResult<PartE
     edit.map_err(|wrong| refused(StatusCode::UNPROCESSABLE_ENTITY, wrong))
 }
 
+/// When to ask again for a line that arrives, s.
+const ARRIVING_SECS: u64 = 1;
+/// Parts that a refusal names.
+const MAX_NAMED: usize = 3;
+
+/// A line of an order that was looked for.
+struct FoundLine {
+    parts: Vec<PartRow>,
+    is_arriving: bool,
+    is_cancelled: bool,
+}
+
 /// Changes what was asked with the waiting lines of an order.
 pub(super) async fn patch_order(
     State(web): State<Arc<DashboardState>>,
@@ -132,21 +147,35 @@ pub(super) async fn patch_order(
     JsonBody(request): JsonBody<EditRequest>,
 ) -> HandlerResult<Response> {
     let edit = read_edit(&web, &request)?;
-    let lines = web.ledger.order_lines(&order).await?;
-    let commands = waiting_lines(&lines).map(|line| edit_command(line.part, &edit, &by)).collect();
-    send_for_order(&web, &order, commands).await
+    let mut parts = web.ledger.parts_of_order(&order).await?;
+    let arriving = web.ledger.arriving_lines_of_order(&order).await?;
+    if parts.is_empty() && arriving.is_empty() {
+        return Err(nothing_left(&web, &order).await?);
+    }
+    parts.retain(|part| matches!(part.state, PartState::Waiting | PartState::Claimed));
+    if edit.copies.is_some() || edit.orientation.is_some() || edit.unit.is_some() {
+        let fields = "copies, orientation and unit are changed part by part";
+        return Err(part_by_part(fields, &order, &parts));
+    }
+    require_known(!arriving.is_empty(), &parts)?;
+    if parts.is_empty() {
+        return Err(nothing_left(&web, &order).await?);
+    }
+    send(&web, parts.iter().map(|part| edit_command(part.id, &edit, &by)).collect()).await
 }
 
-/// Cancels what waits of an order.
+/// Cancels what waits of an order, arrives or is being read.
 pub(super) async fn delete_order(
     State(web): State<Arc<DashboardState>>,
     Path(order): Path<String>,
     RequestUser(by): RequestUser,
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
-    let lines = web.ledger.order_lines(&order).await?;
-    let commands = waiting_lines(&lines).map(|line| cancel_command(line.part, waiting_of_several(line), &by)).collect();
-    send_for_order(&web, &order, commands).await
+    let answers = cancel_lines(&web, CancelTarget { order: &order, line: None }, &by).await?;
+    match answers.is_empty() {
+        true => Err(nothing_left(&web, &order).await?),
+        false => carried_out(answers),
+    }
 }
 
 /// A line of an order, and what became of it.
@@ -154,11 +183,12 @@ pub(super) async fn get_line(
     State(web): State<Arc<DashboardState>>,
     Path((order, line)): Path<(String, String)>,
 ) -> HandlerResult<Json<LineResponse>> {
-    let (parts, arriving) = find_line(&web, &order, &line).await?;
+    let found = find_line(&web, &order, &line).await?;
     Ok(Json(LineResponse {
         line,
-        arriving: arriving.is_some(),
-        parts: parts.into_iter().map(PartResource::from).collect(),
+        arriving: found.is_arriving,
+        cancelled: found.is_cancelled,
+        parts: found.parts.into_iter().map(PartResource::from).collect(),
     }))
 }
 
@@ -170,83 +200,96 @@ pub(super) async fn patch_line(
     JsonBody(request): JsonBody<EditRequest>,
 ) -> HandlerResult<Response> {
     let edit = read_edit(&web, &request)?;
-    let parts = find_parts(&web, &order, &line).await?;
+    let FoundLine { mut parts, is_arriving, is_cancelled } = find_line(&web, &order, &line).await?;
+    if is_cancelled {
+        return Err(refused(StatusCode::CONFLICT, "this line was cancelled before it was taken"));
+    }
+    require_known(is_arriving, &parts)?;
+    if parts.iter().any(|part| part.state != PartState::Rejected) {
+        parts.retain(|part| part.state != PartState::Rejected);
+    }
+    if edit.copies.is_some() && parts.len() > 1 {
+        let text = "the file of this line holds several parts, each with its own copies";
+        return Err(part_by_part(text, &order, &parts));
+    }
     send(&web, parts.iter().map(|part| edit_command(part.id, &edit, &by)).collect()).await
 }
 
-/// Cancels what waits of a line.
+/// Cancels what waits of a line, arrives or is being read.
 pub(super) async fn delete_line(
     State(web): State<Arc<DashboardState>>,
     Path((order, line)): Path<(String, String)>,
     RequestUser(by): RequestUser,
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
-    let parts = find_parts(&web, &order, &line).await?;
-    let of_order = web.ledger.order_lines(&order).await?;
-    let waits = |part: &PartRow| of_order.iter().find(|line| line.part == part.id && line.state == PartState::Waiting);
-    let commands: Vec<NewCommand> = (parts.iter())
-        .filter_map(|part| Some(cancel_command(part.id, waiting_of_several(waits(part)?), &by)))
-        .collect();
-    match commands.is_empty() {
+    find_line(&web, &order, &line).await?;
+    let answers = cancel_lines(&web, CancelTarget { order: &order, line: Some(&line) }, &by).await?;
+    match answers.is_empty() {
         true => Err(refused(StatusCode::CONFLICT, "nothing of this line waits any more")),
-        false => send(&web, commands).await,
+        false => carried_out(answers),
     }
 }
 
 fn edit_command(part: PartId, edit: &PartEdit, by: &str) -> NewCommand {
-    command(CommandKind::Edit, part, CommandArgument { copies: None, edit: Some(edit.clone()) }, by)
+    let argument = CommandArgument { copies: None, edit: Some(edit.clone()) };
+    NewCommand { kind: CommandKind::Edit, profile: String::new(), part: Some(part), argument, asked_by: by.to_owned() }
 }
 
-fn cancel_command(part: PartId, copies: Option<u32>, by: &str) -> NewCommand {
-    command(CommandKind::Cancel, part, CommandArgument { copies, edit: None }, by)
+/// Why an order has nothing to change or to cancel.
+async fn nothing_left(web: &DashboardState, order: &str) -> HandlerResult<HandlerError> {
+    let is_known = web.ledger.find_order(order).await?.is_some() || web.ledger.has_cancelled_lines(order).await?;
+    Ok(match is_known {
+        true => refused(StatusCode::CONFLICT, "nothing of this order waits any more"),
+        false => HandlerError::NotFound(format!("order named '{order}'")),
+    })
 }
 
-fn command(kind: CommandKind, part: PartId, argument: CommandArgument, by: &str) -> NewCommand {
-    NewCommand { kind, profile: String::new(), part: Some(part), argument, asked_by: by.to_owned() }
-}
-
-async fn send_for_order(web: &DashboardState, order: &str, commands: Vec<NewCommand>) -> HandlerResult<Response> {
-    if !commands.is_empty() {
-        return send(web, commands).await;
+/// Refuses a change of several parts that concerns each by itself, and says where it is made.
+fn part_by_part(why: &str, order: &str, parts: &[PartRow]) -> HandlerError {
+    let address = format!("/api/v1{}/lines", order_address(order));
+    let named = |part: &PartRow| format!("PATCH {address}/{} for {}", part.id, part.full_name());
+    let mut named: Vec<String> = parts.iter().take(MAX_NAMED).map(named).collect();
+    if named.is_empty() {
+        named.push(format!("PATCH {address}/LINE"));
     }
-    match (web.ledger.arriving_lines_of_order(order).await?.is_empty(), web.ledger.find_order(order).await?) {
-        (false, _) => Err(HandlerError::TooMany(1, "its lines are arriving: ask again in a moment".to_owned())),
-        (true, None) => Err(HandlerError::NotFound(format!("order named '{order}'"))),
-        (true, Some(_)) => Err(refused(StatusCode::CONFLICT, "nothing of this order waits any more")),
-    }
+    let more = if parts.len() > MAX_NAMED { ", and so on" } else { "" };
+    refused(StatusCode::UNPROCESSABLE_ENTITY, format!("{why}: {}{more}", named.join(", ")))
+}
+
+/// Refuses a change while lines arrive or are read for the first time: it would miss them.
+fn require_known(is_arriving: bool, parts: &[PartRow]) -> HandlerResult<()> {
+    let text = match (is_arriving, parts.iter().any(is_being_read)) {
+        (true, _) => "lines of it are arriving: ask again in a moment",
+        (false, true) => "files of it are being read: ask again in a moment",
+        (false, false) => return Ok(()),
+    };
+    Err(HandlerError::TooMany(ARRIVING_SECS, text.to_owned()))
 }
 
 /// Has the daemon carry out commands, and answers what it says.
 pub(super) async fn send(web: &DashboardState, commands: Vec<NewCommand>) -> HandlerResult<Response> {
-    let answers = run_commands(web, commands).await?;
+    carried_out(run_commands(web, commands).await?)
+}
+
+fn carried_out(answers: CommandAnswers) -> HandlerResult<Response> {
     if !answers.refusals.is_empty() {
-        return Err(refused(StatusCode::CONFLICT, answers.refusals.join("\n")));
+        return Err(HandlerError::NotAllDone { done: answers.done, refused: answers.refusals });
     }
     let status = if answers.is_complete { StatusCode::OK } else { StatusCode::ACCEPTED };
     Ok((status, Json(CarriedOut { done: answers.is_complete, answers: answers.done })).into_response())
 }
 
-/// The parts of a line, which is named by the answer to its order or by the number of its part, and the line while it arrives.
-async fn find_line(
-    web: &DashboardState,
-    order: &str,
-    line: &str,
-) -> HandlerResult<(Vec<PartRow>, Option<OrderedLine>)> {
-    let parts = match line.parse() {
+/// The parts of a line, which is named by the answer to its order or by the number of its part.
+async fn find_line(web: &DashboardState, order: &str, line: &str) -> HandlerResult<FoundLine> {
+    let mut parts = match line.parse() {
         Ok(number) => web.ledger.find_part(PartId(number)).await?.into_iter().collect(),
         Err(_) => web.ledger.parts_of_claim(line).await?,
     };
-    let parts: Vec<PartRow> = parts.into_iter().filter(|part: &PartRow| part.terms.order_name == order).collect();
-    let arriving = web.ledger.arriving_lines_of_order(order).await?.into_iter().find(|arriving| arriving.claim == line);
-    match parts.is_empty() && arriving.is_none() {
+    parts.retain(|part: &PartRow| part.terms.order_name == order);
+    let is_arriving = web.ledger.arriving_lines_of_order(order).await?.iter().any(|arriving| arriving.claim == line);
+    let is_cancelled = web.ledger.is_cancelled_line(order, line).await? == Some(true);
+    match parts.is_empty() && !is_arriving && !is_cancelled {
         true => Err(HandlerError::NotFound(format!("line {line} in order '{order}'"))),
-        false => Ok((parts, arriving)),
-    }
-}
-
-async fn find_parts(web: &DashboardState, order: &str, line: &str) -> HandlerResult<Vec<PartRow>> {
-    match find_line(web, order, line).await? {
-        (parts, _) if !parts.is_empty() => Ok(parts),
-        _ => Err(HandlerError::TooMany(1, "this line is arriving: ask again in a moment".to_owned())),
+        false => Ok(FoundLine { parts, is_arriving, is_cancelled }),
     }
 }

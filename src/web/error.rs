@@ -24,12 +24,22 @@ pub(super) enum HandlerError {
     /// The client asks too much; it may ask again after this many seconds.
     #[error("{1}")]
     TooMany(u64, String),
+    /// Some of what was asked is refused; the rest is done, or noted.
+    #[error("{}", not_all_done(done, refused))]
+    NotAllDone { done: Vec<String>, refused: Vec<String> },
     /// The ledger does not answer.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
     /// Something else failed.
     #[error("{0:#}")]
     Failed(#[from] anyhow::Error),
+}
+
+fn not_all_done(done: &[String], refused: &[String]) -> String {
+    match done.is_empty() {
+        true => refused.join("\n"),
+        false => format!("Refused: {}\nDone all the same: {}", refused.join(" "), done.join(" ")),
+    }
 }
 
 /// The result of a request handler.
@@ -41,6 +51,7 @@ impl HandlerError {
             Self::NotFound(_) => StatusCode::NOT_FOUND,
             Self::Refused(status, _) => *status,
             Self::TooMany(..) => StatusCode::TOO_MANY_REQUESTS,
+            Self::NotAllDone { .. } => StatusCode::CONFLICT,
             Self::Ledger(_) => StatusCode::SERVICE_UNAVAILABLE,
             Self::Failed(_) => StatusCode::INTERNAL_SERVER_ERROR,
         }
@@ -58,14 +69,22 @@ impl IntoResponse for HandlerError {
         if let Self::TooMany(secs, _) = self {
             response.headers_mut().insert(header::RETRY_AFTER, secs.into());
         }
-        response.extensions_mut().insert(ErrorMessage(text));
+        let (done, refused) = match self {
+            Self::NotAllDone { done, refused } => (done, refused),
+            _ => Default::default(),
+        };
+        response.extensions_mut().insert(ErrorMessage { text, done, refused });
         response
     }
 }
 
 /// The error text of a response, kept so that [`in_form`] can put it into another format.
 #[derive(Debug, Clone)]
-struct ErrorMessage(String);
+struct ErrorMessage {
+    text: String,
+    done: Vec<String>,
+    refused: Vec<String>,
+}
 
 /// What programs are answered when they cannot be answered: application/problem+json (RFC 9457).
 #[derive(Serialize, JsonSchema)]
@@ -79,6 +98,12 @@ pub(super) struct ProblemDetails {
     status: u16,
     /// What is wrong, in whole sentences where a file is refused: as its reason file would say it.
     detail: String,
+    /// Where several parts were to be changed and not all could be: what was done all the same, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    done: Vec<String>,
+    /// And what was refused, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    refused: Vec<String>,
 }
 
 /// Puts an error response into the format of its address: problem+json below `/api/`, else a page.
@@ -87,11 +112,12 @@ pub(super) fn format_error_response(mut response: Response, path: &str) -> Respo
     if !status.is_client_error() && !status.is_server_error() {
         return response;
     }
-    let why = response.extensions().get::<ErrorMessage>().map(|why| why.0.clone());
+    let why = response.extensions().get::<ErrorMessage>().cloned();
     if path.starts_with("/api/") {
         let title = status.canonical_reason().unwrap_or("Error");
-        let detail = why.unwrap_or_else(|| title.to_lowercase());
-        let problem = ProblemDetails { r#type: "about:blank", title, status: status.as_u16(), detail };
+        let plain = || ErrorMessage { text: title.to_lowercase(), done: Vec::new(), refused: Vec::new() };
+        let ErrorMessage { text: detail, done, refused } = why.unwrap_or_else(plain);
+        let problem = ProblemDetails { r#type: "about:blank", title, status: status.as_u16(), detail, done, refused };
         let mut told = (status, Json(problem)).into_response();
         told.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         // Such as when to ask again, and where an upload is.

@@ -48,6 +48,7 @@ mod needs;
 mod openapi;
 mod operate_door;
 mod order;
+mod order_cancel;
 mod order_door;
 mod order_forms;
 mod order_keys;

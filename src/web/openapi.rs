@@ -152,7 +152,10 @@ fn failures(route: &ApiRoute, names_something: bool, has_parameters: bool, mut f
         fails("404", "There is none of that number or name.");
     }
     if route.method != "GET" {
-        fails("409", "What is there does not allow it, or a request with this key is being carried out.");
+        fails(
+            "409",
+            "What is there does not allow it, or only in part (done, refused); or a request with this key is being carried out.",
+        );
         fails("413", "It is larger than the farm takes.");
         fails("422", "What is asked cannot be done; the reason is that of a refused file.");
         fails("507", "The disk of the farm has no room.");

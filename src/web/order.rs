@@ -161,7 +161,7 @@ pub(super) async fn show_order(
     let content = html! {
         h1 { "Order " (name) ": " (summary.order.state) }
         (state_sentence(&summary, &view))
-        (order_buttons(&web, &name, &lines))
+        (order_buttons(&web, &name, &lines, arriving.len()))
         (order_forms(&web, &name, &lines))
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))

@@ -14,9 +14,10 @@ use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{answer_page, check_form_key, command_button, send_commands},
+    command::{answer_page, check_form_key, command_button, send_commands, show_answers},
     error::{HandlerError, HandlerResult},
     format::count,
+    order_cancel::{CancelTarget, cancel_lines},
     part_forms::{PartEditForm, part_forms},
     query::order_address,
     request_user::RequestUser,
@@ -36,7 +37,7 @@ pub(super) struct OrderButtonForm {
     profile: String,
 }
 
-pub(super) fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
+fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
     lines.iter().filter(|line| line.state == PartState::Waiting)
 }
 
@@ -100,9 +101,13 @@ async fn command_lines(
     let lines = web.ledger.order_lines(name).await?;
     let commands: Vec<NewCommand> = waiting_lines(&lines).map(command).collect();
     if commands.is_empty() {
-        return Err(HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned()));
+        return Err(nothing_waits());
     }
     send_commands(web, commands, &order_address(name)).await
+}
+
+fn nothing_waits() -> HandlerError {
+    HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned())
 }
 
 /// Changes what was asked with the waiting parts of an order.
@@ -150,9 +155,11 @@ pub(super) async fn post_move(
 }
 
 /// The buttons that concern the whole order. Each is folded away, so that nobody presses it by mistake.
-pub(super) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
+/// `arriving` = lines that are no parts yet.
+pub(super) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine], arriving: usize) -> Markup {
     let printed = lines.iter().any(|line| line.copies.printed + line.copies.good > 0);
-    let waiting = waiting_lines(lines).count() as u32;
+    let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
+    let waiting = (waiting_lines(lines).count() + read + arriving) as u32;
     let address = order_address(name);
     html! {
         @if web.orders && printed {
@@ -197,17 +204,9 @@ pub(super) async fn post_cancel(
     Form(form): Form<OrderButtonForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
-    let cancel = |line: &OrderLine| NewCommand {
-        kind: CommandKind::Cancel,
-        profile: String::new(),
-        part: Some(line.part),
-        argument: CommandArgument { copies: waiting_of_several(line), edit: None },
-        asked_by: by.clone(),
-    };
-    command_lines(&web, &name, cancel).await
-}
-
-/// The waiting copies of a line, if others of it are in builds; `None` = all copies wait.
-pub(super) fn waiting_of_several(line: &OrderLine) -> Option<u32> {
-    (line.copies.waiting < line.copies.wanted).then_some(line.copies.waiting)
+    let answers = cancel_lines(&web, CancelTarget { order: &name, line: None }, &by).await?;
+    match answers.is_empty() {
+        true => Err(nothing_waits()),
+        false => show_answers(answers, &order_address(&name)),
+    }
 }

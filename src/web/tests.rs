@@ -30,6 +30,8 @@ mod break_out_tests;
 mod door_tests;
 #[path = "drop_tests.rs"]
 mod drop_tests;
+#[path = "edit_tests.rs"]
+mod edit_tests;
 #[path = "guard_tests.rs"]
 mod guard;
 #[path = "order_tests.rs"]

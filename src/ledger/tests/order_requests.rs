@@ -74,3 +74,32 @@ async fn keys_are_forgotten_after_their_time_and_lines_once_they_are_parts() {
     assert_eq!(ledger.record_order_request(&again).await.unwrap(), RecordedRequest::New);
     assert_eq!(ledger.arriving_lines("paper-200", 100).await.unwrap().len(), 1, "and is not owed twice");
 }
+
+#[tokio::test]
+async fn a_line_that_is_cancelled_before_it_is_a_part_never_waits_also_when_its_claim_was_made_meanwhile() {
+    let ledger = fresh().await;
+    ledger.record_order_request(&order("mes", "k", "f", &["order-1", "order-2", "order-3"])).await.unwrap();
+    assert_eq!(ledger.count_arriving_lines().await.unwrap(), [("paper-200".to_owned(), 3)]);
+    assert_eq!(ledger.is_cancelled_line("K-1", "order-1").await.unwrap(), Some(false));
+    ledger.record_claim(&new_part("order-3", 2)).await.unwrap();
+    assert!(!ledger.cancel_arriving_line(&line("order-3"), "by ann").await.unwrap(), "it is a part");
+    assert!(!ledger.has_cancelled_lines("K-1").await.unwrap());
+    let events = ledger.last_event_id().await.unwrap();
+    for is_first in [true, false] {
+        assert_eq!(ledger.cancel_arriving_line(&line("order-1"), "by ann").await.unwrap(), is_first);
+    }
+    assert_eq!(ledger.last_event_id().await.unwrap(), events + 1);
+    assert!(ledger.has_cancelled_lines("K-1").await.unwrap());
+    assert_eq!(ledger.is_cancelled_line("K-1", "order-1").await.unwrap(), Some(true));
+    assert_eq!(ledger.is_cancelled_line("K-2", "order-1").await.unwrap(), None);
+    assert_eq!(ledger.arriving_lines_of_order("K-1").await.unwrap(), [line("order-2")]);
+    for claim in ["order-1", "order-2"] {
+        let part = asked(new_part(claim, 2), |terms| "K-1".clone_into(&mut terms.order_name));
+        let recorded = ledger.record_claim(&part).await.unwrap();
+        let part = ledger.find_part(recorded.id).await.unwrap().unwrap();
+        let state = if claim == "order-1" { PartState::Rejected } else { PartState::Claimed };
+        assert_eq!((recorded.is_new, part.state), (true, state));
+    }
+    assert!(!ledger.has_cancelled_lines("K-1").await.unwrap(), "it is a refused part");
+    assert_eq!(ledger.order_lines("K-1").await.unwrap()[0].copies.refused, 2);
+}

@@ -89,7 +89,7 @@ pub use order_list::{OrderList, OrderListRow};
 pub use ordered_claim::{OrderedFile, ordered_claim_id, place_ordered_claim};
 pub use part_spec::{COPIES_QUESTION, PartSpec, ReceivedTicket, SpecSource, is_copies_question, read_ticket};
 pub use put_content::{ArrivingContent, PutContents, PutError, is_content_hash};
-pub use put_upload::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_bytes, is_upload_id};
+pub use put_upload::{PutUploads, UPLOAD_KEPT, UploadPart, UploadRecord, UploadState, is_upload_id};
 pub use recover::{ClaimsOnDisk, list_claims, recover_claims};
 pub use refuse::{RefuseError, copy_to_error_folder, refuse_claim, refuse_entry, rewrite_reason};
 pub use scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inbox};

@@ -15,6 +15,8 @@ use super::{StoredFile, disk};
 const ARRIVING_PREFIX: &str = "new-";
 /// Room that stays free on the disk for the farm itself.
 const RESERVED_BYTES: u64 = 256 << 20;
+/// The room is looked at again whenever so many bytes have come: others write to the disk, too.
+pub(super) const ROOM_CHECK_BYTES: u64 = 8 << 20;
 
 /// Why bytes cannot be put.
 #[derive(Debug, thiserror::Error)]
@@ -39,6 +41,14 @@ pub enum PutError {
         /// What it should be.
         expected: String,
     },
+    /// More bytes of an upload have come than it was to have.
+    #[error("{bytes} bytes have come of a file of {said}: it is gone, begin it again")]
+    TooLong {
+        /// What has come.
+        bytes: u64,
+        /// What was announced.
+        said: u64,
+    },
     /// They cannot be written.
     #[error("it cannot be written: {0}")]
     Write(#[from] io::Error),
@@ -48,6 +58,7 @@ pub enum PutError {
 #[derive(Debug, Clone)]
 pub struct PutContents {
     dir: PathBuf,
+    reserved_bytes: u64,
 }
 
 /// A file that is arriving. It is removed unless it is finished.
@@ -70,7 +81,7 @@ pub fn is_content_hash(text: &str) -> bool {
 impl PutContents {
     /// Those of a farm with this folder of state.
     pub fn of_farm(state_dir: &Path) -> Self {
-        Self { dir: state_dir.join("put") }
+        Self { dir: state_dir.join("put"), reserved_bytes: RESERVED_BYTES }
     }
 
     /// The file with this BLAKE3; `None` = it is not there. It is kept from now on as if it was just put.
@@ -121,7 +132,7 @@ impl PutContents {
             return Err(PutError::TooLarge { max_bytes });
         }
         let disk = rustix::fs::statvfs(&self.dir).map_err(io::Error::from)?;
-        match disk.f_bavail.saturating_mul(disk.f_frsize) < announced.saturating_add(RESERVED_BYTES) {
+        match disk.f_bavail.saturating_mul(disk.f_frsize) < announced.saturating_add(self.reserved_bytes) {
             true => Err(PutError::NoRoom { bytes: announced }),
             false => Ok(()),
         }
@@ -172,11 +183,15 @@ impl ArrivingContent {
     /// Adds what has arrived.
     ///
     /// # Errors
-    /// `TooLarge` beyond the limit, `Write` where the disk is full.
+    /// `TooLarge` beyond the limit, `NoRoom` where the disk has become too full, or `Write`.
     pub fn write_chunk(&mut self, chunk: &[u8]) -> Result<(), PutError> {
-        self.bytes += chunk.len() as u64;
+        let (before, more) = (self.bytes, chunk.len() as u64);
+        self.bytes += more;
         if self.bytes > self.max_bytes {
             return Err(PutError::TooLarge { max_bytes: self.max_bytes });
+        }
+        if before / ROOM_CHECK_BYTES != self.bytes / ROOM_CHECK_BYTES {
+            self.contents.check_room(more, u64::MAX)?;
         }
         self.hasher.update(chunk);
         Ok(self.file.write_all(chunk)?)
@@ -238,6 +253,18 @@ mod tests {
         assert!(matches!(contents.begin_content(4, 1 << 60, u64::MAX), Err(PutError::NoRoom { .. })));
         assert_eq!(fs::read_dir(folder.path().join("put")).unwrap().count(), 1);
         assert_eq!(contents.use_content(&hash).unwrap().unwrap().bytes, 5);
+    }
+
+    #[test]
+    fn a_disk_that_becomes_full_meanwhile_ends_a_file_that_did_not_say_its_size() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut file = PutContents::of_farm(folder.path()).begin_content(1, 0, u64::MAX).unwrap();
+        let chunk = vec![7; ROOM_CHECK_BYTES as usize / 2];
+        file.write_chunk(&chunk).unwrap();
+        file.contents.reserved_bytes = u64::MAX;
+        assert!(matches!(file.write_chunk(&chunk), Err(PutError::NoRoom { .. })));
+        drop(file);
+        assert_eq!(fs::read_dir(folder.path().join("put")).unwrap().count(), 0);
     }
 
     #[test]

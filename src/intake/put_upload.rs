@@ -10,7 +10,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::{PutContents, PutError, disk};
+use super::{PutContents, PutError, disk, put_content::ROOM_CHECK_BYTES};
 
 /// How the names of both files begin.
 const PREFIX: &str = "upload-";
@@ -45,6 +45,14 @@ pub struct UploadState {
 #[derive(Debug, Clone)]
 pub struct PutUploads {
     contents: PutContents,
+}
+
+/// The file of an upload, to which more is added.
+#[derive(Debug)]
+pub struct UploadPart {
+    contents: PutContents,
+    file: File,
+    bytes: u64,
 }
 
 /// Whether a text is the id of an upload.
@@ -106,19 +114,24 @@ impl PutUploads {
     ///
     /// # Errors
     /// It cannot be opened.
-    pub fn open_part(&self, id: &str) -> io::Result<File> {
-        File::options().append(true).open(self.part_file(id))
+    pub fn open_part(&self, id: &str) -> io::Result<UploadPart> {
+        let file = File::options().append(true).open(self.part_file(id))?;
+        Ok(UploadPart { contents: self.contents.clone(), file, bytes: 0 })
     }
 
     /// Makes what has arrived durable. A complete upload becomes a content, also when that was interrupted before.
     ///
     /// # Errors
-    /// `OtherContent`, and the upload is gone; or `Write`.
+    /// `OtherContent` or `TooLong`, and the upload is gone; or `Write`.
     pub fn settle_upload(&self, id: &str) -> Result<Option<UploadState>, PutError> {
         let Some(mut upload) = self.find_upload(id)? else { return Ok(None) };
         let part = self.part_file(id);
         if upload.offset < upload.record.length || !disk::try_path_exists(&part)? {
             return Ok(Some(upload));
+        }
+        if upload.offset > upload.record.length {
+            self.remove_upload(id)?;
+            return Err(PutError::TooLong { bytes: upload.offset, said: upload.record.length });
         }
         File::open(&part)?.sync_all()?;
         let hash = disk::hash_file(&part)?;
@@ -196,12 +209,27 @@ impl PutUploads {
     }
 }
 
-/// Adds bytes to the file of an upload.
-///
-/// # Errors
-/// The disk is full, or fails.
-pub fn append_bytes(mut file: &File, bytes: &[u8]) -> io::Result<()> {
-    file.write_all(bytes)
+impl UploadPart {
+    /// Adds what has arrived.
+    ///
+    /// # Errors
+    /// `NoRoom` where the disk has become too full, or `Write`.
+    pub fn append_bytes(&mut self, bytes: &[u8]) -> Result<(), PutError> {
+        let (before, more) = (self.bytes, bytes.len() as u64);
+        self.bytes += more;
+        if before / ROOM_CHECK_BYTES != self.bytes / ROOM_CHECK_BYTES {
+            self.contents.check_room(more, u64::MAX)?;
+        }
+        Ok(self.file.write_all(bytes)?)
+    }
+
+    /// Makes what was added durable.
+    ///
+    /// # Errors
+    /// The disk is full, or fails.
+    pub fn sync_bytes(&self) -> io::Result<()> {
+        self.file.sync_data()
+    }
 }
 
 #[cfg(test)]
@@ -222,7 +250,7 @@ mod tests {
         assert_eq!(uploads.find_upload(ID).unwrap(), None);
         uploads.begin_upload(ID, &record(5, None), 10).unwrap();
         for (piece, offset) in [("so", 2), ("", 2), ("lid", 5)] {
-            append_bytes(&uploads.open_part(ID).unwrap(), piece.as_bytes()).unwrap();
+            uploads.open_part(ID).unwrap().append_bytes(piece.as_bytes()).unwrap();
             // As another process after a crash.
             let uploads = PutUploads::new(PutContents::of_farm(folder.path()));
             assert_eq!(uploads.find_upload(ID).unwrap().unwrap().offset, offset);
@@ -250,8 +278,12 @@ mod tests {
         assert!(matches!(uploads.begin_upload(ID, &record(11, None), 10), Err(PutError::TooLarge { .. })));
         assert!(matches!(uploads.begin_upload(ID, &record(1 << 60, None), u64::MAX), Err(PutError::NoRoom { .. })));
         uploads.begin_upload(ID, &record(5, Some(&"0".repeat(64))), 10).unwrap();
-        append_bytes(&uploads.open_part(ID).unwrap(), b"solid").unwrap();
+        uploads.open_part(ID).unwrap().append_bytes(b"solid").unwrap();
         assert!(matches!(uploads.settle_upload(ID), Err(PutError::OtherContent { .. })));
+        uploads.begin_upload(ID, &record(5, None), 10).unwrap();
+        uploads.open_part(ID).unwrap().append_bytes(b"solids").unwrap();
+        assert!(matches!(uploads.settle_upload(ID), Err(PutError::TooLong { bytes: 6, said: 5 })));
+        assert_eq!(uploads.find_upload(ID).unwrap(), None);
         fs::write(folder.path().join(format!("put/upload-{ID}.part")), "left over").unwrap();
         uploads.sweep_uploads(Duration::ZERO).unwrap();
         assert_eq!(fs::read_dir(folder.path().join("put")).unwrap().count(), 0);

@@ -7,7 +7,10 @@ use axum::{
 };
 use serde::de::DeserializeOwned;
 
-use super::{connection_limits::MAX_JSON_BYTES, error::HandlerError};
+use super::error::HandlerError;
+
+/// Largest body of a program's request that brings no file, bytes.
+pub(super) const MAX_JSON_BYTES: usize = 1 << 20;
 
 /// A body in JSON. What is wrong with it is told.
 pub(super) struct JsonBody<T>(pub(super) T);

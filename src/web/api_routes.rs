@@ -68,6 +68,17 @@ pub(super) struct ApiRoute {
     handler: HandlerMaker,
 }
 
+impl RequestBody {
+    /// Whether a request of this type brings files, which its handler receives as they come. Such a body may be long.
+    pub(super) fn brings_files(self, content_type: &str) -> bool {
+        match self {
+            Self::Nothing | Self::Json(_) => false,
+            Self::Form(..) => content_type.starts_with("multipart/"),
+            Self::Bytes | Self::Piece => true,
+        }
+    }
+}
+
 pub(super) fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     generator.subschema_for::<T>()
 }
@@ -386,13 +397,13 @@ pub(super) fn routes() -> Router<Arc<DashboardState>> {
     all_routes().fold(Router::new(), add).layer(DefaultBodyLimit::disable())
 }
 
-/// Who may do this at this address; `None` = it is none of the interface.
-pub(super) fn role_of_route(method: &Method, path: &str) -> Option<TokenRole> {
+/// What may be done at this address with this method; `None` = it is none of the interface.
+pub(super) fn find_route(method: &Method, path: &str) -> Option<&'static ApiRoute> {
     let given: Vec<&str> = path.split('/').collect();
     let matches = |pattern: &str| {
         let wanted: Vec<&str> = pattern.split('/').collect();
         let is_alike = |(wanted, given): (&&str, &&str)| wanted.starts_with('{') || wanted == given;
         wanted.len() == given.len() && wanted.iter().zip(&given).all(is_alike)
     };
-    all_routes().find(|route| route.method == method.as_str() && matches(route.path)).map(|route| route.role)
+    all_routes().find(|route| route.method == method.as_str() && matches(route.path))
 }

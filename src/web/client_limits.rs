@@ -11,6 +11,8 @@ use super::error::HandlerError;
 
 /// Clients that are remembered before those are forgotten that take nothing.
 const MANY_CLIENTS: usize = 1000;
+/// Files that one client may send at the same time: others have the other places.
+const PLACES_PER_CLIENT: usize = 2;
 
 /// What each client may take.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +38,15 @@ struct ClientUse {
     /// When all its requests would have come, had they come at the allowed rate (generic cell rate algorithm, ITU-T I.371).
     expected_at: Instant,
     bytes: u64,
+    /// Files that arrive from it.
+    places: usize,
+}
+
+/// Counts a file of a client as arriving until it is dropped.
+#[derive(Debug)]
+pub(super) struct ClientPlace {
+    limits: Arc<ClientLimits>,
+    client: String,
 }
 
 /// Counts bytes of a client as under way until it is dropped.
@@ -43,7 +54,15 @@ struct ClientUse {
 pub(super) struct BytesUnderWay {
     limits: Arc<ClientLimits>,
     client: String,
+    /// Those that were announced, or have arrived beyond that.
     bytes: u64,
+    received: u64,
+}
+
+impl ClientUse {
+    fn new(expected_at: Instant) -> Self {
+        Self { expected_at, bytes: 0, places: 0 }
+    }
 }
 
 impl ClientLimits {
@@ -66,9 +85,9 @@ impl ClientLimits {
         let interval = Duration::from_secs_f64(1.0 / self.rates.per_sec);
         let mut uses = self.uses.lock().unwrap_or_else(PoisonError::into_inner);
         if uses.len() > MANY_CLIENTS {
-            uses.retain(|_, used| used.bytes > 0 || used.expected_at > now);
+            uses.retain(|_, used| used.bytes > 0 || used.places > 0 || used.expected_at > now);
         }
-        let used = uses.entry(client.to_owned()).or_insert(ClientUse { expected_at: now, bytes: 0 });
+        let used = uses.entry(client.to_owned()).or_insert(ClientUse::new(now));
         let expected_at = used.expected_at.max(now) + interval;
         match (expected_at - now).checked_sub(interval * self.rates.burst) {
             Some(wait) if !wait.is_zero() => Err(wait),
@@ -89,15 +108,49 @@ impl ClientLimits {
         bytes: u64,
         on_disk: u64,
     ) -> Result<BytesUnderWay, HandlerError> {
+        self.add_bytes(client, bytes, on_disk)?;
+        Ok(BytesUnderWay { limits: self.clone(), client: client.to_owned(), bytes, received: 0 })
+    }
+
+    fn add_bytes(&self, client: &str, bytes: u64, on_disk: u64) -> Result<(), HandlerError> {
         let mut uses = self.uses.lock().unwrap_or_else(PoisonError::into_inner);
-        let used = uses.entry(client.to_owned()).or_insert(ClientUse { expected_at: Instant::now(), bytes: 0 });
+        let used = uses.entry(client.to_owned()).or_insert(ClientUse::new(Instant::now()));
         if used.bytes.saturating_add(bytes).saturating_add(on_disk) > self.rates.bytes {
             let text = format!("you would have more than {} bytes under way (web.client_bytes)", self.rates.bytes);
             return Err(HandlerError::TooMany(10, text));
         }
         used.bytes += bytes;
+        Ok(())
+    }
+
+    /// Counts a file that is about to arrive from a client.
+    ///
+    /// # Errors
+    /// `TooMany` while as many arrive from it as may at a time.
+    pub(super) fn begin_file(self: &Arc<Self>, client: &str) -> Result<ClientPlace, HandlerError> {
+        let mut uses = self.uses.lock().unwrap_or_else(PoisonError::into_inner);
+        let used = uses.entry(client.to_owned()).or_insert(ClientUse::new(Instant::now()));
+        if used.places >= PLACES_PER_CLIENT {
+            let text = format!("you are sending {PLACES_PER_CLIENT} files just now: send the next one afterwards");
+            return Err(HandlerError::TooMany(1, text));
+        }
+        used.places += 1;
         drop(uses);
-        Ok(BytesUnderWay { limits: self.clone(), client: client.to_owned(), bytes })
+        Ok(ClientPlace { limits: self.clone(), client: client.to_owned() })
+    }
+}
+
+impl BytesUnderWay {
+    /// Counts bytes that have arrived: those beyond what was announced are under way from now on.
+    ///
+    /// # Errors
+    /// `TooMany` when they are more than the client may have under way.
+    pub(super) fn count_received(&mut self, bytes: u64) -> Result<(), HandlerError> {
+        self.received += bytes;
+        let beyond = self.received.saturating_sub(self.bytes);
+        self.limits.add_bytes(&self.client, beyond, 0)?;
+        self.bytes += beyond;
+        Ok(())
     }
 }
 
@@ -106,6 +159,15 @@ impl Drop for BytesUnderWay {
         let mut uses = self.limits.uses.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(used) = uses.get_mut(&self.client) {
             used.bytes -= self.bytes;
+        }
+    }
+}
+
+impl Drop for ClientPlace {
+    fn drop(&mut self) {
+        let mut uses = self.limits.uses.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(used) = uses.get_mut(&self.client) {
+            used.places -= 1;
         }
     }
 }
@@ -139,6 +201,11 @@ mod tests {
         assert!(matches!(limits.begin_bytes("a", 41, 0), Err(HandlerError::TooMany(10, _))));
         assert!(limits.begin_bytes("a", 20, 21).is_err() && limits.begin_bytes("b", 100, 0).is_ok());
         drop(first);
-        assert!(limits.begin_bytes("a", 100, 0).is_ok());
+        let mut unannounced = limits.begin_bytes("a", 0, 0).unwrap();
+        assert!(unannounced.count_received(60).is_ok() && unannounced.count_received(40).is_ok());
+        assert!(unannounced.count_received(1).is_err() && limits.begin_bytes("a", 1, 0).is_err());
+        drop(unannounced);
+        let mut announced = limits.begin_bytes("a", 100, 0).unwrap();
+        assert!(announced.count_received(100).is_ok());
     }
 }

@@ -3,6 +3,7 @@
 //! Clients beyond the limit wait in the kernel's backlog.
 
 use std::{
+    convert::Infallible,
     io,
     pin::Pin,
     sync::{
@@ -14,11 +15,8 @@ use std::{
 };
 
 use axum::{
-    body::{Body, to_bytes},
-    extract::{ConnectInfo, Request, connect_info::Connected},
-    http::{Method, StatusCode, header},
-    middleware::Next,
-    response::{IntoResponse, Response},
+    extract::{ConnectInfo, FromRequestParts, connect_info::Connected},
+    http::request::Parts,
     serve::{IncomingStream, Listener},
 };
 use rustix::process::{Resource, getrlimit};
@@ -27,14 +25,6 @@ use tokio::{
     sync::{OwnedSemaphorePermit, Semaphore},
     time::{Instant, Sleep, sleep},
 };
-
-use super::error::HandlerError;
-
-/// Largest request body, bytes.
-pub(super) const MAX_BODY_BYTES: usize = 4096;
-
-/// Largest body of a program's request that brings no file, bytes.
-pub(super) const MAX_JSON_BYTES: usize = 1 << 20;
 
 /// Most connections at once, unless the limit of open files allows fewer.
 const MAX_CONNECTIONS: u64 = 128;
@@ -147,6 +137,26 @@ impl RequestInProgress {
     fn is_at(&self, stage: u8) -> bool {
         self.stage.load(Ordering::Relaxed) == stage
     }
+
+    /// A request is complete, or its files arrive. So it is until the guard is dropped, or until its files are complete.
+    pub(super) fn begin_answer(&self, has_files: bool) -> InProgressGuard {
+        self.stage.store(if has_files { UPLOADING } else { ANSWERING }, Ordering::Relaxed);
+        InProgressGuard(self.clone())
+    }
+
+    /// The files of a request are complete: the client waits for the answer.
+    pub(super) fn note_complete(&self) {
+        _ = self.stage.compare_exchange(UPLOADING, ANSWERING, Ordering::Relaxed, Ordering::Relaxed);
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for RequestInProgress {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
+        let info = parts.extensions.get::<ConnectInfo<Self>>();
+        Ok(info.map(|info| info.0.clone()).unwrap_or_default())
+    }
 }
 
 impl<L: Listener<Addr: ClientAddress>> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestInProgress {
@@ -156,52 +166,12 @@ impl<L: Listener<Addr: ClientAddress>> Connected<IncomingStream<'_, LimitedListe
 }
 
 /// Marks how far a request is until the guard is dropped.
-struct InProgressGuard(RequestInProgress);
-
-impl InProgressGuard {
-    fn new(progress: RequestInProgress, stage: u8) -> Self {
-        progress.stage.store(stage, Ordering::Relaxed);
-        Self(progress)
-    }
-}
+pub(super) struct InProgressGuard(RequestInProgress);
 
 impl Drop for InProgressGuard {
     fn drop(&mut self) {
         self.0.stage.store(ARRIVING, Ordering::Relaxed);
     }
-}
-
-/// Whether a request brings files: to the form that adds them to a machine, as content, as a piece of an upload, or with an order.
-fn brings_files(request: &Request) -> bool {
-    let path = request.uri().path();
-    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    match *request.method() {
-        Method::POST if path.starts_with("/machines/") => path.ends_with("/files"),
-        Method::POST if path == "/api/v1/content" => true,
-        Method::POST => path.starts_with("/api/v1/orders") && kind.starts_with("multipart/"),
-        Method::PUT => path.starts_with("/api/v1/content/"),
-        Method::PATCH => path.starts_with("/api/v1/uploads/"),
-        _ => false,
-    }
-}
-
-/// Receives the whole request while the timeout of its connection runs, then answers it without that timeout. Files are received by
-/// whoever answers.
-pub(super) async fn buffer_then_answer(mut request: Request, next: Next) -> Response {
-    let is_upload = brings_files(&request);
-    if !is_upload && !matches!(*request.method(), Method::GET | Method::HEAD) {
-        let (head, body) = request.into_parts();
-        let most = if head.uri.path().starts_with("/api/") { MAX_JSON_BYTES } else { MAX_BODY_BYTES };
-        let Ok(body) = to_bytes(body, most).await else {
-            let text = "the form is too long, or did not arrive as a whole".to_owned();
-            return HandlerError::Refused(StatusCode::PAYLOAD_TOO_LARGE, text).into_response();
-        };
-        request = Request::from_parts(head, Body::from(body));
-    }
-    let progress = request.extensions().get::<ConnectInfo<RequestInProgress>>().map(|info| info.0.clone());
-    let stage = if is_upload { UPLOADING } else { ANSWERING };
-    let _at_work = progress.map(|progress| InProgressGuard::new(progress, stage));
-    next.run(request).await
 }
 
 /// A connection that holds a place, and fails with `TimedOut` when it makes no progress for too long.

@@ -1,7 +1,9 @@
 use std::{convert::Infallible, net::SocketAddr};
 
 use axum::{
-    Router, middleware,
+    Router,
+    body::Bytes,
+    middleware,
     response::sse::{Event, KeepAlive, Sse},
     routing::{get, post},
 };
@@ -11,7 +13,7 @@ use tokio::{
     time::timeout,
 };
 
-use super::*;
+use super::{super::request_stage::buffer_then_answer, *};
 
 const SHORT: ConnectionTimeouts =
     ConnectionTimeouts { request: Duration::from_millis(300), idle: Duration::from_millis(900) };
@@ -33,6 +35,7 @@ async fn serve(most: usize) -> SocketAddr {
         .route("/long", get(|| async { vec![b'x'; LONG] }))
         .route("/stream", get(silent))
         .route("/order", post(|body: String| async move { body }))
+        .route("/api/v1/content", post(move |_: Bytes| slow()))
         .layer(middleware::from_fn(buffer_then_answer))
         .into_make_service_with_connect_info::<RequestInProgress>();
     tokio::spawn(async move { axum::serve(LimitedListener::new(listener, most, SHORT), routes).await });
@@ -120,6 +123,16 @@ async fn an_answer_that_takes_long_a_stream_and_a_slow_reader_outlive_what_is_si
     let mut rest = Vec::new();
     let _ = stuck.read_to_end(&mut rest).await; // however it ends
     assert!(rest.len() < LONG, "who does not read is not waited for");
+}
+
+#[tokio::test]
+async fn files_that_arrived_may_take_longer_to_be_answered_than_a_connection_may_be_silent() {
+    let address = serve(50).await;
+    let head = "POST /api/v1/content HTTP/1.1\r\nhost: localhost\r\n";
+    let mut asked = says(address, &format!("{head}content-length: 4\r\n\r\nfile")).await;
+    reads(&mut asked, "slow").await.expect("an answer that takes longer than an upload may be silent");
+    let mut silent = says(address, &format!("{head}content-length: 9\r\n\r\nfile")).await;
+    assert!(closes(&mut silent).await < Duration::from_secs(10), "the rest of a file is not waited for without end");
 }
 
 #[tokio::test]

@@ -13,8 +13,10 @@ use maud::{Markup, html};
 
 use super::{
     command::{check_form_key, result_page},
+    connection_limits::RequestInProgress,
     drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
     error::{HandlerError, HandlerResult},
+    form_field::{incomplete_form, read_field},
     page::html_page,
     put_content::{put_contents, run_on_disk},
     state::DashboardState,
@@ -65,14 +67,15 @@ fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
 pub(super) async fn post_files(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
+    progress: RequestInProgress,
     mut form: Multipart,
 ) -> HandlerResult<Response> {
     let profile = find_profile(&web, &name)?;
-    let busy = || refused(StatusCode::TOO_MANY_REQUESTS, "others are adding files just now: try again in a moment");
+    let busy = || HandlerError::TooMany(1, "others are adding files just now: try again in a moment".to_owned());
     let _place = web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let (mut fields, mut files) = (DropFields::default(), Vec::new());
     let (inbox, max_bytes) = (profile.folders.inbox.clone(), web.current_settings().limits.max_bytes);
-    while let Some(field) = form.next_field().await.map_err(broken_form)? {
+    while let Some(field) = form.next_field().await.map_err(incomplete_form)? {
         let field_name = field.name().unwrap_or_default().to_owned();
         match field.file_name().map(str::to_owned) {
             None => {
@@ -93,6 +96,7 @@ pub(super) async fn post_files(
             }
         }
     }
+    progress.note_complete();
     check_form_key(&web, &fields.key)?;
     if files.is_empty() {
         return Err(refused(StatusCode::BAD_REQUEST, "no file was chosen"));
@@ -121,19 +125,8 @@ fn placed_sentences(profile: &MachineProfile, placed: &[Result<String, UploadErr
     placed.iter().map(sentence).chain(is_any_there.then_some(taken)).collect()
 }
 
-/// A form that did not arrive as a whole, or is none.
-fn broken_form(error: axum::extract::multipart::MultipartError) -> HandlerError {
-    refused(error.status(), format!("the files did not arrive as a whole: {}", error.body_text()))
-}
-
-async fn read_text(mut field: Field<'_>) -> HandlerResult<String> {
-    let mut bytes = Vec::new();
-    while let Some(chunk) = field.chunk().await.map_err(broken_form)? {
-        bytes.extend_from_slice(&chunk);
-        if bytes.len() > MAX_FIELD_BYTES {
-            return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, "a field of the form is too long"));
-        }
-    }
+async fn read_text(field: Field<'_>) -> HandlerResult<String> {
+    let bytes = read_field(field, MAX_FIELD_BYTES).await?;
     String::from_utf8(bytes).map_err(|_| refused(StatusCode::BAD_REQUEST, "a field of the form is no text"))
 }
 
@@ -147,7 +140,7 @@ async fn receive_file(
     let token = rand::random();
     let begin = move || UploadedFile::begin(&inbox, &name, token, max_bytes);
     let mut file = on_disk(begin).await?;
-    while let Some(chunk) = field.chunk().await.map_err(broken_form)? {
+    while let Some(chunk) = field.chunk().await.map_err(incomplete_form)? {
         let write = move || file.write_chunk(&chunk).map(|()| file);
         file = on_disk(write).await?;
     }

@@ -14,12 +14,17 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
+    api_body::MAX_JSON_BYTES,
     client::RequestClient,
+    client_limits::BytesUnderWay,
     command::check_takes_orders,
-    connection_limits::MAX_JSON_BYTES,
+    connection_limits::RequestInProgress,
     error::{HandlerError, HandlerResult},
+    form_field::{incomplete_form, read_field},
     order_request::{CheckedLine, MAX_LINES, OrderRequest},
-    put_content::{announced_bytes, find_content, incomplete_body, put_contents, receive_content, take_place},
+    put_content::{
+        announced_bytes, find_content, incomplete_body, put_contents, receive_content, require_room, take_place,
+    },
     state::DashboardState,
 };
 use crate::{
@@ -35,6 +40,7 @@ const KEY_HEADER: &str = "idempotency-key";
 const REPLAYED_HEADER: &str = "idempotency-replayed";
 /// Longest key, characters.
 const MAX_KEY: usize = 255;
+
 /// An order that was taken. Its lines become parts within seconds.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct OrderAccepted {
@@ -63,9 +69,10 @@ struct AcceptedLine {
 pub(super) async fn post_order(
     State(web): State<Arc<DashboardState>>,
     client: RequestClient,
+    progress: RequestInProgress,
     request: Request,
 ) -> HandlerResult<Response> {
-    receive_order(&web, &client, None, request).await
+    receive_order(web, client, progress, None, request).await
 }
 
 /// Adds lines to an order.
@@ -73,31 +80,49 @@ pub(super) async fn post_lines(
     State(web): State<Arc<DashboardState>>,
     Path(order): Path<String>,
     client: RequestClient,
+    progress: RequestInProgress,
     request: Request,
 ) -> HandlerResult<Response> {
-    receive_order(&web, &client, Some(order), request).await
+    receive_order(web, client, progress, Some(order), request).await
 }
 
 fn unprocessable(text: impl Into<String>) -> HandlerError {
     HandlerError::Refused(StatusCode::UNPROCESSABLE_ENTITY, text.into())
 }
 
+/// Receives an order. Once it has arrived it is carried out, also when its client goes away: to judge its files may take longer than the
+/// client waits, and it finds the answer under its key.
 async fn receive_order(
-    web: &DashboardState,
-    client: &RequestClient,
+    web: Arc<DashboardState>,
+    client: RequestClient,
+    progress: RequestInProgress,
     order_name: Option<String>,
     request: Request,
 ) -> HandlerResult<Response> {
-    check_takes_orders(web)?;
+    check_takes_orders(&web)?;
     let key = read_key(request.headers())?;
-    let _turn = web.door.begin_request(client.key_name(), &key)?;
-    let mut order = read_request(web, client, request).await?;
+    let turn = web.door.begin_request(client.key_name(), &key)?;
+    let mut order = read_request(&web, &client, request).await?;
+    progress.note_complete();
     if let Some(name) = order_name {
         if !order.order.is_empty() && order.order != name {
             return Err(unprocessable(format!("the address names order {name}, the request {}", order.order)));
         }
         order.order = name;
     }
+    let carry_out = async move {
+        let _turn = turn;
+        take_order(&web, &client, key, order).await
+    };
+    tokio::spawn(carry_out).await.context("an order was not carried out")?
+}
+
+async fn take_order(
+    web: &DashboardState,
+    client: &RequestClient,
+    key: String,
+    order: OrderRequest,
+) -> HandlerResult<Response> {
     let fingerprint = order.fingerprint();
     if let Some(known) = web.ledger.find_answered_request(client.key_name(), &key).await? {
         return answer_again(&known, &fingerprint);
@@ -160,43 +185,69 @@ fn answer_again(known: &AnsweredRequest, fingerprint: &str) -> HandlerResult<Res
 /// Reads a request: JSON, or a form with the JSON as `order` and files, which are named as their lines are.
 async fn read_request(web: &DashboardState, client: &RequestClient, request: Request) -> HandlerResult<OrderRequest> {
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    let parse = |text: &[u8]| {
-        let wrong = |error| HandlerError::Refused(StatusCode::BAD_REQUEST, format!("this is no order: {error}"));
-        serde_json::from_slice::<OrderRequest>(text).map_err(wrong)
-    };
     if kind.starts_with("application/json") {
         let body = to_bytes(request.into_body(), MAX_JSON_BYTES).await.map_err(|error| incomplete_body(&error))?;
-        return parse(&body);
+        return parse_order(&body);
     }
-    let _place = take_place(web)?;
+    let _place = take_place(web, client)?;
     let announced = announced_bytes(request.headers());
-    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
-    let broken = |error: axum::extract::multipart::MultipartError| {
-        HandlerError::Refused(error.status(), format!("the request did not arrive as a whole: {}", error.body_text()))
-    };
-    let mut form = Multipart::from_request(request, &()).await.map_err(|error| {
+    let mut under_way = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
+    require_room(web, announced).await?;
+    let form = Multipart::from_request(request, &()).await.map_err(|error| {
         let text = format!("send application/json, or multipart/form-data with files: {}", error.body_text());
         HandlerError::Refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, text)
     })?;
+    let (order, files) = read_form(web, form, &mut under_way).await?;
+    with_files(order, &files)
+}
+
+fn parse_order(text: &[u8]) -> HandlerResult<OrderRequest> {
+    let wrong = |error| HandlerError::Refused(StatusCode::BAD_REQUEST, format!("this is no order: {error}"));
+    serde_json::from_slice(text).map_err(wrong)
+}
+
+/// Receives a form: its order, and the contents of its files by their names.
+async fn read_form(
+    web: &DashboardState,
+    mut form: Multipart,
+    under_way: &mut BytesUnderWay,
+) -> HandlerResult<(OrderRequest, BTreeMap<String, String>)> {
     let (mut order, mut files) = (None, BTreeMap::new());
-    while let Some(field) = form.next_field().await.map_err(broken)? {
+    while let Some(field) = form.next_field().await.map_err(incomplete_form)? {
         match field.file_name().map(str::to_owned) {
-            None if field.name() == Some("order") => {
-                order = Some(parse(field.text().await.map_err(broken)?.as_bytes())?)
+            None if field.name() == Some("order") && order.is_none() => {
+                order = Some(parse_order(&read_field(field, MAX_JSON_BYTES).await?)?);
             }
             None => return Err(unprocessable("beside its files, the form has one field: order")),
             Some(_) if files.len() == MAX_LINES => {
                 return Err(unprocessable(format!("an order has {MAX_LINES} files at most")));
             }
+            Some(name) if files.contains_key(&name) => {
+                return Err(unprocessable(format!("two files are called {name}: it is not clear which one is meant")));
+            }
+            // There is room for all of them; each has the limit for itself.
             Some(name) => {
-                let stored = receive_content(web, Box::pin(field), announced, None).await?;
+                let stored = receive_content(web, Box::pin(field), under_way, 0, None).await?;
                 files.insert(name, stored.hash);
             }
         }
     }
-    let mut order = order.ok_or_else(|| unprocessable("the form has no field order, which says what is ordered"))?;
-    for line in order.lines.iter_mut().filter(|line| line.content.is_none()) {
-        line.content = files.get(line.name.trim()).cloned();
+    let missing = || unprocessable("the form has no field order, which says what is ordered");
+    Ok((order.ok_or_else(missing)?, files))
+}
+
+/// The order with the contents of the files that came with it.
+fn with_files(mut order: OrderRequest, files: &BTreeMap<String, String>) -> HandlerResult<OrderRequest> {
+    for line in &mut order.lines {
+        let name = line.name.trim();
+        match (&line.content, files.get(name)) {
+            (None, found) => line.content = found.cloned(),
+            (Some(said), Some(found)) if said != found => {
+                let text = format!("the line {name} names another content than that of the file that came with it");
+                return Err(unprocessable(format!("{text}: leave content out, or the file")));
+            }
+            (Some(_), _) => {}
+        }
     }
     let is_ordered = |name: &&String| !order.lines.iter().any(|line| line.name.trim() == **name);
     match files.keys().find(is_ordered) {
@@ -217,10 +268,13 @@ async fn judge_lines(web: &DashboardState, profile: &MachineProfile, lines: &[Ch
     let profile = Arc::new(profile.clone());
     let mut reasons = Vec::new();
     for line in lines {
-        let _turn = web.door.judging.acquire().await.context("a step ended")?;
+        let turn = web.door.judging.clone().acquire_owned().await.context("a step ended")?;
         let (file, name, ticket) = (put_contents(web).path_of(&line.content), line.name.clone(), line.ticket.clone());
         let (profile, limits) = (profile.clone(), limits.clone());
-        let judge = move || farm::judge_file(&file, &name, &ticket, &profile, &limits);
+        let judge = move || {
+            let _turn = turn;
+            farm::judge_file(&file, &name, &ticket, &profile, &limits)
+        };
         reasons.extend(tokio::task::spawn_blocking(judge).await.context("a step ended")?);
     }
     if reasons.is_empty() { Ok(()) } else { Err(unprocessable(reasons.join("\n"))) }

@@ -12,10 +12,12 @@ use axum::{
 };
 use schemars::JsonSchema;
 use serde::Serialize;
+use tokio::sync::OwnedSemaphorePermit;
 use tokio_stream::{Stream, StreamExt};
 
 use super::{
     client::RequestClient,
+    client_limits::{BytesUnderWay, ClientPlace},
     command::check_takes_orders,
     error::{HandlerError, HandlerResult},
     state::DashboardState,
@@ -62,10 +64,11 @@ pub(super) async fn put_content(
     if let Some(found) = find_content(&web, hash).await? {
         return Ok(Json(ContentResource::from(found)).into_response());
     }
-    let _place = take_place(&web)?;
+    let _place = take_place(&web, &client)?;
     let announced = announced_bytes(&headers);
-    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
-    let stored = receive_content(&web, body.into_data_stream(), announced, Some(hash.to_owned())).await?;
+    let mut under_way = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
+    let stored =
+        receive_content(&web, body.into_data_stream(), &mut under_way, announced, Some(hash.to_owned())).await?;
     Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
 }
 
@@ -77,10 +80,10 @@ pub(super) async fn post_content(
     body: Body,
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
-    let _place = take_place(&web)?;
+    let _place = take_place(&web, &client)?;
     let announced = announced_bytes(&headers);
-    let _bytes = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
-    let stored = receive_content(&web, body.into_data_stream(), announced, None).await?;
+    let mut under_way = web.limits.begin_bytes(&client.counted_as, announced, 0)?;
+    let stored = receive_content(&web, body.into_data_stream(), &mut under_way, announced, None).await?;
     Ok((StatusCode::CREATED, Json(ContentResource::from(stored))).into_response())
 }
 
@@ -106,20 +109,39 @@ pub(super) async fn find_content(web: &DashboardState, hash: &str) -> HandlerRes
     run_on_disk(move || Ok(contents.use_content(&hash)?)).await
 }
 
-/// One of the places for files that arrive at the same time.
-pub(super) fn take_place(web: &DashboardState) -> HandlerResult<tokio::sync::OwnedSemaphorePermit> {
-    let busy = || HandlerError::TooMany(1, "others are sending files just now: try again in a moment".to_owned());
-    web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())
+/// A place for a file that arrives, until it is dropped.
+pub(super) struct FilePlace {
+    _of_all: OwnedSemaphorePermit,
+    _of_client: ClientPlace,
 }
 
-/// Receives a file as it comes, and keeps it under its BLAKE3.
+/// One of the places for files that arrive at the same time, of which one client may hold some.
+pub(super) fn take_place(web: &DashboardState, client: &RequestClient) -> HandlerResult<FilePlace> {
+    let of_client = web.limits.begin_file(&client.counted_as)?;
+    let busy = |_| HandlerError::TooMany(1, "others are sending files just now: try again in a moment".to_owned());
+    let of_all = web.upload_slots.clone().try_acquire_owned().map_err(busy)?;
+    Ok(FilePlace { _of_all: of_all, _of_client: of_client })
+}
+
+/// Refuses a request for which the disk has no room.
+pub(super) async fn require_room(web: &DashboardState, bytes: u64) -> HandlerResult<()> {
+    let contents = put_contents(web);
+    run_on_disk(move || {
+        contents.create_folder()?;
+        contents.check_room(bytes, u64::MAX)
+    })
+    .await
+}
+
+/// Receives a file as it comes, and keeps it under its BLAKE3. `announced` = its size, 0 = not said.
 pub(super) async fn receive_content<E: std::fmt::Display>(
     web: &DashboardState,
     chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    under_way: &mut BytesUnderWay,
     announced: u64,
     expected: Option<String>,
 ) -> HandlerResult<StoredFile> {
-    let file = receive_file(web, chunks, announced).await?;
+    let file = receive_file(web, chunks, under_way, announced).await?;
     run_on_disk(move || file.finish_content(expected.as_deref())).await
 }
 
@@ -127,6 +149,7 @@ pub(super) async fn receive_content<E: std::fmt::Display>(
 pub(super) async fn receive_file<E: std::fmt::Display>(
     web: &DashboardState,
     mut chunks: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    under_way: &mut BytesUnderWay,
     announced: u64,
 ) -> HandlerResult<ArrivingContent> {
     let (contents, max_bytes) = (put_contents(web), web.current_settings().limits.max_bytes);
@@ -134,6 +157,7 @@ pub(super) async fn receive_file<E: std::fmt::Display>(
     let mut file = run_on_disk(move || contents.begin_content(token, announced, max_bytes)).await?;
     while let Some(chunk) = chunks.next().await {
         let chunk = chunk.map_err(|error| incomplete_body(&error))?;
+        under_way.count_received(chunk.len() as u64)?;
         file = run_on_disk(move || file.write_chunk(&chunk).map(|()| file)).await?;
     }
     Ok(file)
@@ -152,7 +176,7 @@ pub(super) async fn run_on_disk<T: Send + 'static>(
     done.map_err(|error| {
         let status = match error {
             PutError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
-            PutError::OtherContent { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            PutError::OtherContent { .. } | PutError::TooLong { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             PutError::NoRoom { .. } | PutError::Write(_) => StatusCode::INSUFFICIENT_STORAGE,
         };
         HandlerError::Refused(status, error.to_string())

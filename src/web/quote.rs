@@ -17,9 +17,13 @@ use axum::{
 use jiff::Timestamp;
 
 use super::{
+    client::RequestClient,
+    client_limits::BytesUnderWay,
+    connection_limits::RequestInProgress,
     error::{HandlerError, HandlerResult},
+    form_field::{incomplete_form, read_field},
     order_request::{LineRequest, MAX_LINES, OrderRequest, due_of},
-    put_content::{put_contents, receive_file},
+    put_content::{announced_bytes, put_contents, receive_file},
     state::DashboardState,
 };
 use crate::{
@@ -52,19 +56,23 @@ fn unprocessable(text: impl ToString) -> HandlerError {
 /// files.
 pub(super) async fn post_quote(
     State(web): State<Arc<DashboardState>>,
+    client: RequestClient,
+    progress: RequestInProgress,
     request: Request,
 ) -> HandlerResult<Json<OrderQuote>> {
-    let busy = || refused(StatusCode::TOO_MANY_REQUESTS, "other quotes are being made just now: ask again in a moment");
+    let busy = || HandlerError::TooMany(1, "other quotes are being made just now: ask again in a moment".to_owned());
     let place = web.quote_slots.clone().try_acquire_owned().map_err(|_| busy())?;
+    let mut under_way = web.limits.begin_bytes(&client.counted_as, announced_bytes(request.headers()), 0)?;
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let (asked, came) = if kind.starts_with("multipart/form-data") {
         let form =
             Multipart::from_request(request, &web).await.map_err(|error| refused(error.status(), error.body_text()))?;
-        receive_form(&web, form).await?
+        receive_form(&web, form, &mut under_way).await?
     } else {
         let body = Json::<OrderRequest>::from_request(request, &web).await;
         (body.map_err(|error| refused(error.status(), error.body_text()))?.0, QuoteFiles::new())
     };
+    progress.note_complete();
     let settings = web.current_settings();
     let profile = settings.profiles.get(&asked.machine).cloned().map(Arc::new);
     let profile = profile.ok_or_else(|| unprocessable(format!("there is no machine {}", asked.machine)))?;
@@ -89,10 +97,13 @@ pub(super) async fn post_quote(
 }
 
 /// Receives a form: its document, and its files.
-async fn receive_form(web: &DashboardState, mut form: Multipart) -> HandlerResult<(OrderRequest, QuoteFiles)> {
-    let broken = |error: axum::extract::multipart::MultipartError| refused(error.status(), error.body_text());
+async fn receive_form(
+    web: &DashboardState,
+    mut form: Multipart,
+    under_way: &mut BytesUnderWay,
+) -> HandlerResult<(OrderRequest, QuoteFiles)> {
     let (mut asked, mut files) = (None, QuoteFiles::new());
-    while let Some(field) = form.next_field().await.map_err(broken)? {
+    while let Some(field) = form.next_field().await.map_err(incomplete_form)? {
         match field.file_name().map(str::to_owned) {
             None if field.name() == Some("quote") => asked = Some(receive_question(field).await?),
             None => {}
@@ -100,7 +111,7 @@ async fn receive_form(web: &DashboardState, mut form: Multipart) -> HandlerResul
                 return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, format!("a quote takes {MAX_LINES} files at most")));
             }
             Some(name) => {
-                let file = receive_file(web, Box::pin(field), 0).await?;
+                let file = receive_file(web, Box::pin(field), under_way, 0).await?;
                 if files.insert(name.clone(), file).is_some() {
                     return Err(unprocessable(format!("two files of the form are called {name}")));
                 }
@@ -110,14 +121,8 @@ async fn receive_form(web: &DashboardState, mut form: Multipart) -> HandlerResul
     Ok((asked.ok_or_else(|| unprocessable("the form has no field quote"))?, files))
 }
 
-async fn receive_question(mut field: Field<'_>) -> HandlerResult<OrderRequest> {
-    let mut text = Vec::new();
-    while let Some(chunk) = field.chunk().await.map_err(|error| refused(error.status(), error.body_text()))? {
-        text.extend_from_slice(&chunk);
-        if text.len() > MAX_QUESTION_BYTES {
-            return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, "the field quote is too long"));
-        }
-    }
+async fn receive_question(field: Field<'_>) -> HandlerResult<OrderRequest> {
+    let text = read_field(field, MAX_QUESTION_BYTES).await?;
     serde_json::from_slice(&text).map_err(|error| unprocessable(format!("quote: {error}")))
 }
 

@@ -12,7 +12,7 @@ pub(super) fn needed_role(method: &Method, path: &str) -> TokenRole {
     }
     let steps: Vec<&str> = path.split('/').skip(1).collect();
     match steps[..] {
-        ["api", ..] => api_routes::role_of_route(method, path).unwrap_or(TokenRole::Operate),
+        ["api", ..] => api_routes::find_route(method, path).map_or(TokenRole::Operate, |route| route.role),
         ["machines", _, "files"] | ["parts", _, "edit"] | ["orders", _, "cancel" | "edit" | "move"] => TokenRole::Order,
         _ => TokenRole::Operate,
     }

@@ -18,14 +18,16 @@ use super::{
     client::ClientGate,
     client_limits::{ClientLimits, ClientRates},
     command,
-    connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
+    connection_limits::{LimitedListener, RequestInProgress},
     content, device_name, drop,
     error::HandlerError,
     farm as farm_page, flush, guard, history,
     listener::DashboardListener,
     live, metrics, month, needs, openapi, order, order_forms,
     order_keys::OrderDoor,
-    part, part_forms, pick_page, picture, plan, quote, scene, search,
+    part, part_forms, pick_page, picture, plan, quote,
+    request_stage::{self, MAX_BODY_BYTES},
+    scene, search,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -74,7 +76,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         }),
         clients,
         uploads: Default::default(),
-        door: OrderDoor::default(),
+        door: Arc::new(OrderDoor::default()),
         form_key: format!("{:032x}", rand::random::<u128>()),
         caches: PageCaches {
             scenes: RecentCache::new(scene::CACHED_SCENES),
@@ -144,7 +146,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::get_readiness))
         .fallback(|| async { HandlerError::NotFound("page of that address".to_owned()) })
-        .layer(middleware::from_fn(connection_limits::buffer_then_answer))
+        .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .with_state(web)

@@ -34,7 +34,7 @@ pub(super) struct DashboardState {
     /// Uploads that requests are at.
     pub(super) uploads: UploadTurns,
     /// Orders that are being taken.
-    pub(super) door: OrderDoor,
+    pub(super) door: Arc<OrderDoor>,
     /// A random key that every form carries, so that no other site can post one (CSRF token).
     pub(super) form_key: String,
     pub(super) caches: PageCaches,

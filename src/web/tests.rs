@@ -26,6 +26,8 @@ mod api;
 mod asset_tests;
 #[path = "break_out_tests.rs"]
 mod break_out_tests;
+#[path = "door_limit_tests.rs"]
+mod door_limit_tests;
 #[path = "door_tests.rs"]
 mod door_tests;
 #[path = "drop_tests.rs"]

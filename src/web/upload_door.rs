@@ -7,13 +7,13 @@ use axum::{
     Json,
     body::Body,
     extract::{Path, State},
-    http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
+    http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use base64::Engine;
 use schemars::JsonSchema;
 use serde::Serialize;
-use tokio::sync::watch;
+use tokio::sync::{OwnedMutexGuard, watch};
 use tokio_stream::StreamExt;
 
 use super::{
@@ -23,11 +23,19 @@ use super::{
     put_content::{incomplete_body, put_contents, run_on_disk, take_place},
     state::DashboardState,
 };
-use crate::intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, append_bytes, is_content_hash, is_upload_id};
+use crate::intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, is_content_hash, is_upload_id};
 
 /// The version that is spoken.
 const TUS_VERSION: HeaderValue = HeaderValue::from_static("1.0.0");
 const TUS_EXTENSIONS: HeaderValue = HeaderValue::from_static("creation,expiration,termination");
+/// Unfinished uploads that one client may have.
+const MAX_UNFINISHED: usize = 100;
+/// When to ask again for one more, s.
+const UNFINISHED_SECS: u64 = 60;
+
+/// A turn at an upload. What works on the disk holds it as well, so that nothing is written after the next turn has begun.
+type SharedTurn = Arc<OwnedMutexGuard<()>>;
+
 /// An upload as it stands.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct UploadResource {
@@ -114,14 +122,19 @@ pub(super) async fn post_upload(
     if let Some(expected) = expected.as_ref().filter(|expected| !is_content_hash(expected)) {
         return Err(refused(StatusCode::BAD_REQUEST, format!("blake3 {expected:?} must be 64 digits of 0-9 and a-f")));
     }
-    let record = UploadRecord { length, client: client.key_name().to_owned(), expected, content: None };
+    let record = UploadRecord { length, client: client.counted_as.clone(), expected, content: None };
     let (uploads, max_bytes) = (uploads_of(&web), web.current_settings().limits.max_bytes);
     let id = format!("{:032x}", rand::random::<u128>());
     let begun = id.clone();
     let begun_before = uploads.clone();
     let unfinished = run_on_disk(move || Ok(begun_before.list_unfinished()?)).await?;
-    let of_client = unfinished.iter().filter(|upload| upload.record.client == client.key_name());
-    let on_disk: u64 = of_client.map(|upload| upload.record.length).sum();
+    let of_client = unfinished.iter().filter(|upload| upload.record.client == client.counted_as);
+    let lengths: Vec<u64> = of_client.map(|upload| upload.record.length).collect();
+    if lengths.len() >= MAX_UNFINISHED {
+        let text = format!("you have {MAX_UNFINISHED} unfinished uploads: finish some, or give them up");
+        return Err(HandlerError::TooMany(UNFINISHED_SECS, text));
+    }
+    let on_disk = lengths.into_iter().fold(0, u64::saturating_add);
     web.limits.begin_bytes(&client.counted_as, length, on_disk)?;
     let upload = run_on_disk(move || {
         uploads.begin_upload(&begun, &record, max_bytes)?;
@@ -150,24 +163,47 @@ fn read_metadata(text: &str, wanted: &str) -> HandlerResult<Option<String>> {
 }
 
 /// How far an upload is. One that is complete and was cut before it had its name gets it now.
-async fn settle(web: &DashboardState, id: &str) -> HandlerResult<UploadState> {
+async fn settle(web: &DashboardState, id: &str, turn: &SharedTurn) -> HandlerResult<UploadState> {
+    let (uploads, wanted, turn) = (uploads_of(web), id.to_owned(), turn.clone());
+    let settled = run_on_disk(move || {
+        let _turn = turn;
+        uploads.settle_upload(&wanted)
+    });
+    settled.await?.ok_or_else(|| no_upload(id))
+}
+
+fn no_upload(id: &str) -> HandlerError {
+    HandlerError::NotFound(format!("upload {id}: it may have expired"))
+}
+
+/// How far an upload is just now, while another request may send more of it.
+async fn look_at(web: &DashboardState, id: &str) -> HandlerResult<UploadState> {
+    if let Some(turn) = web.uploads.try_turn(id) {
+        return settle(web, id, &Arc::new(turn)).await;
+    }
     let (uploads, wanted) = (uploads_of(web), id.to_owned());
-    let settled = run_on_disk(move || uploads.settle_upload(&wanted)).await?;
-    settled.ok_or_else(|| HandlerError::NotFound(format!("upload {id}: it may have expired")))
+    run_on_disk(move || Ok(uploads.find_upload(&wanted)?)).await?.ok_or_else(|| no_upload(id))
 }
 
 fn require_id(id: &str) -> HandlerResult<()> {
     is_upload_id(id).then_some(()).ok_or_else(|| HandlerError::NotFound(format!("upload {id}")))
 }
 
-/// How far an upload is: as headers, and as JSON.
+/// How far an upload is: as headers, and as JSON. GET only looks. HEAD is how clients begin to go on after a cut: it ends a request that
+/// still sends, so that the offset stays what it says.
 pub(super) async fn get_upload(
     State(web): State<Arc<DashboardState>>,
     Path(id): Path<String>,
+    method: Method,
 ) -> HandlerResult<Response> {
     require_id(&id)?;
-    let _turn = web.uploads.take_turn(&id).await?;
-    let upload = settle(&web, &id).await?;
+    let upload = match method {
+        Method::HEAD => {
+            let (turn, _) = web.uploads.take_turn(&id).await?;
+            settle(&web, &id, &Arc::new(turn)).await?
+        }
+        _ => look_at(&web, &id).await?,
+    };
     let (offset, length) = (upload.offset, upload.record.length);
     let resource = UploadResource { offset, length, content: upload.record.content.clone() };
     let mut response = Json(resource).into_response();
@@ -179,6 +215,7 @@ pub(super) async fn get_upload(
 pub(super) async fn patch_upload(
     State(web): State<Arc<DashboardState>>,
     Path(id): Path<String>,
+    client: RequestClient,
     headers: HeaderMap,
     body: Body,
 ) -> HandlerResult<Response> {
@@ -188,17 +225,18 @@ pub(super) async fn patch_upload(
         return Err(refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send application/offset+octet-stream"));
     }
     let offset = number_header(&headers, "upload-offset")?;
-    let (_turn, comes) = web.uploads.take_turn(&id).await?;
-    let upload = settle(&web, &id).await?;
+    let (turn, comes) = web.uploads.take_turn(&id).await?;
+    let turn = Arc::new(turn);
+    let upload = settle(&web, &id, &turn).await?;
     if offset != upload.offset {
         let text = format!("{} bytes of it have arrived, not {offset}: ask with HEAD, and go on there", upload.offset);
         return Err(refused(StatusCode::CONFLICT, text));
     }
     if upload.record.content.is_none() {
-        let _place = take_place(&web)?;
-        append_body(&web, &id, upload.record.length - offset, body, comes).await?;
+        let _place = take_place(&web, &client)?;
+        append_body(&web, &id, upload.record.length - offset, body, (&turn, comes)).await?;
     }
-    let upload = settle(&web, &id).await?;
+    let upload = settle(&web, &id, &turn).await?;
     Ok(tus_response(StatusCode::NO_CONTENT, &state_headers(&upload)))
 }
 
@@ -208,10 +246,10 @@ async fn append_body(
     id: &str,
     mut left: u64,
     body: Body,
-    mut comes: watch::Receiver<u64>,
+    (turn, mut comes): (&SharedTurn, watch::Receiver<u64>),
 ) -> HandlerResult<()> {
     let (uploads, wanted) = (uploads_of(web), id.to_owned());
-    let file = Arc::new(run_on_disk(move || Ok(uploads.open_part(&wanted)?)).await?);
+    let mut part = run_on_disk(move || Ok(uploads.open_part(&wanted)?)).await?;
     let mut chunks = body.into_data_stream();
     let mut cut = None;
     loop {
@@ -234,12 +272,16 @@ async fn append_body(
             }
             Some(Ok(chunk)) => {
                 left -= chunk.len() as u64;
-                let file = file.clone();
-                run_on_disk(move || Ok(append_bytes(&file, &chunk)?)).await?;
+                let turn = turn.clone();
+                part = run_on_disk(move || {
+                    let _turn = turn;
+                    part.append_bytes(&chunk).map(|()| part)
+                })
+                .await?;
             }
         }
     }
-    run_on_disk(move || Ok(file.sync_data()?)).await?;
+    run_on_disk(move || Ok(part.sync_bytes()?)).await?;
     cut.map_or(Ok(()), Err)
 }
 
@@ -251,9 +293,14 @@ pub(super) async fn delete_upload(
 ) -> HandlerResult<Response> {
     check_protocol(&web, &headers)?;
     require_id(&id)?;
-    let _turn = web.uploads.take_turn(&id).await?;
-    settle(&web, &id).await?;
+    let (turn, _) = web.uploads.take_turn(&id).await?;
+    let turn = Arc::new(turn);
+    settle(&web, &id, &turn).await?;
     let uploads = uploads_of(&web);
-    run_on_disk(move || Ok(uploads.remove_upload(&id)?)).await?;
+    run_on_disk(move || {
+        let _turn = turn;
+        Ok(uploads.remove_upload(&id)?)
+    })
+    .await?;
     Ok(tus_response(StatusCode::NO_CONTENT, &[]))
 }

@@ -26,15 +26,22 @@ struct UploadTurn {
 pub(super) struct UploadTurns(Mutex<HashMap<String, Arc<UploadTurn>>>);
 
 impl UploadTurns {
-    /// Waits until no other request is at an upload.
+    fn turn_of(&self, id: &str) -> Arc<UploadTurn> {
+        let mut turns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // Those that nobody is at.
+        turns.retain(|_, turn| Arc::strong_count(turn) > 1 || Arc::strong_count(&turn.busy) > 1);
+        let new = || Arc::new(UploadTurn { busy: Arc::default(), comes: watch::Sender::new(0) });
+        turns.entry(id.to_owned()).or_insert_with(new).clone()
+    }
+
+    /// A turn if no other request is at an upload. One that is goes on.
+    pub(super) fn try_turn(&self, id: &str) -> Option<OwnedMutexGuard<()>> {
+        self.turn_of(id).busy.clone().try_lock_owned().ok()
+    }
+
+    /// Has other requests at an upload end, and waits for that.
     pub(super) async fn take_turn(&self, id: &str) -> HandlerResult<(OwnedMutexGuard<()>, watch::Receiver<u64>)> {
-        let turn = {
-            let mut turns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            // Those that nobody is at.
-            turns.retain(|_, turn| Arc::strong_count(turn) > 1 || Arc::strong_count(&turn.busy) > 1);
-            let new = || Arc::new(UploadTurn { busy: Arc::default(), comes: watch::Sender::new(0) });
-            turns.entry(id.to_owned()).or_insert_with(new).clone()
-        };
+        let turn = self.turn_of(id);
         turn.comes.send_modify(|count| *count += 1);
         let held = tokio::time::timeout(TURN_TIMEOUT, turn.busy.clone().lock_owned()).await;
         let busy = |_| HandlerError::Refused(StatusCode::LOCKED, "another request sends to this upload".to_owned());

@@ -150,6 +150,36 @@ fn a_lost_claim_is_made_again_and_content_that_is_gone_is_asked_for() {
 }
 
 #[test]
+fn an_order_that_is_cancelled_at_once_is_not_printed_at_any_step_of_its_lines() {
+    const LINES: usize = 150;
+    let open = OpenFarm::start("");
+    let hash = open.put(&stl(&block(20.0, 15.0, 10.0)));
+    for (round, wait_ms) in [0, 150, 400, 1200].into_iter().enumerate() {
+        let lines: Vec<Value> =
+            (0..LINES).map(|at| json!({ "name": format!("{round}-{at}.stl"), "content": hash })).collect();
+        assert_eq!(open.order(&format!("k{round}"), json!(lines)).status, 202);
+        std::thread::sleep(Duration::from_millis(wait_ms));
+        wait_until_or(
+            "it is cancelled",
+            60.0,
+            || open.farm.log(),
+            || {
+                let told = open.send("DELETE /api/v1/orders/K-1", b"");
+                assert!([200, 202, 409, 429].contains(&told.status), "{told:?}");
+                told.status == 409 && told.json().get("refused").is_none()
+            },
+        );
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    for state in [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built] {
+        assert!(open.farm.parts(state).is_empty(), "{state}");
+    }
+    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
+    assert!(open.farm.queued().is_empty());
+    assert!(open.farm.broken_invariants(&Default::default()).is_empty());
+}
+
+#[test]
 fn a_restored_ledger_that_has_forgotten_an_order_does_not_print_it_twice() {
     let mut open = OpenFarm::start("");
     let backup = open.farm.root().join("ledger.backup");

@@ -40,9 +40,8 @@ impl ArrivingLines {
             if placed.len() >= CLAIMS_PER_SCAN {
                 break;
             }
-            let content = self.contents.path_of(&line.content_hash);
             let (claim, name, ticket) = (line.claim.as_str(), line.name.as_str(), line.ticket.as_str());
-            let file = OrderedFile { claim, name, ticket, content: &content, hash: &line.content_hash };
+            let file = OrderedFile { claim, name, ticket, contents: &self.contents, hash: &line.content_hash };
             match place_ordered_claim(inbox, farm, &file) {
                 Ok(claim) => placed.extend(claim),
                 Err(failure) => warnings.push(format!(

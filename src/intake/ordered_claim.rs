@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    ClaimError, ClaimedPart,
+    ClaimError, ClaimedPart, PutContents,
     claim_folder::{
         ADOPTED_PREFIX, CLAIMED_DIR, UNFINISHED_PREFIX, claim_folder_name, list_claim_folders, lock_claims,
         parse_folder_name,
@@ -31,8 +31,8 @@ pub struct OrderedFile<'a> {
     pub name: &'a str,
     /// Its ticket in JSON.
     pub ticket: &'a str,
-    /// The file that was put.
-    pub content: &'a Path,
+    /// Where the files are that were put.
+    pub contents: &'a PutContents,
     /// BLAKE3 of that file, 64 hex digits.
     pub hash: &'a str,
 }
@@ -96,17 +96,25 @@ fn assemble_claim(new: &Path, file: &OrderedFile, step: &mut dyn FnMut()) -> io:
     ticket.write_all(file.ticket.as_bytes())?;
     ticket.sync_all()?;
     step();
-    let copied = copy_hashed(file.content, &new.join(file.name))?;
+    let missing = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => io::Error::new(error.kind(), format!("content {} is gone: put it again", file.hash)),
+        _ => error,
+    };
+    let content = file.contents.path_of(file.hash);
+    let source = disk::open_regular_file(&content).map_err(missing)?;
+    let copied = copy_hashed(source, &new.join(file.name))?;
     step();
     if copied != file.hash {
-        return Err(io::Error::other(format!("{} is damaged: put that content again", file.content.display())));
+        // Or a put would find it there.
+        file.contents.move_damaged_aside(file.hash)?;
+        return Err(io::Error::other(format!("{} was damaged: put that content again", content.display())));
     }
     disk::fsync_dir(new)
 }
 
 /// Copies a file durably, and returns the BLAKE3 of what was copied.
-fn copy_hashed(from: &Path, to: &Path) -> io::Result<String> {
-    let (mut source, mut target) = (disk::open_regular_file(from)?, disk::create_fresh_file(to)?);
+fn copy_hashed(mut source: fs::File, to: &Path) -> io::Result<String> {
+    let mut target = disk::create_fresh_file(to)?;
     let (mut hasher, mut buffer) = (blake3::Hasher::new(), vec![0; BUFFER_BYTES]);
     loop {
         let count = source.read(&mut buffer)?;
@@ -126,16 +134,17 @@ mod tests {
     use super::*;
     use crate::intake::recover_claims;
 
-    fn file<'a>(content: &'a Path, hash: &'a str) -> OrderedFile<'a> {
-        OrderedFile { claim: "order-ab-0001", name: "a.stl", ticket: r#"{"copies":3,"order":"K"}"#, content, hash }
+    fn file<'a>(contents: &'a PutContents, hash: &'a str) -> OrderedFile<'a> {
+        OrderedFile { claim: "order-ab-0001", name: "a.stl", ticket: r#"{"copies":3,"order":"K"}"#, contents, hash }
     }
 
     #[test]
     fn a_claim_is_put_together_once_wherever_a_crash_or_a_person_interrupts() {
         let folder = tempfile::tempdir().unwrap();
-        let content = folder.path().join("content");
-        fs::write(&content, "solid").unwrap();
+        let contents = PutContents::of_farm(folder.path());
         let hash = blake3::hash(b"solid").to_hex().to_string();
+        contents.create_folder().unwrap();
+        fs::write(contents.path_of(&hash), "solid").unwrap();
         let mut crashes = 0;
         for at in 0.. {
             let inbox = tempfile::tempdir().unwrap();
@@ -144,15 +153,15 @@ mod tests {
                 assert!(left > 0, "a crash");
                 left -= 1;
             };
-            let place = AssertUnwindSafe(|| place_stepwise(inbox.path(), "f", &file(&content, &hash), &mut step));
+            let place = AssertUnwindSafe(|| place_stepwise(inbox.path(), "f", &file(&contents, &hash), &mut step));
             let is_whole = catch_unwind(place).is_ok_and(|placed| placed.unwrap().is_some());
             let (claims, troubles) = recover_claims(inbox.path(), "f").unwrap();
             assert!(troubles.is_empty() && (claims.len() == 1 || !is_whole), "{at}: {claims:?} {troubles:?}");
             assert_eq!(fs::read_dir(inbox.path()).unwrap().count(), 1, "nothing is given back to the hot folder");
-            let again = place_ordered_claim(inbox.path(), "f", &file(&content, &hash)).unwrap();
+            let again = place_ordered_claim(inbox.path(), "f", &file(&contents, &hash)).unwrap();
             assert_eq!(again.is_some(), claims.is_empty());
             fs::remove_dir_all(inbox.path().join(".claimed/order-ab-0001@f")).unwrap();
-            let claim = place_ordered_claim(inbox.path(), "f", &file(&content, &hash)).unwrap().unwrap();
+            let claim = place_ordered_claim(inbox.path(), "f", &file(&contents, &hash)).unwrap().unwrap();
             let spec = claim.read_part_spec().unwrap();
             assert_eq!((spec.ticket.copies, spec.ticket.order.as_deref()), (Some(3), Some("K")));
             assert!(super::super::give_back_claim(&claim).is_err(), "it is put together again instead");
@@ -170,16 +179,21 @@ mod tests {
     fn content_that_is_gone_or_damaged_makes_no_claim_and_a_claim_of_another_farm_is_left_to_it() {
         let folder = tempfile::tempdir().unwrap();
         let inbox = tempfile::tempdir().unwrap();
-        let content = folder.path().join("content");
+        let contents = PutContents::of_farm(folder.path());
+        contents.create_folder().unwrap();
         let hash = blake3::hash(b"solid").to_hex().to_string();
-        assert!(place_ordered_claim(inbox.path(), "f", &file(&content, &hash)).is_err());
+        let content = contents.path_of(&hash);
+        let gone = place_ordered_claim(inbox.path(), "f", &file(&contents, &hash)).unwrap_err();
+        assert!(std::error::Error::source(&gone).unwrap().to_string().contains("put it again"), "{gone:?}");
         fs::write(&content, "solil").unwrap();
-        let damaged = place_ordered_claim(inbox.path(), "f", &file(&content, &hash)).unwrap_err();
+        let damaged = place_ordered_claim(inbox.path(), "f", &file(&contents, &hash)).unwrap_err();
         assert!(std::error::Error::source(&damaged).unwrap().to_string().contains("damaged"), "{damaged:?}");
         assert!(recover_claims(inbox.path(), "f").unwrap().0.is_empty());
+        assert_eq!(contents.use_content(&hash).unwrap(), None, "it can be put again");
+        assert_eq!(fs::read(folder.path().join("damaged").join(&hash)).unwrap(), b"solil", "what was damaged is kept");
         fs::write(&content, "solid").unwrap();
         fs::create_dir_all(inbox.path().join(".claimed/.adopted-order-ab-0001@f")).unwrap();
-        assert_eq!(place_ordered_claim(inbox.path(), "f", &file(&content, &hash)).unwrap(), None);
+        assert_eq!(place_ordered_claim(inbox.path(), "f", &file(&contents, &hash)).unwrap(), None);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use super::{StoredFile, disk};
+use super::{StoredFile, disk, store::DAMAGED_DIR};
 
 /// How the name of a file begins that has not arrived as a whole.
 const ARRIVING_PREFIX: &str = "new-";
@@ -151,6 +151,23 @@ impl PutContents {
         // One that was put before may be damaged by now.
         fs::rename(path, self.path_of(hash))?;
         Ok(disk::fsync_dir(&self.dir)?)
+    }
+
+    /// Moves a file that does not match its BLAKE3 to the folder of damaged files, so that it can be put again. Nothing is deleted.
+    ///
+    /// # Errors
+    /// It cannot be read or moved.
+    pub fn move_damaged_aside(&self, hash: &str) -> io::Result<()> {
+        let path = self.path_of(hash);
+        // It may have been put again meanwhile.
+        if disk::hash_file(&path)? == hash {
+            return Ok(());
+        }
+        let damaged = self.dir.with_file_name(DAMAGED_DIR);
+        disk::create_dirs(&damaged)?;
+        let aside = disk::move_to_free_name(&path, &damaged, hash.as_ref())?;
+        tracing::warn!("{} is damaged: it was moved to {}.", path.display(), aside.display());
+        Ok(())
     }
 
     /// Removes what was arriving when a daemon ended, after `quiet_for` without a byte, and files that were last put or ordered

@@ -18,7 +18,7 @@ use super::{ClaimedPart, disk};
 /// Prefix of the name of an unfinished copy.
 const TEMPORARY_PREFIX: &str = "tmp-";
 /// Folder beside the store for damaged files.
-const DAMAGED_DIR: &str = "damaged";
+pub(super) const DAMAGED_DIR: &str = "damaged";
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// The store, `state/store/ab/<BLAKE3, 64 hex digits>`.

@@ -150,6 +150,24 @@ fn a_lost_claim_is_made_again_and_content_that_is_gone_is_asked_for() {
 }
 
 #[test]
+fn content_that_was_damaged_is_put_again() {
+    let open = OpenFarm::start("");
+    let bytes = stl(&block(20.0, 15.0, 10.0));
+    let hash = open.put(&bytes);
+    let (inbox, aside) = (open.farm.folder("inbox"), open.farm.root().join("aside"));
+    fs::rename(&inbox, &aside).unwrap();
+    assert_eq!(open.order("k", json!([{ "name": "a.stl", "content": hash }])).status, 202);
+    fs::write(open.farm.root().join("state/put").join(&hash), &bytes[..bytes.len() - 1]).unwrap();
+    fs::rename(&aside, &inbox).unwrap();
+    let damaged = open.farm.root().join("state/damaged").join(&hash);
+    wait_until_or("it is set aside", 30.0, || open.farm.log(), || damaged.exists());
+    assert_eq!(open.send(&format!("HEAD /api/v1/content/{hash}"), b"").status, 404);
+    open.put(&bytes);
+    open.farm.wait_for_parts(PartState::Waiting, 1);
+    assert!(open.farm.broken_invariants(&Default::default()).is_empty());
+}
+
+#[test]
 fn an_order_that_is_cancelled_at_once_is_not_printed_at_any_step_of_its_lines() {
     const LINES: usize = 150;
     let open = OpenFarm::start("");

@@ -110,6 +110,7 @@ pub fn add_token(file: &Path, name: &str, role: TokenRole) -> Result<String, Tok
         let text = format!("{name:?} is no name of a token: take up to {MAX_NAME} letters, digits, '-', '_' and '.'");
         return Err(TokenError::Name(text));
     }
+    let _only_one = lock_tokens(file)?;
     let mut tokens = read_tokens(file)?;
     if tokens.iter().any(|token| token.name == name) {
         return Err(TokenError::Name(format!("there is a token named {name}: revoke it first, or take another name")));
@@ -126,6 +127,7 @@ pub fn add_token(file: &Path, name: &str, role: TokenRole) -> Result<String, Tok
 /// # Errors
 /// See [`TokenError`].
 pub fn revoke_token(file: &Path, name: &str) -> Result<(), TokenError> {
+    let _only_one = lock_tokens(file)?;
     let mut tokens = read_tokens(file)?;
     let before = tokens.len();
     tokens.retain(|token| token.name != name);
@@ -133,6 +135,15 @@ pub fn revoke_token(file: &Path, name: &str) -> Result<(), TokenError> {
         true => write_tokens(file, tokens),
         false => Err(TokenError::Name(format!("there is no token named {name}"))),
     }
+}
+
+/// Waits until no other command changes the file. The lock is on its folder, for the file itself is replaced; where folders cannot be
+/// locked, nothing is.
+fn lock_tokens(file: &Path) -> Result<fs::File, TokenError> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = fs::File::open(folder).map_err(|source| TokenError::File { file: file.to_owned(), source })?;
+    _ = folder.lock();
+    Ok(folder)
 }
 
 fn write_tokens(file: &Path, token: Vec<StoredToken>) -> Result<(), TokenError> {
@@ -184,6 +195,23 @@ impl TokenWatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tokens_that_are_made_and_revoked_at_the_same_time_are_all_kept_and_all_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("tokens.toml");
+        let at_once = |change: &(dyn Fn(&str) + Sync)| {
+            std::thread::scope(|scope| {
+                for at in 0..16 {
+                    scope.spawn(move || change(&format!("t{at}")));
+                }
+            });
+        };
+        at_once(&|name| drop(add_token(&file, name, TokenRole::Order).unwrap()));
+        assert_eq!(read_tokens(&file).unwrap().len(), 16);
+        at_once(&|name| revoke_token(&file, name).unwrap());
+        assert_eq!(read_tokens(&file).unwrap(), []);
+    }
 
     #[test]
     fn a_token_is_known_by_its_hash_until_it_is_revoked() {

@@ -7,12 +7,12 @@ use axum::{
     Router,
     extract::DefaultBodyLimit,
     http::Method,
-    routing::{MethodRouter, delete, get, patch, post, put},
+    routing::{delete, get, patch, post, put},
 };
-use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::{
     api,
+    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, schema_of, tell},
     dto::{BuildResponse, PartResource, PartResponse},
     edit_door, history, month, operate_door, order, order_door, order_request, part, pick_page, plan, put_content,
     quote,
@@ -25,98 +25,6 @@ use crate::{
     ledger::{HeightSummary, HistoryRow, OrderSummary},
     tables::PickList,
 };
-
-/// Creates the schema of a type.
-pub(super) type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
-
-/// Creates the handler of an address.
-type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
-
-/// What a request brings.
-#[derive(Clone, Copy)]
-pub(super) enum RequestBody {
-    /// Nothing.
-    Nothing,
-    /// JSON.
-    Json(SchemaMaker),
-    /// JSON, or a form with that JSON in the field of this name and files.
-    Form(&'static str, SchemaMaker),
-    /// A file.
-    Bytes,
-    /// A piece of a file.
-    Piece,
-}
-
-/// What may be done at an address.
-pub(super) struct ApiRoute {
-    /// GET, PUT, POST, PATCH or DELETE.
-    pub method: &'static str,
-    pub path: &'static str,
-    pub name: &'static str,
-    pub summary: &'static str,
-    /// Who may.
-    pub role: TokenRole,
-    pub body: RequestBody,
-    /// Status and content of the answer.
-    pub answer: (&'static str, Option<SchemaMaker>),
-    /// Schema of its query parameters; `None` = no query.
-    pub query: Option<SchemaMaker>,
-    /// Fields of that schema that do not apply to this address.
-    pub without: &'static [&'static str],
-    /// Headers that it needs.
-    pub headers: &'static [&'static str],
-    handler: HandlerMaker,
-}
-
-impl RequestBody {
-    /// Whether a request of this type brings files, which its handler receives as they come. Such a body may be long.
-    pub(super) fn brings_files(self, content_type: &str) -> bool {
-        match self {
-            Self::Nothing | Self::Json(_) => false,
-            Self::Form(..) => content_type.starts_with("multipart/"),
-            Self::Bytes | Self::Piece => true,
-        }
-    }
-}
-
-pub(super) fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    generator.subschema_for::<T>()
-}
-
-/// A question.
-const fn ask(
-    path: &'static str,
-    name: &'static str,
-    summary: &'static str,
-    answer: SchemaMaker,
-    handler: HandlerMaker,
-) -> ApiRoute {
-    ApiRoute {
-        method: "GET",
-        path,
-        name,
-        summary,
-        role: TokenRole::Read,
-        body: RequestBody::Nothing,
-        answer: ("200", Some(answer)),
-        query: None,
-        without: &[],
-        headers: &[],
-        handler,
-    }
-}
-
-/// Something that changes what the farm does.
-const fn tell(
-    (method, path): (&'static str, &'static str),
-    name: &'static str,
-    summary: &'static str,
-    body: RequestBody,
-    handler: HandlerMaker,
-) -> ApiRoute {
-    let answer: SchemaMaker = schema_of::<edit_door::CarriedOut>;
-    ApiRoute { method, role: TokenRole::Order, body, ..ask(path, name, summary, answer, handler) }
-}
 
 const EDIT: RequestBody = RequestBody::Json(schema_of::<edit_door::EditRequest>);
 const ORDER: RequestBody = RequestBody::Form("order", schema_of::<order_request::OrderRequest>);

@@ -5,6 +5,7 @@
 
 mod api;
 mod api_body;
+mod api_route;
 mod api_routes;
 mod asset_route;
 mod assets;

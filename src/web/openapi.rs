@@ -11,7 +11,8 @@ use schemars::{Schema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use super::{
-    api_routes::{ApiRoute, RequestBody, all_routes, schema_of},
+    api_route::{ApiRoute, RequestBody, schema_of},
+    api_routes::all_routes,
     error::ProblemDetails,
 };
 

@@ -168,6 +168,23 @@ fn content_that_was_damaged_is_put_again() {
 }
 
 #[test]
+fn a_line_of_a_machine_that_is_gone_is_told_and_can_be_cancelled() {
+    let open = OpenFarm::start("");
+    let hash = open.put(&stl(&block(20.0, 15.0, 10.0)));
+    fs::rename(open.farm.folder("inbox"), open.farm.root().join("aside")).unwrap();
+    assert_eq!(open.order("k", json!([{ "name": "a.stl", "content": hash }])).status, 202);
+    open.farm.write_profile("other", QUICK);
+    fs::remove_file(open.farm.root().join(format!("config/profiles/{PROFILE}.toml"))).unwrap();
+    open.farm.reload();
+    let told = || String::from_utf8_lossy(&open.farm.nestd(&["status"]).stdout).into_owned();
+    let is_told = || told().contains("1 line ordered by request");
+    wait_until_or("it is told", 40.0, told, is_told);
+    let cancelled = open.send("DELETE /api/v1/orders/K-1", b"");
+    assert_eq!((cancelled.status, &cancelled.json()["done"]), (200, &json!(true)), "{cancelled:?}");
+    wait_until_or("it is over", 40.0, told, || !is_told());
+}
+
+#[test]
 fn an_order_that_is_cancelled_at_once_is_not_printed_at_any_step_of_its_lines() {
     const LINES: usize = 150;
     let open = OpenFarm::start("");

@@ -37,14 +37,14 @@ fn in_chunks(chunks: Vec<&'static [u8]>) -> Body {
 #[tokio::test]
 async fn the_files_of_a_quote_may_be_as_large_as_those_of_an_order() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let quote = r#"{"machine":"cube","lines":[{"file":"a.stl"},{"file":"missing.stl"}]}"#;
+    let quote = r#"{"machine":"cube","lines":[{"name":"a.stl"},{"name":"missing.stl"}]}"#;
     let mut body = format!("--B\r\nContent-Disposition: form-data; name=\"quote\"\r\n\r\n{quote}\r\n");
     body += "--B\r\nContent-Disposition: form-data; name=\"file\"; filename=\"a.stl\"\r\n\r\n";
     body += &"x".repeat(3 << 20);
     let request = Request::post("/api/v1/quote").header("content-type", "multipart/form-data; boundary=B");
     let answer = send(&dashboard, request, body + "\r\n--B--\r\n").await;
     assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", answer.json);
-    assert!(answer.json["detail"].as_str().unwrap().contains("missing.stl is not here"), "{}", answer.json);
+    assert!(answer.json["detail"].as_str().unwrap().contains("no file of that name came"), "{}", answer.json);
     let long = order(&dashboard, "k", json!({ "machine": "x".repeat(3 << 20) })).await;
     assert_eq!(long.status, StatusCode::PAYLOAD_TOO_LARGE, "JSON alone is short");
 }

@@ -119,6 +119,32 @@ fn what_cannot_be_printed_is_refused_at_once_with_the_reason_of_its_file() {
 }
 
 #[test]
+fn the_document_of_an_order_is_quoted_without_anything_being_taken_or_kept() {
+    let open = OpenFarm::start("");
+    // As a form, with what a ticket may say.
+    let text = stl(&block(1.0, 2.0, 3.0));
+    let document = r#"{"machine":"test","due":"2035-01-01","lines":[{"name":"small.stl","copies":4,"unit":"cm","orientation":"fixed"}]}"#;
+    let mut form = format!("--B\r\ncontent-disposition: form-data; name=\"quote\"\r\n\r\n{document}\r\n").into_bytes();
+    form.extend(b"--B\r\ncontent-disposition: form-data; name=\"file\"; filename=\"small.stl\"\r\n\r\n");
+    form.extend(&text);
+    form.extend(b"\r\n--B--\r\n");
+    let words = "POST /api/v1/quote\ncontent-type: multipart/form-data; boundary=B";
+    let quote = open.send(words, &form);
+    assert_eq!(quote.status, 200, "{quote:?}");
+    let quote = quote.json();
+    assert_eq!((&quote["copies"], &quote["answer"]), (&json!(4), &json!("kept")), "{quote}");
+    assert!(quote["height_mm"].as_f64().unwrap() > 29.9, "the unit of the line counts: {quote}");
+    let hash = open.put(&text);
+    let line = json!({ "name": "small.stl", "content": hash, "copies": 4, "unit": "cm", "orientation": "fixed" });
+    let body = json!({ "machine": "test", "due": "2035-01-01", "lines": [line] }).to_string();
+    let again = open.send("POST /api/v1/quote\ncontent-type: application/json", body.as_bytes());
+    assert_eq!((again.status, &again.json()["height_mm"]), (200, &quote["height_mm"]), "{again:?}");
+    let put: Vec<_> = std::fs::read_dir(open.farm.root().join("state/put")).unwrap().flatten().collect();
+    assert_eq!(put.len(), 1, "only what was put: {put:?}");
+    assert!(open.farm.parts(PartState::Waiting).is_empty());
+}
+
+#[test]
 fn a_lost_claim_is_made_again_and_content_that_is_gone_is_asked_for() {
     let mut open = OpenFarm::start("");
     let bytes = stl(&block(20.0, 15.0, 10.0));

@@ -1,6 +1,8 @@
 //! A signed distance grid: the distance of a point to a solid and the direction outwards, in nanoseconds. It guides the
 //! search only; validity is decided by the exact box tree.
 
+mod block_lookup;
+
 use glam::{DVec3, Vec3};
 use solids::{Mesh, closest_point};
 
@@ -10,6 +12,9 @@ use super::byte_codec::{ByteReader, ByteWriter};
 const TRIANGLES_PER_CHECK: usize = 64;
 /// Of meshes with more triangles, not every one is tested.
 const MAX_TESTED_TRIANGLES: usize = 200_000;
+
+/// Whole numbers below this are exact in single precision, and the last bits of their sum with it.
+const EXACT_INTEGERS: f32 = 8_388_608.0;
 
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame relative to
 /// `center`.
@@ -21,6 +26,8 @@ pub(crate) struct DistanceField {
     dims: [usize; 3],
     scale: f32,
     nodes: Vec<i16>,
+    /// No point outside the grid has a distance below this, mm.
+    edge_distance: f32,
 }
 
 /// The lattice while the grid is filled.
@@ -71,14 +78,24 @@ impl DistanceField {
         let greatest = distances.iter().fold(0.0_f32, |most, &d| most.max(d));
         let scale = greatest.max(1e-6) / 32_000.0;
         let node = |(d, inside): (&f32, &bool)| (if *inside { -d } else { *d } / scale).round() as i16;
-        Some(Self {
-            origin: lattice.origin.as_vec3(),
-            step: lattice.step as f32,
-            inverse_step: 1.0 / lattice.step as f32,
-            dims: lattice.dims,
-            scale,
-            nodes: distances.iter().zip(&inside).map(node).collect(),
-        })
+        let nodes = distances.iter().zip(&inside).map(node).collect();
+        Some(Self::from_nodes(lattice.origin.as_vec3(), lattice.step as f32, scale, lattice.dims, nodes))
+    }
+
+    fn from_nodes(origin: Vec3, step: f32, scale: f32, dims: [usize; 3], nodes: Vec<i16>) -> Self {
+        // A point outside is looked up where it is nearest to it: between the first two or the last two nodes.
+        let is_edge = |at: usize, axis: usize| at == 0 || at + 2 >= dims[axis];
+        let mut least = i16::MAX;
+        for (row, line) in nodes.chunks_exact(dims[0]).enumerate() {
+            let at_edge = match is_edge(row % dims[1], 1) || is_edge(row / dims[1], 2) {
+                true => line.iter().min(),
+                false => [0, dims[0] - 2, dims[0] - 1].map(|x| &line[x]).into_iter().min(),
+            };
+            least = least.min(at_edge.copied().unwrap_or(least));
+        }
+        // One less, for the rounding of a mean.
+        let edge_distance = (f32::from(least) - 1.0) * scale;
+        Self { origin, step, inverse_step: 1.0 / step, dims, scale, nodes, edge_distance }
     }
 
     /// Writes the grid as bytes.
@@ -98,8 +115,8 @@ impl DistanceField {
         let nodes: Vec<i16> = (from.read_bytes(count.checked_mul(2)?)?.chunks_exact(2))
             .map(|pair| i16::from_le_bytes([pair[0], pair[1]]))
             .collect();
-        let is_sound = step > 0.0 && scale > 0.0 && dims.iter().all(|&n| n >= 2);
-        is_sound.then_some(Self { origin, step, inverse_step: 1.0 / step, dims, scale, nodes })
+        let is_sound = step > 0.0 && scale > 0.0 && dims.iter().all(|&n| n >= 2) && count < EXACT_INTEGERS as usize;
+        is_sound.then(|| Self::from_nodes(origin, step, scale, dims, nodes))
     }
 
     /// Signed distance at a point, mm. Outside the grid, the distance to the grid is added.
@@ -113,10 +130,10 @@ impl DistanceField {
         mix(low, high, part.z) * self.scale + beyond
     }
 
-    /// Signed distance, mm, and the unit direction in which it grows.
+    /// The unit direction in which the distance grows.
     #[inline(always)]
-    pub(crate) fn distance_and_gradient(&self, point: Vec3) -> (f32, Vec3) {
-        let (at, part, beyond) = self.locate_cell(point);
+    pub(crate) fn gradient(&self, point: Vec3) -> Vec3 {
+        let (at, part, _) = self.locate_cell(point);
         let [c000, c100, c010, c110, c001, c101, c011, c111] = self.cell_corners(at);
         let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
         let (x00, x10) = (mix(c000, c100, part.x), mix(c010, c110, part.x));
@@ -124,8 +141,7 @@ impl DistanceField {
         let (low, high) = (mix(x00, x10, part.y), mix(x01, x11, part.y));
         let along_x = mix(mix(c100 - c000, c110 - c010, part.y), mix(c101 - c001, c111 - c011, part.y), part.z);
         let along_y = mix(x10 - x00, x11 - x01, part.z);
-        let gradient = Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z);
-        (mix(low, high, part.z) * self.scale + beyond, gradient)
+        Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z)
     }
 
     /// First node of the cell that contains a point, the point's position in the cell, and its distance to the grid.
@@ -300,7 +316,7 @@ mod tests {
             let found = field.distance(point);
             assert!((found - wanted).abs() < 0.1, "{point} {found} {wanted}");
         }
-        let (_, gradient) = field.distance_and_gradient(Vec3::new(0.0, 4.0, 10.0));
+        let gradient = field.gradient(Vec3::new(0.0, 4.0, 10.0));
         assert!(gradient.dot(Vec3::Y) > 0.99, "{gradient}");
         assert!(field.distance(Vec3::new(100.0, 0.0, 0.0)) > 60.0);
     }

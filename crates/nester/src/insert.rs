@@ -143,7 +143,8 @@ impl NestingRun<'_> {
             layout.restore_parts(&poses, &proxies);
             layout.age_memory();
             let mut grid = OverlapDepthGrid::new(&layout);
-            relocate_part(&mut layout, &mut grid, last, EFFORT, rng);
+            let energy = layout.energy_at(last, &layout.proxies[last], false, f32::INFINITY);
+            relocate_part(&mut layout, &mut grid, last, EFFORT, energy, rng);
             let reach = (MAKE_ROOM_SHARE * layout.proxies[last].shape.radius_mm + task.max_clearance_mm) as f32;
             for (part, promised) in promised.iter().enumerate().take(last) {
                 let (here, there) = (&layout.proxies[last], &layout.proxies[part]);

@@ -40,6 +40,7 @@ mod pair_records;
 #[cfg(feature = "paper")]
 mod paper;
 mod placement;
+mod point_block;
 mod pollination;
 mod precedence;
 mod preparation;
@@ -62,6 +63,7 @@ mod skyline;
 mod solid_nodes;
 mod solution;
 mod sphere_tree;
+mod sphere_walk;
 #[cfg(test)]
 mod testing;
 mod tie_break;

@@ -1,13 +1,14 @@
 //! Finds another place for a part. Flower pollination searches the whole volume in three steps of rising cost: many
 //! lookups in an occupancy grid, the overlap of the best candidates, and separation steps for the very best.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3, Vec4};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
     OrientationLimits, OrientationRule,
     first_rotations::first_rotations,
+    point_block::{BLOCK_POINTS, BlockMotion, PointBlock},
     separation_step::CollisionProxy,
     working_layout::{CenterPose, WorkingLayout},
 };
@@ -19,14 +20,25 @@ const CELLS: f32 = 40_000.0;
 const KEPT_FLOWERS: usize = 16;
 /// Depths are summed in fixed point, so that removing a part restores the grid exactly.
 const DEPTH_UNIT: f32 = 64.0;
+/// Points of a candidate that are looked up before it is compared with what is known.
+const POINTS_PER_LOOK: usize = 16;
 
 /// For every cell, the depth of its centre inside the parts (grown by their clearance), summed over all parts.
 pub(crate) struct OverlapDepthGrid {
     pitch: f32,
     cells: [usize; 3],
     depths: Vec<i32>,
-    added: Vec<Option<CollisionProxy>>,
+    added: Vec<AddedPart>,
     reach: f32,
+}
+
+/// What a part added to the grid.
+#[derive(Default, Clone)]
+struct AddedPart {
+    /// Its bounds then, mm; `None` when it is not in the grid.
+    bounds: Option<(Vec3, Vec3)>,
+    /// Cells and depths.
+    depths: Vec<(u32, i32)>,
 }
 
 impl OverlapDepthGrid {
@@ -40,7 +52,7 @@ impl OverlapDepthGrid {
             pitch,
             cells,
             depths,
-            added: vec![None; layout.part_count()],
+            added: vec![AddedPart::default(); layout.part_count()],
             reach: layout.prepared.max_clearance_mm as f32,
         }
     }
@@ -50,54 +62,73 @@ impl OverlapDepthGrid {
         for part in 0..layout.part_count() {
             let now = &layout.proxies[part];
             let tolerance = 0.3 * self.pitch;
-            let stays = self.added[part].as_ref().is_some_and(|added| {
+            let stays = self.added[part].bounds.is_some_and(|(min, max)| {
                 part != left_out
-                    && (added.min - now.min).abs().max_element() < tolerance
-                    && (added.max - now.max).abs().max_element() < tolerance
+                    && (min - now.min).abs().max_element() < tolerance
+                    && (max - now.max).abs().max_element() < tolerance
             });
             if stays {
                 continue;
             }
-            if let Some(added) = self.added[part].take() {
-                self.add_part_depth(&added, -1);
+            let AddedPart { bounds, mut depths } = std::mem::take(&mut self.added[part]);
+            if bounds.is_some() {
+                depths.iter().for_each(|&(cell, depth)| self.depths[cell as usize] -= depth);
+                depths.clear();
             }
-            if part != left_out {
-                self.add_part_depth(now, 1);
-                self.added[part] = Some(now.clone());
-            }
+            let bounds = (part != left_out).then(|| {
+                self.find_depths(now, &mut depths);
+                depths.iter().for_each(|&(cell, depth)| self.depths[cell as usize] += depth);
+                (now.min, now.max)
+            });
+            self.added[part] = AddedPart { bounds, depths };
         }
     }
 
-    fn add_part_depth(&mut self, proxy: &CollisionProxy, sign: i32) {
+    /// Finds the cells whose centres are in a part, and their depths.
+    fn find_depths(&self, proxy: &CollisionProxy, depths: &mut Vec<(u32, i32)>) {
         let low = ((proxy.min - self.reach) / self.pitch).max(Vec3::ZERO).to_array().map(|n| n as usize);
         let high = ((proxy.max + self.reach) / self.pitch + 1.0).max(Vec3::ZERO).to_array().map(|n| n as usize);
-        let back = proxy.rotation.transpose();
+        let back = BlockMotion::new(proxy.rotation.transpose(), Vec3::ZERO);
+        let middle = |cell: usize| (cell as f32 + 0.5) * self.pitch;
+        let end = high[0].min(self.cells[0]);
         for z in low[2]..high[2].min(self.cells[2]) {
             for y in low[1]..high[1].min(self.cells[1]) {
-                for x in low[0]..high[0].min(self.cells[0]) {
-                    let middle = (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * self.pitch;
-                    let depth = self.reach - proxy.shape.distance_field.distance(back * (middle - proxy.center));
-                    if depth > 0.0 {
-                        let cell = (z * self.cells[1] + y) * self.cells[0] + x;
-                        self.depths[cell] += sign * (depth * DEPTH_UNIT) as i32;
+                for first in (low[0]..end).step_by(BLOCK_POINTS) {
+                    let middles = PointBlock {
+                        x: Vec4::from_array([0, 1, 2, 3].map(|x| middle(first + x))) - proxy.center.x,
+                        y: Vec4::splat(middle(y) - proxy.center.y),
+                        z: Vec4::splat(middle(z) - proxy.center.z),
+                    };
+                    let distances = proxy.shape.distance_field.block_distances(&back.move_block(&middles), self.reach);
+                    let cell = (z * self.cells[1] + y) * self.cells[0] + first;
+                    for (x, distance) in distances.to_array().into_iter().enumerate().take(end - first) {
+                        let depth = self.reach - distance;
+                        if depth > 0.0 {
+                            depths.push(((cell + x) as u32, (depth * DEPTH_UNIT) as i32));
+                        }
                     }
                 }
             }
         }
     }
 
-    /// Mean depth of a proxy's points.
-    fn mean_depth(&self, proxy: &CollisionProxy) -> f64 {
+    /// Mean depth of a proxy's points. Where it is not below `enough`, perhaps of some of them only.
+    fn mean_depth(&self, proxy: &CollisionProxy, enough: f64) -> f64 {
         let scale = 1.0 / self.pitch;
         let most = Vec3::new(self.cells[0] as f32, self.cells[1] as f32, self.cells[2] as f32) - 1.0;
         let points = proxy.shape.coarse_points.points();
-        let sum: i64 = (points.iter())
-            .map(|&p| {
+        let mut sum = 0_i64;
+        for some in points.chunks(POINTS_PER_LOOK) {
+            let depth = |&p: &Vec3| {
                 let at = ((proxy.rotation * p + proxy.center) * scale).clamp(Vec3::ZERO, most);
                 let cell = (at.z as usize * self.cells[1] + at.y as usize) * self.cells[0] + at.x as usize;
                 i64::from(self.depths[cell])
-            })
-            .sum();
+            };
+            sum += some.iter().map(depth).sum::<i64>();
+            if sum as f64 / points.len() as f64 >= enough {
+                break;
+            }
+        }
         sum as f64 / points.len() as f64
     }
 }
@@ -174,18 +205,6 @@ pub(crate) struct RelocationEffort {
     pub(crate) separated: usize,
 }
 
-/// Moves a part to a better place if there is one: a place with less weighted overlap than the present one.
-pub(crate) fn relocate_part(
-    layout: &mut WorkingLayout<'_>,
-    grid: &mut OverlapDepthGrid,
-    part: usize,
-    effort: RelocationEffort,
-    rng: &mut ChaCha8Rng,
-) -> bool {
-    let here = layout.energy_at(part, &layout.proxies[part], false, f32::INFINITY);
-    relocate_below(layout, grid, part, effort, here, rng)
-}
-
 /// Moves a part to the best other place found, even if it is no better.
 pub(crate) fn move_elsewhere(
     layout: &mut WorkingLayout<'_>,
@@ -194,11 +213,11 @@ pub(crate) fn move_elsewhere(
     effort: RelocationEffort,
     rng: &mut ChaCha8Rng,
 ) {
-    relocate_below(layout, grid, part, effort, f32::INFINITY, rng);
+    relocate_part(layout, grid, part, effort, f32::INFINITY, rng);
 }
 
-/// Moves a part to the best place found that has less weighted overlap than `energy`.
-fn relocate_below(
+/// Moves a part to a better place if there is one: the best found that has less weighted overlap than `energy`.
+pub(crate) fn relocate_part(
     layout: &mut WorkingLayout<'_>,
     grid: &mut OverlapDepthGrid,
     part: usize,
@@ -274,9 +293,12 @@ fn propose_poses(
         }
         let place = share * free - min;
         proxy.center = place.as_vec3();
-        let depth = grid.mean_depth(proxy);
+        let worst = if best.len() < effort.coarse_checks { None } else { best.last().map(|(worst, _)| *worst) };
+        let worst = worst.unwrap_or(f64::INFINITY);
+        // The exact depth matters where it is better than the flower's own or than one of the best.
+        let depth = grid.mean_depth(proxy, flowers.own_fitness().map_or(f64::INFINITY, |own| own.max(worst)));
         flowers.tell(depth);
-        if best.len() < effort.coarse_checks || best.last().is_some_and(|(worst, _)| depth < *worst) {
+        if depth < worst {
             let at = best.partition_point(|(known, _)| *known <= depth);
             best.insert(at, (depth, CenterPose { rotation: turn, center: place }));
             best.truncate(effort.coarse_checks);

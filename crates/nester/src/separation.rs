@@ -111,7 +111,7 @@ fn run_round(
             let still = layout.energy_at(part, &layout.proxies[part], false, f32::INFINITY);
             if still > 0.0 {
                 let effort = RelocationEffort { grid_queries: 800, coarse_checks: 24, separated: 3 };
-                relocate_part(layout, grid, part, effort, rng);
+                relocate_part(layout, grid, part, effort, still, rng);
             }
         }
         if over(layout.evaluations) {

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
+use glam::{DMat3, DQuat, DVec3, Mat3, Vec3, Vec4};
 use solids::Bounds;
 
-use super::{OrientationRule, shape::PreparedShape, sphere_tree::SphereTree};
+use super::{OrientationRule, point_block::BlockMotion, shape::PreparedShape, sphere_tree::SphereTree};
 
 /// A part as the approximate collision test sees it.
 #[derive(Debug, Clone)]
@@ -31,10 +31,16 @@ impl CollisionProxy {
     pub(crate) fn set_pose(&mut self, turn: DQuat, place: DVec3) {
         self.rotation = DMat3::from_quat(turn).as_mat3();
         self.center = place.as_vec3();
-        let turned = self.shape.extremes_f32.iter().map(|&p| self.rotation * p);
-        let (min, max) = turned.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-        self.min = self.center + min;
-        self.max = self.center + max;
+        let motion = BlockMotion::new(self.rotation, Vec3::ZERO);
+        let (mut min, mut max) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
+        for block in &self.shape.extreme_blocks {
+            let turned = motion.move_block(block);
+            for (axis, values) in [turned.x, turned.y, turned.z].into_iter().enumerate() {
+                (min[axis], max[axis]) = (min[axis].min(values), max[axis].max(values));
+            }
+        }
+        self.min = self.center + Vec3::from_array(min.map(Vec4::min_element));
+        self.max = self.center + Vec3::from_array(max.map(Vec4::max_element));
     }
 
     /// The same proxy raised by `lift` mm.
@@ -59,18 +65,10 @@ impl CollisionProxy {
     /// grid. mm3.
     fn one_sided_energy(&self, body: &SphereTree, other: &Self, reach: f32) -> f32 {
         let back = other.rotation.transpose();
-        let (turn, shift) = (back * self.rotation, back * (self.center - other.center));
-        let field = &other.shape.distance_field;
+        let motion = BlockMotion::new(back * self.rotation, back * (self.center - other.center));
         let mut sum = 0.0;
-        body.visit_points(
-            |center, radius| field.distance(turn * center + shift) < reach + radius,
-            |point| {
-                let depth = reach - field.distance(turn * point + shift);
-                if depth > 0.0 {
-                    sum += depth;
-                }
-            },
-        );
+        body.walk
+            .visit_near_points(&other.shape.distance_field, &motion, reach, |_, _, distance| sum += reach - distance);
         sum * body.point_area
     }
 
@@ -89,34 +87,23 @@ impl CollisionProxy {
     /// Adds to `push` the contacts that would move this part out of `other`.
     pub(crate) fn add_overlap_contacts(&self, other: &Self, reach: f32, weight: f32, push: &mut SeparationStep) {
         let back = other.rotation.transpose();
-        let (turn, shift) = (back * self.rotation, back * (self.center - other.center));
+        let turn = back * self.rotation;
+        let motion = BlockMotion::new(turn, back * (self.center - other.center));
         let field = &other.shape.distance_field;
         let body = &self.shape.fine_points;
         let share = 0.5 * weight * body.point_area;
-        body.visit_points(
-            |center, radius| field.distance(turn * center + shift) < reach + radius,
-            |point| {
-                let there = turn * point + shift;
-                if field.distance(there) < reach {
-                    let (distance, direction) = field.distance_and_gradient(there);
-                    push.add_contact(self.rotation * point, other.rotation * direction, reach - distance, share);
-                }
-            },
-        );
-        let (turn, shift) = (turn.transpose(), self.rotation.transpose() * (other.center - self.center));
+        body.walk.visit_near_points(field, &motion, reach, |point, there, distance| {
+            let direction = other.rotation * field.gradient(there);
+            push.add_contact(self.rotation * point, direction, reach - distance, share);
+        });
+        let motion = BlockMotion::new(turn.transpose(), self.rotation.transpose() * (other.center - self.center));
         let field = &self.shape.distance_field;
         let body = &other.shape.fine_points;
         let share = 0.5 * weight * body.point_area;
-        body.visit_points(
-            |center, radius| field.distance(turn * center + shift) < reach + radius,
-            |point| {
-                let there = turn * point + shift;
-                if field.distance(there) < reach {
-                    let (distance, direction) = field.distance_and_gradient(there);
-                    push.add_contact(self.rotation * there, self.rotation * -direction, reach - distance, share);
-                }
-            },
-        );
+        body.walk.visit_near_points(field, &motion, reach, |_, there, distance| {
+            let direction = self.rotation * -field.gradient(there);
+            push.add_contact(self.rotation * there, direction, reach - distance, share);
+        });
     }
 }
 

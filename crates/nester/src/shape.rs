@@ -9,6 +9,7 @@ use super::{
     cache::{self, PreparedMeshCache},
     distance_field::DistanceField,
     outline::MeshOutline,
+    point_block::{BLOCK_POINTS, PointBlock},
     sphere_tree::{MeasuredSurface, SphereTree},
 };
 
@@ -28,6 +29,8 @@ pub(crate) struct PreparedShape {
     pub(crate) extremes: Vec<DVec3>,
     /// The same points in single precision, for the proxies.
     pub(crate) extremes_f32: Vec<glam::Vec3>,
+    /// These again, side by side.
+    pub(crate) extreme_blocks: Vec<PointBlock>,
     /// Greatest distance of a point from the center, mm.
     pub(crate) radius_mm: f64,
     /// Signed distance grid, for the proxies.
@@ -61,11 +64,13 @@ impl PreparedShape {
     ) -> Option<Self> {
         let center = outline.obb.pose.translation;
         let (field, fine, coarse) = prepare_proxies(&tree, center, detail, kept, is_over)?;
+        let extremes_f32: Vec<glam::Vec3> = outline.extremes.iter().map(|p| p.as_vec3()).collect();
         Some(Self {
             center,
             frame: outline.obb.pose.rotation,
             radius_mm: outline.radius_mm,
-            extremes_f32: outline.extremes.iter().map(|p| p.as_vec3()).collect(),
+            extreme_blocks: extremes_f32.chunks(BLOCK_POINTS).map(PointBlock::from_points).collect(),
+            extremes_f32,
             extremes: outline.extremes.clone(),
             distance_field: field,
             fine_points: fine,

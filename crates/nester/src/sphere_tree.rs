@@ -8,7 +8,10 @@ use rand::RngExt;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use solids::Mesh;
 
-use super::byte_codec::{ByteReader, ByteWriter};
+use super::{
+    byte_codec::{ByteReader, ByteWriter},
+    sphere_walk::SphereWalk,
+};
 
 /// Greatest number of points in a leaf.
 const MAX_LEAF_POINTS: usize = 6;
@@ -20,8 +23,9 @@ pub(crate) struct BoundingSphere {
     pub(crate) radius: f32,
     /// The next node to visit when this subtree is skipped.
     pub(crate) next_sibling: u32,
-    first: u32,
-    count: u32,
+    /// The first of its own points, and their number; 0 if they are in smaller spheres.
+    pub(crate) first: u32,
+    pub(crate) count: u32,
 }
 
 /// Surface points of a part in its frame, relative to its center, and the spheres around them.
@@ -29,6 +33,8 @@ pub(crate) struct BoundingSphere {
 pub(crate) struct SphereTree {
     points: Vec<Vec3>,
     spheres: Vec<BoundingSphere>,
+    /// The same points and spheres.
+    pub(crate) walk: SphereWalk,
     /// Surface area that each point represents, mm2.
     pub(crate) point_area: f32,
 }
@@ -53,7 +59,8 @@ impl SphereTree {
         let mut spheres = Vec::with_capacity(points.len());
         let count = points.len();
         build_spheres(&mut points, 0, count, &mut spheres);
-        Self { point_area: (area / points.len() as f64) as f32, points, spheres }
+        let walk = SphereWalk::new(&spheres, &points).expect("every sphere was divided into two");
+        Self { point_area: (area / points.len() as f64) as f32, points, spheres, walk }
     }
 
     /// Writes the tree as bytes.
@@ -82,27 +89,19 @@ impl SphereTree {
             is_sound.then_some(BoundingSphere { center, radius, next_sibling: skip, first, count: own })
         };
         let spheres = (0..count).map(|at| sphere(at, from)).collect::<Option<Vec<BoundingSphere>>>()?;
-        (!points.is_empty()).then_some(Self { points, spheres, point_area })
+        let walk = SphereWalk::new(&spheres, &points)?;
+        Some(Self { points, spheres, walk, point_area })
+    }
+
+    /// All spheres.
+    #[cfg(test)]
+    pub(crate) fn spheres(&self) -> &[BoundingSphere] {
+        &self.spheres
     }
 
     /// All points.
     pub(crate) fn points(&self) -> &[Vec3] {
         &self.points
-    }
-
-    /// Calls `visit` with every point in the spheres that `wanted` accepts.
-    #[inline]
-    pub(crate) fn visit_points(&self, mut wanted: impl FnMut(Vec3, f32) -> bool, mut visit: impl FnMut(Vec3)) {
-        let mut at = 0;
-        while let Some(sphere) = self.spheres.get(at) {
-            if !wanted(sphere.center, sphere.radius) {
-                at = sphere.next_sibling as usize;
-                continue;
-            }
-            let first = sphere.first as usize;
-            self.points[first..first + sphere.count as usize].iter().for_each(|&p| visit(p));
-            at += 1;
-        }
     }
 }
 

@@ -181,7 +181,6 @@ impl<F: PartialOrd + Clone> FlowerPollination<F> {
 
     /// The fitness of the present flower's own genome: a proposal must be better to replace it. `None` until one was
     /// reported.
-    #[cfg_attr(not(feature = "paper"), allow(dead_code, reason = "only the published method asks for it"))]
     pub fn own_fitness(&self) -> Option<&F> {
         self.flowers[self.turn].fitness.as_ref()
     }

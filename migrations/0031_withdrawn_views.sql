@@ -39,3 +39,6 @@ FROM (SELECT p.order_name, p.id AS part, p.profile, p.name, p.object_name, p.sta
              (SELECT count(*) FROM bad_placement l CROSS JOIN build b ON b.id = l.build_id
         WHERE l.part_id = p.id AND b.withdrawn_at IS NULL) AS bad
       FROM part p) n;
+
+-- Copies of the part that its file holds itself: a revision takes over how often the file was wanted. NULL = it was read before this was noted.
+ALTER TABLE part ADD COLUMN file_copies INTEGER;

@@ -33,3 +33,6 @@ FROM (SELECT p.order_name, p.id AS part, p.profile, p.name, p.object_name, p.sta
              (SELECT count(*) FROM bad_placement l JOIN build b ON b.id = l.build_id
         WHERE l.part_id = p.id AND b.withdrawn_at IS NULL) AS bad
       FROM part p) n;
+
+ALTER TABLE part ADD COLUMN file_copies BIGINT;
+COMMENT ON COLUMN part.file_copies IS 'copies of the part that its file holds itself; NULL = it was read before this was noted';

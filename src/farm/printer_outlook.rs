@@ -1,7 +1,7 @@
 //! What lies ahead of the printers of a machine, and when a print must begin so that a due date is kept. These are functions of facts
 //! and time.
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 
 use super::{
     print_times::PrintTimes,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     ledger::{OccupyingBuild, ProfileStatus},
-    settings::MachineProfile,
+    settings::{FarmZone, MachineProfile, PrinterRules},
 };
 
 /// The printers of a machine that are in use, and how long prints take.
@@ -34,6 +34,15 @@ pub struct PrinterAhead {
     pub takes_at: Vec<Timestamp>,
 }
 
+/// When prints of one height can begin at the latest.
+#[derive(Debug)]
+pub struct LatestBegins<'p> {
+    zone: &'p FarmZone,
+    /// The printers in use, and when each can begin at the earliest.
+    printers: Vec<(&'p PrinterRules, Timestamp)>,
+    occupied: SignedDuration,
+}
+
 impl PrinterOutlook {
     /// The printers for which `is_in_use` holds, with the builds that occupy them.
     pub fn new(
@@ -45,7 +54,7 @@ impl PrinterOutlook {
     ) -> Self {
         let spans = build_spans(profile, builds, &times, now);
         let in_use = profile.printers.iter().enumerate().filter(|(_, rules)| is_in_use(&rules.name));
-        let ahead = |(place, rules): (usize, &crate::settings::PrinterRules)| {
+        let ahead = |(place, rules): (usize, &PrinterRules)| {
             let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);
             PrinterAhead::of_spans(place, spans, now)
         };
@@ -59,18 +68,14 @@ impl PrinterOutlook {
         Self::new(profile, &row.occupying, times, |name| !is_down(name), row.read_at.map_or(Timestamp::MIN, |at| at.0))
     }
 
-    /// When the print of a build of this height must begin so that its parts can be unpacked when they are due. Where no printer can
-    /// begin it in time, none is counted with: the file is in the queue for whoever sees to it.
-    pub fn begin_by(&self, profile: &MachineProfile, height_mm: f64, due_at: Timestamp) -> Timestamp {
-        let occupied = self.times.occupied(height_mm);
-        let limit = due_at.checked_sub(occupied).unwrap_or(Timestamp::MIN);
-        let zone = &profile.time_zone;
-        let first = |printer: &PrinterAhead| profile.printers[printer.place].begins_at(printer.free_at, zone);
-        let last = |printer: &PrinterAhead| {
-            let last = profile.printers[printer.place].begins_by(limit, zone)?;
-            (first(printer) <= last).then_some(last)
+    /// What tells when the print of a build of this height must begin.
+    pub fn latest_begins<'p>(&self, profile: &'p MachineProfile, height_mm: f64) -> LatestBegins<'p> {
+        let first = |printer: &PrinterAhead| {
+            let rules = &profile.printers[printer.place];
+            (rules, rules.begins_at(printer.free_at, &profile.time_zone))
         };
-        self.printers.iter().filter_map(last).max().unwrap_or(limit)
+        let occupied = self.times.occupied(height_mm);
+        LatestBegins { zone: &profile.time_zone, printers: self.printers.iter().map(first).collect(), occupied }
     }
 
     /// The first moment from `at` on in which a printer has fewer files ahead than may lie in its queue: 0 = any number. `None` = none has.
@@ -78,6 +83,19 @@ impl PrinterOutlook {
         let has_room = |at: Timestamp| depth == 0 || self.printers.iter().any(|printer| printer.has_room(depth, at));
         let taken = self.printers.iter().flat_map(|printer| printer.takes_at.iter().copied());
         taken.filter(|taken| *taken > at && *taken < Timestamp::MAX).chain([at]).filter(|at| has_room(*at)).min()
+    }
+}
+
+impl LatestBegins<'_> {
+    /// When a print must begin so that its parts can be unpacked when they are due. Where no printer can begin it in time, none is
+    /// counted with: the file is in the queue for whoever sees to it.
+    pub fn begin_by(&self, due_at: Timestamp) -> Timestamp {
+        let limit = due_at.checked_sub(self.occupied).unwrap_or(Timestamp::MIN);
+        let last = |(rules, first): &(&PrinterRules, Timestamp)| {
+            let last = (*first <= limit).then(|| rules.begins_by(limit, self.zone)).flatten()?;
+            (*first <= last).then_some(last)
+        };
+        self.printers.iter().filter_map(last).max().unwrap_or(limit)
     }
 }
 
@@ -121,7 +139,7 @@ mod tests {
                 takes_at: Vec::new(),
             };
             let printers = [always, day].into_iter().enumerate().map(ahead).collect();
-            let by = PrinterOutlook { printers, times }.begin_by(&profile, 30.0, at(due));
+            let by = PrinterOutlook { printers, times }.latest_begins(&profile, 30.0).begin_by(at(due));
             (by.duration_since(at(0)).as_secs_f64() / 3600.0 * 100.0).round() / 100.0
         };
         assert_eq!(begin_by(0, 0, 35), 30.0);
@@ -130,7 +148,7 @@ mod tests {
         assert_eq!(begin_by(40, 23, 30), 25.0, "one is free after it closed: none begins it in time");
         assert_eq!(begin_by(0, 50, 3), -2.0, "it is too late");
         let none = PrinterOutlook { printers: Vec::new(), times };
-        assert_eq!(none.begin_by(&profile, 30.0, at(35)), at(30));
+        assert_eq!(none.latest_begins(&profile, 30.0).begin_by(at(35)), at(30));
     }
 
     #[test]

@@ -96,6 +96,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         object_index,
         object_name: solid.name.clone(),
         copies: solid.copies.saturating_mul(part.owed.copies),
+        file_copies: solid.copies,
         triangles: solid.mesh.triangles().len() as u64,
         volume_mm3: solid.mesh.volume_mm3(),
         size_mm: solid.mesh.bounds().size().to_array(),

@@ -1,6 +1,6 @@
 //! When a batch fires: a pure function of the waiting parts, the open build, and the time.
 
-use std::fmt;
+use std::{collections::BTreeMap, fmt};
 
 use jiff::{SignedDuration, Timestamp, civil::Date};
 use schemars::JsonSchema;
@@ -74,7 +74,7 @@ pub struct TriggerFacts {
 pub struct DueFacts {
     /// Since when a due date is near: when its print must begin, less the margin, or the arrival of a part whose date is nearer.
     pub near_at: Timestamp,
-    /// When printing must begin to meet the nearest due date.
+    /// When the final search must begin to meet the nearest due date.
     pub start_by: Timestamp,
     /// When the newest part arrived.
     pub newest: Timestamp,
@@ -94,10 +94,18 @@ impl DueFacts {
         newest: Timestamp,
     ) -> Option<Self> {
         let margin_secs = profile.trigger.due_margin_secs?;
-        let begin_by = |due_at: Timestamp| outlook.begin_by(profile, height_mm, due_at);
-        let near_at = |due: &DueArrival| Some(add_secs(begin_by(due.due_at.0), -margin_secs)?.max(due.arrived_at.0));
-        let nearest = dues.iter().map(|due| due.due_at.0).min()?;
-        Some(Self { near_at: dues.iter().filter_map(near_at).min()?, start_by: begin_by(nearest), newest })
+        // The final search, and as long again for the proof and the file.
+        let prepare_secs = 2.0 * profile.search.final_secs;
+        let begins = outlook.latest_begins(profile, height_mm);
+        let start_by = |due_at: Timestamp| add_secs(begins.begin_by(due_at), -prepare_secs);
+        let mut arrivals: BTreeMap<Timestamp, Timestamp> = BTreeMap::new();
+        for due in dues {
+            let first = arrivals.entry(due.due_at.0).or_insert(due.arrived_at.0);
+            *first = (*first).min(due.arrived_at.0);
+        }
+        let near_at = |(&due_at, &arrived_at)| Some(add_secs(start_by(due_at)?, -margin_secs)?.max(arrived_at));
+        let (&nearest, _) = arrivals.first_key_value()?;
+        Some(Self { near_at: arrivals.iter().filter_map(near_at).min()?, start_by: start_by(nearest)?, newest })
     }
 
     /// When the batch fires if nothing more arrives. A due date that can still be met is never missed by gathering.
@@ -178,7 +186,10 @@ fn first_daily_time_after(profile: &MachineProfile, oldest: Timestamp) -> Option
 pub(super) mod tests {
     use jiff::{SignedDuration, ToSpan};
 
-    use super::{super::print_times::PrintTimes, *};
+    use super::{
+        super::{print_times::PrintTimes, printer_outlook::PrinterAhead},
+        *,
+    };
     use crate::ledger::fixtures::{fresh, waiting};
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
@@ -291,7 +302,8 @@ pub(super) mod tests {
 
     #[test]
     fn gathering_does_not_cost_a_due_date_that_can_still_be_met() {
-        let machine = machine_with_triggers("gather_secs = \"15m\"\ndue_margin_secs = \"30m\"\n");
+        let mut machine = machine_with_triggers("gather_secs = \"15m\"\ndue_margin_secs = \"30m\"\n");
+        machine.search.final_secs = 0.0;
         // 10 mm take an hour: it must begin at 11:00, and is near from 10:30 on.
         let due = |arrived: Timestamp| DueArrival { due_at: at(12, 0).into(), arrived_at: arrived.into() };
         let fires = |arrived: Timestamp, newest: Timestamp| {
@@ -304,6 +316,22 @@ pub(super) mod tests {
         assert_eq!(fires(at(8, 0), at(10, 50)), at(11, 0), "not after it must begin");
         assert_eq!(fires(at(10, 55), at(10, 55)), at(11, 0));
         assert_eq!(fires(at(11, 5), at(11, 5)), at(11, 20), "it is late in any case");
+    }
+
+    #[test]
+    fn a_file_is_in_the_queue_before_its_printer_closes() {
+        let printer = "[[printer]]\nname = \"day\"\nhours = \"Mon-Fri 6-22\"\n";
+        let mut machine = machine_with_triggers(&format!("gather_secs = \"15m\"\n{printer}"));
+        machine.time_zone = jiff::tz::TimeZone::UTC.into();
+        machine.search.final_secs = 90.0;
+        let time = |text: &str| text.parse::<Timestamp>().unwrap();
+        // A Friday; the date is on Sunday.
+        let free = PrinterAhead { place: 0, free_at: time("2026-11-20T08:00:00Z"), builds: 0, takes_at: Vec::new() };
+        let outlook = PrinterOutlook { printers: vec![free], times: PrintTimes::of_settings(&machine) };
+        let arrived_at = time("2026-11-20T21:50:00Z");
+        let due = DueArrival { due_at: time("2026-11-22T20:00:00Z").into(), arrived_at: arrived_at.into() };
+        let facts = DueFacts::of_arrivals(&machine, &outlook, 10.0, &[due, due], arrived_at).unwrap();
+        assert_eq!(facts.fires_at(&machine), time("2026-11-20T21:56:59Z"), "three minutes before it closes");
     }
 
     #[test]

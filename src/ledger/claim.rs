@@ -298,7 +298,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
          volume_mm3 = $4, size_x_mm = $5, size_y_mm = $6, size_z_mm = $7, warnings = $8, \
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
-         THEN '' ELSE $9 END WHERE id = $10",
+         THEN '' ELSE $9 END, file_copies = $10 WHERE id = $11",
     )
     .bind(copies)
     .bind(&solid.object_name)
@@ -309,6 +309,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(z)
     .bind(merge_lines(&part.warnings, &solid.warnings))
     .bind(&solid.question)
+    .bind(solid.file_copies)
     .bind(part.id)
     .execute(change.db())
     .await?;

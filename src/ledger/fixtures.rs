@@ -111,6 +111,7 @@ pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
         object_index,
         object_name: String::new(),
         copies,
+        file_copies: 1,
         triangles: 12,
         volume_mm3: 1000.0,
         size_mm: [10.0, 20.0, 30.0],

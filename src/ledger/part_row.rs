@@ -127,6 +127,8 @@ pub struct SolidFacts {
     /// Total copies of this solid: the ordered copies times the build items in the file. Not changed if the part was
     /// read before (a retry).
     pub copies: u32,
+    /// Copies of it that the file itself holds.
+    pub file_copies: u32,
     /// Triangles.
     pub triangles: u64,
     /// Volume, mm3.

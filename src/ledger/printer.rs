@@ -209,8 +209,8 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The builds of a machine that occupy its printers: those that are made, and the published ones whose end was not told
-    /// ([`FORGOTTEN_AFTER`]), in the order of their publication.
+    /// The builds of a machine that occupy its printers: those that are made, and those published in the last 30 days whose
+    /// end was not told, in the order of their publication.
     pub async fn occupying_builds(&self, profile: &str, now: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
         let since = UtcTimestamp(now.0.checked_sub(FORGOTTEN_AFTER).unwrap_or(Timestamp::MIN));
         let columns =
@@ -227,7 +227,7 @@ impl Ledger {
         Ok(builds)
     }
 
-    /// The last prints of a machine that ended well, of which the begin is known, the newest first ([`LEARNED_PRINTS`]).
+    /// The last prints of a machine that ended well, of which the begin is known, at most 40, the newest first.
     pub async fn told_prints(&self, profile: &str) -> Result<Vec<ToldPrint>> {
         let query = format!(
             "SELECT printer, height_mm, begun_at, told_at FROM (SELECT printer, height_mm, {BEGUN_AT} AS begun_at, \

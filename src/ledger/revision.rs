@@ -26,8 +26,8 @@ impl TakenOver {
     }
 }
 
-/// End of the detail of the event of a revision that takes all over.
-const ALL_TAKEN_OVER: &str = ", with all that was asked with it";
+/// End of the detail of the event of a revision that takes over how many copies are wanted in all, however many its file holds.
+const IN_ALL: &str = ", with all that was asked with it, and not more copies in all";
 
 impl Ledger {
     /// The parts that a newly claimed one is a revision of, oldest first: the same name in the same named order, still waiting, with
@@ -54,18 +54,20 @@ impl Ledger {
                  WHERE id = $2 AND state = 'claimed'",
             ),
             TakenOver::All => Some(
-                "UPDATE part SET (copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
-                 (SELECT copies - cancelled_copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note \
-                 FROM part WHERE id = $1) WHERE id = $2 AND state = 'claimed'",
+                "UPDATE part SET (priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
+                 (SELECT priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
+                 WHERE id = $2 AND state = 'claimed'",
             ),
         };
         if let Some(take) = take {
             sql::query(take).bind(old).bind(new).execute(change.db()).await?;
         }
+        let is_in_all = takes_over == TakenOver::All && take_copies_over(&mut change, &earlier, new).await?;
         let asked = match takes_over {
             TakenOver::Nothing => "",
             TakenOver::Date => ", with its due date and its note",
-            TakenOver::All => ALL_TAKEN_OVER,
+            TakenOver::All if is_in_all => IN_ALL,
+            TakenOver::All => ", with all that was asked with it",
         };
         let detail = format!("it replaces part {old}, an earlier revision{asked}");
         change.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await?;
@@ -80,11 +82,27 @@ impl Ledger {
     }
 }
 
+/// Takes over how often the file of a part was wanted. Returns whether that is not known, so that the copies wanted are those in all.
+async fn take_copies_over(change: &mut LedgerChange, old: &PartRow, new: PartId) -> Result<bool> {
+    let held = sql::query_scalar("SELECT file_copies FROM part WHERE id = $1").bind(old.id);
+    let held: Option<u32> = held.fetch_one(change.db()).await?;
+    let wanted = old.wanted_copies();
+    let (copies, is_in_all) = match held {
+        // Nobody has read yet what is in it: its copies are those of its ticket or its name.
+        _ if old.measures.triangles.is_none() => (wanted, false),
+        Some(held) if held > 0 && wanted.is_multiple_of(held) => (wanted / held, false),
+        _ => (wanted, true),
+    };
+    let set = sql::query("UPDATE part SET copies = $1 WHERE id = $2 AND state = 'claimed'").bind(copies).bind(new);
+    set.execute(change.db()).await?;
+    Ok(is_in_all)
+}
+
 impl LedgerChange {
     /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.
     pub(super) async fn has_taken_copies_over(&mut self, part: PartId) -> Result<bool> {
         let query =
             "SELECT EXISTS (SELECT 1 FROM event WHERE part_id = $1 AND kind = 'revised' AND detail LIKE '%' || $2)";
-        Ok(sql::query_scalar(query).bind(part).bind(ALL_TAKEN_OVER).fetch_one(self.db()).await?)
+        Ok(sql::query_scalar(query).bind(part).bind(IN_ALL).fetch_one(self.db()).await?)
     }
 }

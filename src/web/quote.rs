@@ -23,7 +23,7 @@ use super::{
     error::{HandlerError, HandlerResult},
     form_field::{incomplete_form, read_field},
     order_request::{LineRequest, MAX_LINES, OrderRequest, due_of},
-    put_content::{announced_bytes, put_contents, receive_file},
+    put_content::{announced_bytes, put_contents, receive_file, take_place},
     state::DashboardState,
 };
 use crate::{
@@ -61,18 +61,23 @@ pub(super) async fn post_quote(
     request: Request,
 ) -> HandlerResult<Json<OrderQuote>> {
     let busy = || HandlerError::TooMany(1, "other quotes are being made just now: ask again in a moment".to_owned());
-    let place = web.quote_slots.clone().try_acquire_owned().map_err(|_| busy())?;
+    if web.quote_slots.available_permits() == 0 {
+        return Err(busy());
+    }
     let mut under_way = web.limits.begin_bytes(&client.counted_as, announced_bytes(request.headers()), 0)?;
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let (asked, came) = if kind.starts_with("multipart/form-data") {
         let form =
             Multipart::from_request(request, &web).await.map_err(|error| refused(error.status(), error.body_text()))?;
+        let _place = take_place(&web, &client)?;
         receive_form(&web, form, &mut under_way).await?
     } else {
         let body = Json::<OrderRequest>::from_request(request, &web).await;
         (body.map_err(|error| refused(error.status(), error.body_text()))?.0, QuoteFiles::new())
     };
     progress.note_complete();
+    // Who sends slowly holds up no other quote.
+    let place = web.quote_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let settings = web.current_settings();
     let profile = settings.profiles.get(&asked.machine).cloned().map(Arc::new);
     let profile = profile.ok_or_else(|| unprocessable(format!("there is no machine {}", asked.machine)))?;

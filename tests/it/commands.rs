@@ -55,6 +55,7 @@ fn farm() -> tempfile::TempDir {
             object_index: 0,
             object_name: String::new(),
             copies: 2,
+            file_copies: 1,
             triangles: 12,
             volume_mm3: 1000.0,
             size_mm: [10.0, 20.0, 30.0],

@@ -73,10 +73,11 @@ pub fn read_quoted_files(
     now: Timestamp,
 ) -> Result<Vec<QuotedPart>, QuoteError> {
     let (mut parts, mut triangles): (Vec<QuotedPart>, u64) = Default::default();
-    let mut known: HashMap<(&Path, Option<LengthUnit>), PartFileContents> = HashMap::new();
+    // The ending of its name tells the format where the content does not.
+    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<String>), PartFileContents> = HashMap::new();
     for file in files {
         let terms = FileTerms::of_ticket(&file.ticket, profile);
-        let contents = match known.entry((&file.path, terms.unit)) {
+        let contents = match known.entry((&file.path, terms.unit, ending(&file.name))) {
             Entry::Occupied(known) => &*known.into_mut(),
             Entry::Vacant(place) => {
                 let contents = read_quoted_file(profile, limits, file, isolated_until)?;
@@ -100,6 +101,11 @@ pub fn read_quoted_files(
         }
     }
     Ok(parts)
+}
+
+/// The ending of a name, in small letters.
+fn ending(name: &str) -> Option<String> {
+    Some(Path::new(name).extension()?.to_string_lossy().to_lowercase())
 }
 
 fn read_quoted_file(

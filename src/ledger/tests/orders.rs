@@ -275,19 +275,34 @@ async fn what_a_file_asks_for_one_of_its_solids_holds_for_that_one_alone() {
     assert_eq!(terms, expected);
 }
 
-/// A file that holds five of its part, of which ten are wanted after an edit: its revision is made ten times, not fifty.
+/// A file holds five of its part, its revision eight. What was asked with the file is asked with the revision; what the file
+/// itself asks for comes from the revision alone.
 #[tokio::test]
-async fn a_revision_takes_the_copies_over_that_are_wanted_however_many_its_file_holds() {
+async fn a_revision_takes_over_how_often_its_file_was_wanted() {
     let ledger = fresh().await;
-    let old = ledger.record_claim(&new_part("a", 1)).await.unwrap().id;
-    ledger.accept_solids(old, &[solid(0, 5)]).await.unwrap();
-    ledger.edit_part(old, &PartEdit { copies: Some(10), ..PartEdit::default() }, "a@b").await.unwrap();
-    for (takes_over, claim, wanted) in [(TakenOver::All, "b", 10), (TakenOver::Nothing, "c", 5)] {
-        let new = ledger.record_claim(&new_part(claim, 1)).await.unwrap().id;
+    let cases = [
+        (TakenOver::All, true, None, 8),
+        (TakenOver::All, true, Some(10), 16),
+        // It cannot be told how often: so many in all.
+        (TakenOver::All, true, Some(7), 7),
+        (TakenOver::All, false, None, 8),
+        (TakenOver::Nothing, true, Some(10), 8),
+    ];
+    for (at, (takes_over, is_read, edited, wanted)) in cases.into_iter().enumerate() {
+        let claim = async |name: &str| ledger.record_claim(&new_part(&format!("{name}{at}"), 1)).await.unwrap().id;
+        let file = |held: u32, asked: u32| SolidFacts { file_copies: held, ..solid(0, held * asked) };
+        let (old, new) = (claim("old").await, claim("new").await);
+        if is_read {
+            ledger.accept_solids(old, &[file(5, 1)]).await.unwrap();
+        }
+        if edited.is_some() {
+            ledger.edit_part(old, &PartEdit { copies: edited, ..PartEdit::default() }, "a@b").await.unwrap();
+        }
         ledger.record_revision(old, new, takes_over).await.unwrap();
-        let taken = ledger.find_part(new).await.unwrap().unwrap().owed.copies;
-        ledger.accept_solids(new, &[solid(0, 5 * taken)]).await.unwrap();
-        assert_eq!(ledger.find_part(new).await.unwrap().unwrap().owed.copies, wanted, "{takes_over:?}");
+        let asked = ledger.find_part(new).await.unwrap().unwrap().owed.copies;
+        ledger.accept_solids(new, &[file(8, asked)]).await.unwrap();
+        let part = ledger.find_part(new).await.unwrap().unwrap();
+        assert_eq!(part.owed.copies, wanted, "{takes_over:?} {is_read} {edited:?}");
     }
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }

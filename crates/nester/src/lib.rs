@@ -2,6 +2,7 @@
 // The packing search. Its input is a `NestingInstance`, its output a `NestingSolution`. The crate uses no files, no
 // log and no global state. A `StopCondition` ends the search, and a `ProgressListener` receives its progress.
 
+mod bounding_sphere;
 mod box_stacker;
 mod build_volume;
 mod byte_codec;

@@ -9,24 +9,13 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use solids::Mesh;
 
 use super::{
+    bounding_sphere::BoundingSphere,
     byte_codec::{ByteReader, ByteWriter},
     sphere_walk::SphereWalk,
 };
 
 /// Greatest number of points in a leaf.
 const MAX_LEAF_POINTS: usize = 6;
-
-/// A sphere around some of the points. Nodes are stored in depth-first order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct BoundingSphere {
-    pub(crate) center: Vec3,
-    pub(crate) radius: f32,
-    /// The next node to visit when this subtree is skipped.
-    pub(crate) next_sibling: u32,
-    /// The first of its own points, and their number; 0 if they are in smaller spheres.
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-}
 
 /// Surface points of a part in its frame, relative to its center, and the spheres around them.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,9 +4,9 @@
 use glam::{Vec3, Vec4};
 
 use super::{
+    bounding_sphere::BoundingSphere,
     distance_field::DistanceField,
     point_block::{BLOCK_POINTS, BlockMotion, PointBlock},
-    sphere_tree::BoundingSphere,
 };
 
 /// Greatest depth of a tree. Trees that halve their points have at most 11 levels for 10,000 points.

@@ -42,12 +42,17 @@ pub fn printer_loads(
     let spans = build_spans(profile, builds, times, now);
     let load = |rules: &PrinterRules| {
         let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);
-        let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
-        let ahead = spans.iter().filter(|span| span.ends_at >= now).count();
-        let free_at = rules.begins_at(free_at, &profile.time_zone);
-        (rules.name.clone(), PrinterLoad { free_at, builds: ahead })
+        let load = load_of_spans(spans, now);
+        let free_at = rules.begins_at(load.free_at, &profile.time_zone);
+        (rules.name.clone(), PrinterLoad { free_at, ..load })
     };
     profile.printers.iter().map(load).collect()
+}
+
+/// The load of a printer with these builds, whatever its hours.
+pub fn load_of_spans(spans: &[BuildSpan], now: Timestamp) -> PrinterLoad {
+    let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
+    PrinterLoad { free_at, builds: spans.iter().filter(|span| span.ends_at >= now).count() }
 }
 
 /// When the builds of each printer of a machine are printed. Published builds without a printer are those of the first; a

@@ -5,7 +5,7 @@ use jiff::{SignedDuration, Timestamp};
 
 use super::{
     print_times::PrintTimes,
-    printer_choice::{BuildSpan, build_spans},
+    printer_choice::{BuildSpan, PrinterLoad, build_spans, load_of_spans},
 };
 use crate::{
     ledger::{OccupyingBuild, ProfileStatus},
@@ -102,8 +102,7 @@ impl LatestBegins<'_> {
 impl PrinterAhead {
     /// What lies ahead of a printer with these builds.
     fn of_spans(place: usize, spans: &[BuildSpan], now: Timestamp) -> Self {
-        let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
-        let builds = spans.iter().filter(|span| span.ends_at >= now).count();
+        let PrinterLoad { free_at, builds } = load_of_spans(spans, now);
         let takes_at = spans.iter().filter(|span| !span.is_taken).map(|span| span.begins_at).collect();
         Self { place, free_at, builds, takes_at }
     }

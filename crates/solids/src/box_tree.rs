@@ -12,6 +12,7 @@ use super::{
     normal_bounds::{NormalBounds, normals_below},
     shells::{MeshShells, find_shells},
     triangle::Triangle,
+    triangle_lanes::{TriangleLaneStore, TriangleLanes},
 };
 
 /// A tree over at most so many triangles keeps them ready, in the order of its leaves and with their normals: 96 bytes a
@@ -28,6 +29,8 @@ pub(super) struct TriangleBoxTree {
     order: Vec<u32>,
     /// The triangles in the order of the leaves; empty for a large mesh.
     ready: Vec<Triangle>,
+    lanes: TriangleLaneStore,
+    to_box: Pose,
     /// The exact box around the mesh in the frame of the boxes.
     bounds: Bounds,
     /// Known once they are asked for.
@@ -47,6 +50,8 @@ impl TriangleBoxTree {
         };
         Self {
             mesh,
+            lanes: TriangleLaneStore::new(&ready, to_box),
+            to_box: *to_box,
             ready,
             boxes: built.boxes,
             links: built.links,
@@ -84,6 +89,17 @@ impl TriangleBoxTree {
     #[inline]
     pub fn ready_triangle(&self, place: usize) -> Option<&Triangle> {
         self.ready.get(place)
+    }
+
+    /// The triangles of a leaf in the frame of the boxes.
+    #[inline]
+    pub fn leaf_lanes(&self, leaf: TreeNodeLink) -> TriangleLanes {
+        let places = leaf.triangle_range();
+        if self.ready.is_empty() {
+            let (rotation, shift) = (self.to_box.rotation_matrix(), self.to_box.translation);
+            return TriangleLanes::of_corners(places.map(|place| self.corners(place).map(|c| rotation * c + shift)));
+        }
+        self.lanes.lanes_from(places.start)
     }
 
     /// Bounds of the triangle normals below each node, in the mesh's frame.

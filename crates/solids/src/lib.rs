@@ -27,6 +27,7 @@ mod shells;
 mod sliding_distance;
 mod tree_pair_walk;
 mod triangle;
+mod triangle_lanes;
 mod weld;
 mod winding_number;
 

@@ -6,9 +6,8 @@ use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use super::{
     Pose,
     box_tree::TriangleBoxTree,
-    box_tree_build::MAX_LEAF_TRIANGLES,
     node_box::{TreeNodeBox, TreeNodeLink},
-    triangle::{CornerSpan, Triangle},
+    triangle::Triangle,
 };
 
 /// Rounding errors of a comparison of two boxes, as a share of the lengths that enter it: 16 roundings and more.
@@ -23,6 +22,8 @@ pub(super) struct TreePairWalk<'a> {
     /// The first tree's boxes seen from the second's frame, and the other way round.
     view1: TreeBoxView,
     view2: TreeBoxView,
+    /// What rounding may add to the distance of two triangles, mm.
+    margin: f32,
 }
 
 /// How the boxes of a tree are seen from the frame of the other tree's boxes.
@@ -108,6 +109,7 @@ impl<'a> TreePairWalk<'a> {
             translation12: pose12.translation,
             view1: TreeBoxView::new(&boxes12.inverse(), margin),
             view2: TreeBoxView::new(boxes12, margin),
+            margin: 2.0 * margin,
         }
     }
 
@@ -197,71 +199,54 @@ impl<'a> TreePairWalk<'a> {
         goal_sq: f64,
         nearer: &mut impl FnMut(&Triangle, &Triangle),
     ) {
-        let mut first = [const { None::<LeafTriangle> }; MAX_LEAF_TRIANGLES];
-        let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for (slot, place) in first.iter_mut().zip(leaf1.triangle_range()) {
-            let triangle = LeafTriangle::new(self.tree1.corners(place), place);
-            around = (around.0.min(triangle.span.0), around.1.max(triangle.span.1));
-            *slot = Some(triangle);
-        }
-        for place in leaf2.triangle_range() {
-            let corners = self.tree2.corners(place).map(|c| self.rotation12 * c + self.translation12);
-            let mut second = LeafTriangle::new(corners, place);
-            if spans_distance_sq(around, second.span) >= *best_sq {
+        let (places1, places2) = (leaf1.triangle_range(), leaf2.triangle_range());
+        let lanes1 = self.tree1.leaf_lanes(leaf1).with_spans();
+        let lanes2 = self.tree2.leaf_lanes(leaf2).seen_by(&self.view2.rotation, self.view2.translation).with_spans();
+        let mut reach = self.triangle_reach(*best_sq);
+        for (lane, place2) in places2.enumerate() {
+            let mut near = lanes1.lanes_within(&lanes2, lane, reach) & ((1 << places1.len()) - 1);
+            if near == 0 {
                 continue;
             }
-            for one in first.iter_mut().flatten() {
-                let spans = (one.span, second.span);
-                if spans_distance_sq(spans.0, spans.1) >= *best_sq {
-                    continue;
-                }
-                let normal = |place: usize| self.tree1.ready_triangle(place).map(|t| t.normal);
-                let one = one.whole_triangle(normal);
-                let normal = |place: usize| self.tree2.ready_triangle(place).map(|t| self.rotation12 * t.normal);
-                let two = second.whole_triangle(normal);
-                let found_sq = one.near_distance_sq(two, *best_sq, spans);
+            let two = self.second_triangle(place2);
+            while near != 0 {
+                let place1 = places1.start + near.trailing_zeros() as usize;
+                near &= near - 1;
+                let made;
+                let one = match self.tree1.ready_triangle(place1) {
+                    Some(ready) => ready,
+                    None => {
+                        made = self.tree1.triangle(place1);
+                        &made
+                    }
+                };
+                let found_sq = one.distance_sq_below(&two, *best_sq);
                 if found_sq < *best_sq {
                     *best_sq = found_sq;
-                    nearer(one, two);
+                    nearer(one, &two);
                     if found_sq <= goal_sq {
                         return;
                     }
+                    reach = self.triangle_reach(*best_sq);
                 }
             }
         }
     }
-}
 
-/// A triangle of a leaf, whose normal is asked for when another triangle comes near.
-struct LeafTriangle {
-    corners: [DVec3; 3],
-    span: CornerSpan,
-    place: usize,
-    whole: Option<Triangle>,
-}
-
-impl LeafTriangle {
+    /// A triangle of the second tree in the first mesh's frame.
     #[inline]
-    fn new(corners: [DVec3; 3], place: usize) -> Self {
-        let [a, b, c] = corners;
-        Self { corners, span: (a.min(b).min(c), a.max(b).max(c)), place, whole: None }
+    fn second_triangle(&self, place: usize) -> Triangle {
+        match self.tree2.ready_triangle(place) {
+            Some(ready) => ready.transformed_by(&self.rotation12, self.translation12),
+            None => Triangle::new(self.tree2.corners(place).map(|c| self.rotation12 * c + self.translation12)),
+        }
     }
 
-    /// The triangle with its normal, which `known_normal` may give.
+    /// What single precision must say of the distance of two triangles that are not nearer than the root of `best_sq`.
     #[inline]
-    fn whole_triangle(&mut self, known_normal: impl FnOnce(usize) -> Option<DVec3>) -> &Triangle {
-        let (corners, place) = (self.corners, self.place);
-        self.whole.get_or_insert_with(|| match known_normal(place) {
-            Some(normal) => Triangle { corners, normal },
-            None => Triangle::new(corners),
-        })
+    fn triangle_reach(&self, best_sq: f64) -> f32 {
+        best_sq.sqrt() as f32 * (1.0 + 1e-6) + self.margin
     }
-}
-
-/// The squared distance of the boxes around two triangles.
-#[inline]
-fn spans_distance_sq(one: CornerSpan, other: CornerSpan) -> f64 {
-    (other.0 - one.1).max(one.0 - other.1).max(DVec3::ZERO).length_squared()
 }
 
 /// Whether to open the first of two nodes that are not both leaves: the one with the larger box, since that improves

@@ -22,7 +22,9 @@ pub(super) struct TreePairWalk<'a> {
     /// The first tree's boxes seen from the second's frame, and the other way round.
     view1: TreeBoxView,
     view2: TreeBoxView,
-    /// What rounding may add to the distance of two triangles, mm.
+    /// What rounding may add to the distance of two triangles in single precision, mm: of the lengths that enter it, 1 rounding
+    /// to store a corner of each, 9 to see one from the other frame, 3 in each of two dot products and 1 in their difference
+    /// are 18 in all, at 6e-8 each 1.1e-6; twice the share of a box is 2e-6.
     margin: f32,
 }
 

@@ -206,8 +206,8 @@ mod tests {
             let other = TriangleLanes::of_corners(corners[4..].iter().copied()).with_spans();
             let two = Triangle::new(corners[4]);
             let margin = 2e-6 * (far + 20.0) as f32;
-            for lane in 0..4 {
-                let exact = Triangle::new(corners[lane]).distance_sq_below(&two, f64::INFINITY).sqrt();
+            for (lane, &one) in corners[..4].iter().enumerate() {
+                let exact = Triangle::new(one).distance_sq_below(&two, f64::INFINITY).sqrt();
                 let reach = exact as f32 * (1.0 + 1e-6) + margin;
                 prop_assert!(lanes.lanes_within(&other, 0, reach) & 1 << lane != 0, "lane {lane} at {exact}");
             }

@@ -29,8 +29,8 @@ impl MeasurementOrigin {
             out.status.success().then(|| String::from_utf8_lossy(&out.stdout).trim().to_owned())
         };
         let commit = git(&["rev-parse", "--short=9", "HEAD"]).unwrap_or_else(|| "unknown commit".to_owned());
-        let changed =
-            git(&["status", "--porcelain", "--", "src", "benches", "Cargo.toml"]).is_some_and(|s| !s.is_empty());
+        let changed = git(&["status", "--porcelain", "--", "src", "crates", "benches", "Cargo.toml"])
+            .is_some_and(|s| !s.is_empty());
         let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let model = cpu.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

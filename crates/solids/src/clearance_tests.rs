@@ -51,6 +51,22 @@ fn any_pose(reach: f64) -> impl Strategy<Value = Pose> {
         .prop_map(|((a, b, c), t)| Pose::new(DQuat::from_euler(EulerRot::XYZ, a, b, c), DVec3::new(t.0, t.1, t.2)))
 }
 
+/// Of large meshes the triangles are taken from the mesh, and turned into the frame of the boxes, when they are asked for.
+#[test]
+fn a_mesh_of_very_many_triangles_has_its_exact_distances() {
+    let (large, small) = (bumpy(1.0, 6, DVec3::new(30.0, 12.0, 9.0)), bumpy(2.0, 1, DVec3::new(4.0, 6.0, 3.0)));
+    assert!(large.triangles().len() > 50_000, "{}", large.triangles().len());
+    let (one, two) = (tree(&large), tree(&small));
+    for (at, turn) in [(DVec3::new(20.0, 30.0, -9.0), 0.4), (DVec3::new(-60.0, 9.0, 12.0), 2.1)] {
+        let pose12 = Pose::new(DQuat::from_euler(EulerRot::XYZ, turn, 2.0 * turn, -turn), at);
+        let truth = brute_force(&large, &small, &pose12);
+        assert!(truth > 0.1, "{truth}");
+        let found = [one.distance_capped_mm(&two, &pose12, 1e3), two.distance_capped_mm(&one, &pose12.inverse(), 1e3)];
+        assert!(found.iter().all(|found| (found - truth).abs() < 1e-9), "{found:?} {truth}");
+        assert!(one.is_closer_than(&two, &pose12, truth + 1e-6) && !one.is_closer_than(&two, &pose12, truth - 1e-6));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 

@@ -14,6 +14,8 @@ pub struct SearchComponents {
     pub pool: bool,
     /// The weight of a pair grows while the pair overlaps.
     pub weights: bool,
+    /// All parts make room together. Disabled: one part after the other is pushed.
+    pub joint_steps: bool,
     /// Parts rotate while they are pushed apart.
     pub turning: bool,
     /// The height limit is lowered on the first layouts. Disabled: the first layouts are the result.
@@ -32,6 +34,7 @@ impl Default for SearchComponents {
             relocation: true,
             pool: true,
             weights: true,
+            joint_steps: true,
             turning: true,
             separation: true,
             fine_proxies: true,
@@ -42,7 +45,7 @@ impl Default for SearchComponents {
 
 impl SearchComponents {
     /// Each component's name, and the search with that component disabled.
-    pub fn each_disabled() -> [(&'static str, Self); 9] {
+    pub fn each_disabled() -> [(&'static str, Self); 10] {
         let all = Self::default();
         [
             ("flowers in relocation (uniform sampling instead)", Self { flowers_in_relocation: false, ..all }),
@@ -50,6 +53,7 @@ impl SearchComponents {
             ("relocation", Self { relocation: false, ..all }),
             ("pool of failed height limits", Self { pool: false, ..all }),
             ("pair weights", Self { weights: false, ..all }),
+            ("joint steps (one part after the other instead)", Self { joint_steps: false, ..all }),
             ("rotation while separating", Self { turning: false, ..all }),
             ("separation (first layouts only)", Self { separation: false, ..all }),
             ("fine proxies", Self { fine_proxies: false, ..all }),

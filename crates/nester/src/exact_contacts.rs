@@ -28,11 +28,15 @@ pub(crate) struct ExactContact {
 }
 
 /// A contact at the present poses of its parts.
-struct ActiveContact {
-    point1: Vec3,
-    point2: Vec3,
-    direction: Vec3,
-    depth: f32,
+pub(crate) struct ActiveContact {
+    /// The point of the first part, mm.
+    pub(crate) point1: Vec3,
+    /// The point of the second part, mm.
+    pub(crate) point2: Vec3,
+    /// Unit direction from the second part to the first.
+    pub(crate) direction: Vec3,
+    /// How far the points' distance falls short of the wanted one, mm.
+    pub(crate) depth: f32,
 }
 
 impl ExactContact {
@@ -50,6 +54,15 @@ impl ExactContact {
     }
 }
 
+/// The contacts of a pair that fall short of `wanted`.
+pub(crate) fn active_contacts(
+    touches: &[ExactContact],
+    (first, second): (&CollisionProxy, &CollisionProxy),
+    wanted: f32,
+) -> impl Iterator<Item = ActiveContact> {
+    touches.iter().filter_map(move |touch| touch.active_contact(first, second, wanted))
+}
+
 /// Surface area that one contact represents, mm2.
 fn contact_area(first: &CollisionProxy, second: &CollisionProxy) -> f32 {
     4.0 * first.shape.fine_points.point_area.max(second.shape.fine_points.point_area)
@@ -62,7 +75,7 @@ pub(crate) fn contact_energy(
     second: &CollisionProxy,
     wanted: f32,
 ) -> f32 {
-    let depth: f32 = touches.iter().filter_map(|t| t.active_contact(first, second, wanted)).map(|p| p.depth).sum();
+    let depth: f32 = active_contacts(touches, (first, second), wanted).map(|pressed| pressed.depth).sum();
     depth * contact_area(first, second)
 }
 
@@ -75,7 +88,7 @@ pub(crate) fn add_contacts(
     push: &mut SeparationStep,
 ) {
     let share = weight * contact_area(first, second);
-    for pressed in touches.iter().filter_map(|t| t.active_contact(first, second, wanted)) {
+    for pressed in active_contacts(touches, (first, second), wanted) {
         if moves_first {
             push.add_contact(pressed.point1 - first.center, pressed.direction, pressed.depth, share);
         } else {

@@ -23,6 +23,7 @@ mod instance;
 mod instance_serde;
 mod interlock_check;
 mod interlock_memory;
+mod joint_motion;
 mod lane_rounds;
 mod lanes;
 mod layer_cap;

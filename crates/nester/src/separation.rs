@@ -1,5 +1,5 @@
-//! Separation below a height limit: overlapping parts are pushed apart or relocated, and pair weights grow. It ends
-//! when nothing overlaps and the exact test confirms it, or when there is no more progress.
+//! Separation below a height limit: all parts make room together, overlapping parts are pushed apart or relocated, and
+//! pair weights grow. It ends when nothing overlaps and the exact test confirms it, or when there is no more progress.
 
 use rand::{RngExt, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
@@ -79,6 +79,9 @@ pub(crate) fn separate_parts(
         }
         if idle > patience.idle_rounds || over(layout.evaluations) {
             return SeparationOutcome::Stuck(least.0, least.1);
+        }
+        if layout.prepared.components.joint_steps {
+            layout.take_joint_step();
         }
         if !run_round(layout, &mut grid, &energies, rng, &mut over) {
             return SeparationOutcome::Stuck(least.0, least.1);

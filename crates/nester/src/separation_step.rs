@@ -86,25 +86,44 @@ impl CollisionProxy {
 
     /// Adds to `push` the contacts that would move this part out of `other`.
     pub(crate) fn add_overlap_contacts(&self, other: &Self, reach: f32, weight: f32, push: &mut SeparationStep) {
+        self.visit_near_points(other, reach, |near| {
+            push.add_contact(near.arm, near.direction, reach - near.distance, 0.5 * weight * near.area);
+        });
+    }
+
+    /// Calls `visit` with every surface point of one of the two parts that is nearer than `reach` to the other part.
+    #[inline]
+    pub(crate) fn visit_near_points(&self, other: &Self, reach: f32, mut visit: impl FnMut(NearPoint)) {
         let back = other.rotation.transpose();
         let turn = back * self.rotation;
         let motion = BlockMotion::new(turn, back * (self.center - other.center));
         let field = &other.shape.distance_field;
         let body = &self.shape.fine_points;
-        let share = 0.5 * weight * body.point_area;
         body.walk.visit_near_points(field, &motion, reach, |point, there, distance| {
             let direction = other.rotation * field.gradient(there);
-            push.add_contact(self.rotation * point, direction, reach - distance, share);
+            visit(NearPoint { arm: self.rotation * point, direction, distance, area: body.point_area });
         });
         let motion = BlockMotion::new(turn.transpose(), self.rotation.transpose() * (other.center - self.center));
         let field = &self.shape.distance_field;
         let body = &other.shape.fine_points;
-        let share = 0.5 * weight * body.point_area;
         body.walk.visit_near_points(field, &motion, reach, |_, there, distance| {
             let direction = self.rotation * -field.gradient(there);
-            push.add_contact(self.rotation * there, direction, reach - distance, share);
+            visit(NearPoint { arm: self.rotation * there, direction, distance, area: body.point_area });
         });
     }
+}
+
+/// A surface point of one of two parts that is near the other one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearPoint {
+    /// From the first part's center to the point, mm.
+    pub(crate) arm: Vec3,
+    /// Unit direction in which the first part leaves the second.
+    pub(crate) direction: Vec3,
+    /// Distance of the point to the other part, mm.
+    pub(crate) distance: f32,
+    /// Surface area that the point represents, mm2.
+    pub(crate) area: f32,
 }
 
 /// Normal equations of the motion (translation, then rotation about the center, scaled by `radius`) that resolves the

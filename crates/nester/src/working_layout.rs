@@ -1,6 +1,8 @@
 //! The layout during the search: overlaps are allowed and penalised; walls, floor and height limit are hard.
 
 mod confirmation;
+mod joint_steps;
+mod part_steps;
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -12,16 +14,11 @@ use super::{
     pair_records::{PairConstraint, PairRecordTable},
     prepared_instance::{PlacedItem, PreparedInstance, clearance_of_pair},
     proximity_grid::ProximityGrid,
-    separation_step::{CollisionProxy, SeparationStep},
+    separation_step::CollisionProxy,
 };
 
 /// Distance that proxies keep from the walls, mm: their bounds have single precision.
 const PROXY_SPARE_MM: f32 = 2e-4;
-/// Parts are pushed further apart than necessary by this, mm: a step that ends exactly at the limit never arrives.
-const OVERSHOOT_MM: f32 = 0.03;
-
-/// The same for exact contacts.
-const CONTACT_OVERSHOOT_MM: f32 = 0.004;
 /// Up to this number of parts, testing all of them is faster than a grid.
 const GRID_MIN_PARTS: usize = 100;
 /// Distance beyond the clearance that the search aims at, mm.
@@ -257,80 +254,6 @@ impl<'t> WorkingLayout<'t> {
             }
         }
         energy
-    }
-
-    /// Takes one Gauss-Newton step that moves a part out of all its overlaps. Returns the weighted overlap before the
-    /// step.
-    pub(crate) fn take_separation_step(&mut self, part: usize) -> f32 {
-        self.evaluations += 1;
-        let proxy = &self.proxies[part];
-        let mut push = SeparationStep::new(0.7 * proxy.shape.radius_mm as f32);
-        for other in self.nearby_parts(part, proxy) {
-            let (wanted, there) = (self.pair_constraint(part, other), &self.proxies[other]);
-            match self.raise_offsets[..] {
-                [_] => proxy.add_overlap_contacts(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push),
-                _ => self.raise_offsets.iter().for_each(|&lift| {
-                    proxy.raised_by(lift).add_overlap_contacts(
-                        there,
-                        wanted.reach + OVERSHOOT_MM,
-                        wanted.weight,
-                        &mut push,
-                    );
-                }),
-            }
-            let pair = if part < other { (proxy, there) } else { (there, proxy) };
-            let aim = (wanted.clearance + CONTACT_OVERSHOOT_MM, wanted.weight);
-            exact_contacts::add_contacts(wanted.contacts, pair, part < other, aim, &mut push);
-            self.interlock_memory.add_hull_contact((part, proxy), (other, there), wanted.weight, &mut push);
-        }
-        let rule = if self.prepared.components.turning { self.orientation_rule(part) } else { OrientationRule::Fixed };
-        let energy = push.energy + self.excess_energy(proxy);
-        if energy <= 0.0 {
-            return 0.0;
-        }
-        let (mut step, mut spin) = push.solve_motion(rule);
-        if self.add_wall_contacts(part, step, spin, &mut push) {
-            (step, spin) = push.solve_motion(rule);
-        }
-        let pose = self.poses[part];
-        let turn = match rule {
-            OrientationRule::Free => {
-                let spun = (DQuat::from_scaled_axis(spin.as_dvec3()) * pose.rotation).normalize();
-                self.prepared
-                    .prepared_item(self.parts.copies[part].0)
-                    .orientation
-                    .nearest_allowed(spun)
-                    .unwrap_or(pose.rotation)
-            }
-            OrientationRule::Upright => (DQuat::from_rotation_z(f64::from(spin.z)) * pose.rotation).normalize(),
-            OrientationRule::Axis | OrientationRule::Fixed => pose.rotation,
-        };
-        self.move_part(part, CenterPose { rotation: turn, center: pose.center + step.as_dvec3() });
-        energy
-    }
-
-    /// Adds contacts for the extreme points that a motion would carry through a wall. Returns whether any were added.
-    fn add_wall_contacts(&self, part: usize, step: Vec3, spin: Vec3, push: &mut SeparationStep) -> bool {
-        let proxy = &self.proxies[part];
-        let room = self.prepared.room.with_z(self.height_limit_mm).as_vec3();
-        let weight = 0.02 * push.energy.max(1.0) + 0.2 * proxy.shape.radius_mm as f32;
-        let mut is_outside = false;
-        for &extreme in &proxy.shape.extremes_f32 {
-            let arm = proxy.rotation * extreme;
-            let here = proxy.center + arm;
-            let there = here + step + spin.cross(arm);
-            for axis in 0..3 {
-                let unit = Vec3::AXES[axis];
-                if there[axis] < -1e-3 {
-                    push.add_contact(arm, unit, (-here[axis]).min(1.0), weight);
-                    is_outside = true;
-                } else if there[axis] > room[axis] + 1e-3 {
-                    push.add_contact(arm, -unit, (here[axis] - room[axis]).min(1.0), weight);
-                    is_outside = true;
-                }
-            }
-        }
-        is_outside
     }
 
     /// Whether both parts are fixed: then an overlap between them cannot be resolved.

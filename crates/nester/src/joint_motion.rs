@@ -8,6 +8,13 @@ use glam::Vec3;
 
 /// Change of a pressure below which the contacts are solved, mm.
 const SOLVED_MM: f32 = 2e-3;
+/// Greatest depth of a contact that one step is to end, mm. A deeper one is ended by several, so that parts that cannot be
+/// separated here do not press their whole neighbourhood away.
+const MAX_DEPTH_MM: f32 = 1.0;
+/// Motion below which a part stays, mm: what rounding leaves of a pressure that came and went.
+const STAYS_MM: f32 = 1e-4;
+/// Greatest rotation in one step, radians: the contacts are linear in it.
+const MAX_SPIN: f32 = 0.35;
 
 /// How a part can move.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +85,7 @@ impl JointMotion {
         let stiffness = stiffness1 + stiffness2;
         if stiffness > 0.0 {
             let (levers, inverse_stiffness) = ([lever1, lever2], 1.0 / stiffness);
+            let gap_mm = gap_mm.max(-MAX_DEPTH_MM);
             self.contacts.push(JointContact { parts, normal, levers, gap_mm, inverse_stiffness, pressure: 0.0 });
         }
     }
@@ -112,12 +120,15 @@ impl JointMotion {
         sweeps
     }
 
-    /// The motion of a part, at most `most_mm` far: shift in mm and rotation vector in radians; `None` if it stays.
+    /// The motion of a part: shift in mm and rotation vector in radians; `None` if it stays. Neither its shift nor, at its
+    /// radius, its rotation is more than `most_mm`.
     pub(crate) fn motion_of(&self, part: usize, most_mm: f32) -> Option<(Vec3, Vec3)> {
         let PartMotion { shift, spin } = self.motions[part];
-        let radius_mm = self.parts[part].radius_mm;
-        let stays = shift == Vec3::ZERO && spin == Vec3::ZERO;
-        (!stays).then(|| (shift.clamp_length_max(most_mm), spin.clamp_length_max(most_mm) / radius_mm))
+        if shift.length_squared().max(spin.length_squared()) < STAYS_MM * STAYS_MM {
+            return None;
+        }
+        let spin = spin.clamp_length_max(most_mm) / self.parts[part].radius_mm;
+        Some((shift.clamp_length_max(most_mm), spin.clamp_length_max(MAX_SPIN)))
     }
 }
 
@@ -173,5 +184,15 @@ mod tests {
         let (shift, spin) = tilting.motion_of(0, 9.0).expect("it moves");
         assert!((shift.z + spin.cross(Vec3::X * 10.0).z - 1.0).abs() < 1e-2, "half is rotation: {shift} {spin}");
         assert!((shift.z - 0.5).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_tiny_part_turns_no_further_than_a_step_can_see() {
+        let tiny = PartMobility { radius_mm: 0.2, ..FREE };
+        let mut joint = JointMotion::new(vec![tiny, PartMobility::FIXED]);
+        joint.add_contact([0, 1], [Vec3::X * 0.3, Vec3::ZERO], Vec3::Z, -0.5);
+        joint.solve_contacts(50);
+        let (_, spin) = joint.motion_of(0, 0.5).expect("it moves");
+        assert!((spin.length() - MAX_SPIN).abs() < 1e-3, "{spin}");
     }
 }

@@ -82,6 +82,9 @@ pub(crate) fn separate_parts(
         }
         if layout.prepared.components.joint_steps {
             layout.take_joint_step();
+            if over(layout.evaluations) {
+                return SeparationOutcome::Stuck(least.0, least.1);
+            }
         }
         if !run_round(layout, &mut grid, &energies, rng, &mut over) {
             return SeparationOutcome::Stuck(least.0, least.1);
@@ -90,7 +93,7 @@ pub(crate) fn separate_parts(
     }
 }
 
-/// Runs one round over all overlapping parts in random order. Returns false when the budget ended during the round.
+/// Runs one round over all parts that overlapped when their overlaps were weighed, in random order. Returns false when the budget ended during the round.
 fn run_round(
     layout: &mut WorkingLayout<'_>,
     grid: &mut OverlapDepthGrid,

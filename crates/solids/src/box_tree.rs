@@ -15,8 +15,9 @@ use super::{
     triangle_lanes::{TriangleLaneStore, TriangleLanes},
 };
 
-/// A tree over at most so many triangles keeps them ready, in the order of its leaves and with their normals: 96 bytes a
-/// triangle, which makes answers faster. Of larger meshes, whose memory counts, triangles are taken from the mesh.
+/// A tree over at most so many triangles keeps them ready, in the order of its leaves, with their normals and once more in
+/// single precision: 132 bytes a triangle, which makes answers faster. Of larger meshes, whose memory counts, triangles are
+/// taken from the mesh.
 const MAX_READY_TRIANGLES: usize = 50_000;
 
 /// The tree.

@@ -1,5 +1,6 @@
 //! Traverses two box trees at once to find the least distance between their triangles. Boxes are compared in single
-//! precision with a margin for its rounding, triangles in double precision in the first mesh's frame.
+//! precision with a margin for its rounding. So are triangles, to rule out those that are far; the distance of the others is
+//! worked out in double precision in the first mesh's frame.
 
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 

@@ -136,7 +136,8 @@ impl SpannedLanes {
         let before = low.map_two(self.high, |other, own| other - own);
         let behind = self.low.map_two(high, |own, other| own - other);
         let gaps = before.map_two(behind, |p, q| p.max(q).max(Vec4::ZERO));
-        let near = gaps.dot(gaps).cmple(reach_sq).bitmask();
+        // What is no number, from coordinates beyond single precision, rules nothing out.
+        let near = !gaps.dot(gaps).cmpgt(reach_sq).bitmask() & 0b1111;
         if near == 0 { 0 } else { near & !self.lanes_apart(others, lane, reach_sq, near) }
     }
 
@@ -220,5 +221,13 @@ mod tests {
         let lanes = TriangleLanes::of_corners([flat(1.0), flat(2.0), flat(3.0), flat(9.0)].into_iter()).with_spans();
         let other = TriangleLanes::of_corners([flat(0.0)].into_iter()).with_spans();
         assert_eq!(lanes.lanes_within(&other, 0, 2.5), 0b0011);
+    }
+
+    #[test]
+    fn coordinates_beyond_single_precision_rule_nothing_out() {
+        let far = [DVec3::new(1e39, 0.0, 0.0), DVec3::new(1e39, 4.0, 0.0), DVec3::new(-1e39, 0.0, 4.0)];
+        let lanes = TriangleLanes::of_corners([far; 4].into_iter()).with_spans();
+        let other = TriangleLanes::of_corners([far].into_iter()).with_spans();
+        assert_eq!(lanes.lanes_within(&other, 0, f32::NAN), 0b1111);
     }
 }

@@ -93,7 +93,8 @@ pub(crate) fn separate_parts(
     }
 }
 
-/// Runs one round over all parts that overlapped when their overlaps were weighed, in random order. Returns false when the budget ended during the round.
+/// Runs one round over all parts that overlapped when their overlaps were weighed, in random order. Returns false when the
+/// budget ended during the round.
 fn run_round(
     layout: &mut WorkingLayout<'_>,
     grid: &mut OverlapDepthGrid,

@@ -59,7 +59,7 @@ fn own_directions<'a>(proxy: &'a CollisionProxy, spread: &'a [Vec3]) -> impl Ite
     axes.into_iter().chain(spread.iter().copied()).map(|direction| proxy.rotation * direction)
 }
 
-fn smaller_radius(one: &CollisionProxy, other: &CollisionProxy) -> f32 {
+pub(crate) fn smaller_radius(one: &CollisionProxy, other: &CollisionProxy) -> f32 {
     one.shape.radius_mm.min(other.shape.radius_mm) as f32
 }
 

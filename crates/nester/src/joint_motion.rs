@@ -6,6 +6,8 @@
 
 use glam::Vec3;
 
+use super::separation_step::MAX_SPIN;
+
 /// Change of a pressure below which the contacts are solved, mm.
 const SOLVED_MM: f32 = 2e-3;
 /// Greatest depth of a contact that one step is to end, mm. A deeper one is ended by several, so that parts that cannot be
@@ -13,8 +15,6 @@ const SOLVED_MM: f32 = 2e-3;
 const MAX_DEPTH_MM: f32 = 1.0;
 /// Motion below which a part stays, mm: what rounding leaves of a pressure that came and went.
 const STAYS_MM: f32 = 1e-4;
-/// Greatest rotation in one step, radians: the contacts are linear in it.
-const MAX_SPIN: f32 = 0.35;
 
 /// How a part can move.
 #[derive(Debug, Clone, Copy)]

@@ -8,6 +8,9 @@ use solids::Bounds;
 
 use super::{OrientationRule, point_block::BlockMotion, shape::PreparedShape, sphere_tree::SphereTree};
 
+/// Greatest rotation in one step, radians: contacts are linear in it.
+pub(crate) const MAX_SPIN: f32 = 0.35;
+
 /// A part as the approximate collision test sees it.
 #[derive(Debug, Clone)]
 pub(crate) struct CollisionProxy {
@@ -188,6 +191,6 @@ impl SeparationStep {
         }
         let step = Vec3::new(solved[0], solved[1], solved[2]);
         let spin = Vec3::new(solved[3], solved[4], solved[5]) / self.radius;
-        (step.clamp_length_max(0.5 * self.radius + 1.0), spin.clamp_length_max(0.35))
+        (step.clamp_length_max(0.5 * self.radius + 1.0), spin.clamp_length_max(MAX_SPIN))
     }
 }

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::{
     super::{
         OrientationRule, exact_contacts,
+        hull_penetration::smaller_radius,
         joint_motion::{JointMotion, PartMobility},
     },
     WorkingLayout,
@@ -78,8 +79,8 @@ impl WorkingLayout<'_> {
         for (one, other) in pairs {
             self.find_near_places(one, other, &mut places);
             worst = places.iter().fold(worst, |worst, place| worst.max(-place.gap_mm));
-            let radius = |part: usize| self.proxies[part].shape.radius_mm as f32;
-            keep_deepest(&mut places, NEIGHBOURHOOD * radius(one).min(radius(other)));
+            let radius_mm = smaller_radius(&self.proxies[one], &self.proxies[other]);
+            keep_deepest(&mut places, NEIGHBOURHOOD * radius_mm);
             places.iter().for_each(|place| joint.add_contact([one, other], place.arms, place.normal, place.gap_mm));
         }
         worst

@@ -1,6 +1,6 @@
 //! Tests of the search when interlocking is forbidden: every result can be taken apart.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -8,15 +8,13 @@ use solids::{Mesh, Pose};
 
 use super::{
     BuildVolume, InterlockRule, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution,
-    OrientationRule, PlacedSolid, PreparedMeshes, SearchComponents, StopCondition,
+    OrientationRule, PlacedSolid, StopCondition,
     disassembly::{can_be_removed, items_blocking_disassembly, locked_pairs, plan_disassembly, removal_directions},
     find_removal_order, nest,
-    outline::OutlinedInstance,
-    preparation::MeshPreparation,
     prepared_instance::{PlacedItem, PreparedInstance},
     prove_placed_solids,
     rotations::axis_rotations,
-    testing::{block, cells, range},
+    testing::{block, cells, coarsely_prepared, range},
 };
 
 struct InterlockTestBudget(u64);
@@ -155,14 +153,6 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
     }
 }
 
-fn task(instance: &NestingInstance) -> PreparedInstance {
-    let prepared = PreparedMeshes::default();
-    let preparation = MeshPreparation::new(&prepared, 1);
-    let outlined = OutlinedInstance::new(instance, |meshes| preparation.prepare_outlines(meshes));
-    PreparedInstance::new(Arc::new(outlined), BTreeSet::new(), &preparation, SearchComponents::default(), 2000, 100)
-        .unwrap()
-}
-
 fn pieces(task: &PreparedInstance, placements: &[ItemPlacement]) -> Vec<PlacedItem> {
     let piece = |p: &ItemPlacement| {
         let place = task.prepared_item(p.item).shape.center_at(&p.pose);
@@ -180,7 +170,7 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
         placed(1, 0, upright, [20.0, 21.5, 7.0]),
         placed(2, 0, DQuat::IDENTITY, [45.0, 45.0, 5.0]),
     ];
-    let task = task(&instance);
+    let task = coarsely_prepared(&instance);
     let pieces = pieces(&task, &placements);
     let found = plan_disassembly(&task, &pieces, &[]);
     assert_eq!(found.locked, [0, 1]);
@@ -207,7 +197,7 @@ proptest! {
                 placements.pop();
             }
         }
-        let task = task(&instance);
+        let task = coarsely_prepared(&instance);
         let pieces = pieces(&task, &placements);
         let cold = plan_disassembly(&task, &pieces, &[]);
         prop_assert_eq!(&cold.locked, &find_removal_order(&bodies(&instance, &placements)).locked);

@@ -125,4 +125,6 @@ mod open_build_tests;
 #[cfg(test)]
 mod precedence_tests;
 #[cfg(test)]
+mod separation_tests;
+#[cfg(test)]
 mod tie_break_tests;

@@ -5,7 +5,10 @@ use std::{collections::BTreeSet, sync::Arc};
 use glam::DVec3;
 use solids::{Bounds, Mesh};
 
-use super::{NestingConfig, reserved};
+use super::{
+    NestingConfig, NestingInstance, PreparedMeshes, SearchComponents, outline::OutlinedInstance,
+    preparation::MeshPreparation, prepared_instance::PreparedInstance, reserved,
+};
 
 /// A box from the origin.
 pub(crate) fn block(size: DVec3) -> Arc<Mesh> {
@@ -61,6 +64,15 @@ pub(crate) fn cells(edge: f64, cells: impl IntoIterator<Item = [i32; 3]>) -> Arc
 /// All cells of a box of cells.
 pub(crate) fn range(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     (low[0]..high[0]).flat_map(move |x| (low[1]..high[1]).flat_map(move |y| (low[2]..high[2]).map(move |z| [x, y, z])))
+}
+
+/// An instance with coarse collision proxies.
+pub(crate) fn coarsely_prepared(instance: &NestingInstance) -> PreparedInstance {
+    let prepared = PreparedMeshes::default();
+    let preparation = MeshPreparation::new(&prepared, 1);
+    let outlined = OutlinedInstance::new(instance, |meshes| preparation.prepare_outlines(meshes));
+    PreparedInstance::new(Arc::new(outlined), BTreeSet::new(), &preparation, SearchComponents::default(), 2000, 100)
+        .expect("there is no deadline")
 }
 
 /// A configuration of each method that is there; the published one with a small population and at most this number of layouts

@@ -3,6 +3,7 @@
 mod confirmation;
 mod joint_steps;
 mod part_steps;
+mod walls;
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -16,6 +17,7 @@ use super::{
     proximity_grid::ProximityGrid,
     separation_step::CollisionProxy,
 };
+use walls::WallRecord;
 
 /// Distance that proxies keep from the walls, mm: their bounds have single precision.
 const PROXY_SPARE_MM: f32 = 2e-4;
@@ -26,6 +28,10 @@ const CLEARANCE_TARGET_SPARE_MM: f32 = 2e-3;
 
 /// Greatest correction of the proxies for a pair, mm.
 const MAX_MARGIN_MM: f32 = 1.5;
+/// What is left of a weight from round to round where nothing overlaps.
+const WEIGHT_DECAY: f32 = 0.95;
+/// Greatest weight.
+const MAX_WEIGHT: f32 = 1e5;
 
 /// The pose of one part, as rotation and center. The rotation has full precision.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +51,8 @@ pub(crate) struct WorkingLayout<'t> {
     /// Heights at which overlap is tested, mm. Only 0 when clearances need not hold for raised parts.
     raise_offsets: Vec<f32>,
     pair_records: PairRecordTable,
+    /// For each part, what is known of it and the walls.
+    walls: Vec<WallRecord>,
     /// Number of moves of each part.
     move_counts: Vec<u32>,
     /// Pairs of parts that were interlocked.
@@ -83,6 +91,7 @@ impl<'t> WorkingLayout<'t> {
             poses: parts().map(|p| CenterPose { rotation: p.rotation, center: p.center }).collect(),
             raise_offsets: task.raise_offsets(),
             pair_records: PairRecordTable::new(proxies.len()),
+            walls: vec![WallRecord::NONE; proxies.len()],
             move_counts: vec![0; proxies.len()],
             flowers: vec![Vec::new(); proxies.len()],
             proxies,
@@ -170,14 +179,6 @@ impl<'t> WorkingLayout<'t> {
         pose
     }
 
-    /// How far a clamped proxy stands out of the room, weighted like overlap.
-    pub(crate) fn excess_energy(&self, proxy: &CollisionProxy) -> f32 {
-        let room = self.prepared.room.with_z(self.height_limit_mm).as_vec3();
-        let excess = (proxy.max - room).max(Vec3::ZERO);
-        let radius = proxy.shape.radius_mm as f32;
-        if excess.max_element() > 5e-4 { excess.length() * radius * radius } else { 0.0 }
-    }
-
     /// The clearance, weight and contacts that apply between two parts.
     fn pair_constraint(&self, one: usize, other: usize) -> PairConstraint<'_> {
         let (one_mm, other_mm) = (f64::from(self.parts.clearances[one]), f64::from(self.parts.clearances[other]));
@@ -245,7 +246,7 @@ impl<'t> WorkingLayout<'t> {
 
     /// Weighted overlap of a part, if it were at `guide`; stops summing at `enough`.
     pub(crate) fn energy_at(&self, part: usize, proxy: &CollisionProxy, coarse: bool, enough: f32) -> f32 {
-        let mut energy = self.excess_energy(proxy);
+        let mut energy = self.weighted_excess(part, proxy);
         for other in self.nearby_parts(part, proxy) {
             let wanted = self.pair_constraint(part, other);
             energy += wanted.weight * self.pair_overlap(part, proxy, other, &wanted, coarse);
@@ -280,8 +281,8 @@ impl<'t> WorkingLayout<'t> {
         energies.clear();
         energies.resize(self.part_count(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        for (energy, proxy) in energies.iter_mut().zip(&self.proxies[..self.parts.copy_count]) {
-            *energy += self.excess_energy(proxy);
+        for (part, energy) in energies.iter_mut().enumerate().take(self.parts.copy_count) {
+            *energy += self.weigh_excess(part);
         }
         for (one, other) in self.nearby_pairs() {
             let energy = self.pair_energy(one, other);
@@ -293,11 +294,11 @@ impl<'t> WorkingLayout<'t> {
         }
         self.evaluations += self.part_count() as u64 / 2 + 1;
         let worst = pairs.iter().fold(1e-12_f32, |most, p| most.max(p.2));
-        self.pair_records.decay_weights(0.95);
+        self.pair_records.decay_weights(WEIGHT_DECAY);
         for &(one, other, energy) in pairs.iter().filter(|_| self.prepared.components.weights) {
             let record = self.pair_records.pair_or_insert(one, other);
             // The factor is 2 for the worst pair and 1.2 for the least (the decay above is undone).
-            record.weight = (record.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);
+            record.weight = (record.weight / WEIGHT_DECAY * (1.2 + 0.8 * (energy / worst).sqrt())).min(MAX_WEIGHT);
         }
         energies.iter().sum()
     }
@@ -311,6 +312,7 @@ impl<'t> WorkingLayout<'t> {
     /// Resets the weights and reduces the margins.
     pub(crate) fn age_memory(&mut self) {
         self.pair_records.reset_weights();
+        self.walls.fill(WallRecord::NONE);
         self.interlock_memory.age_pairs();
     }
 }

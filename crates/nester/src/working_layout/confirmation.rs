@@ -19,8 +19,13 @@ impl WorkingLayout<'_> {
         let pieces: Vec<PlacedItem> = (self.parts.copies.iter().zip(&self.poses))
             .map(|(&copy, s)| prepared.place_item(copy, s.rotation, s.center))
             .collect();
-        let inside =
-            pieces[..self.parts.copy_count].iter().all(|piece| prepared.is_inside(piece, self.height_limit_mm + 1e-9));
+        let mut inside = true;
+        for (part, piece) in pieces[..self.parts.copy_count].iter().enumerate() {
+            if !prepared.is_inside(piece, self.height_limit_mm + 1e-9) {
+                inside = false;
+                self.require_inside(part);
+            }
+        }
         let clear = self.check_pairs(&pieces);
         (inside && clear).then(|| pieces[..self.parts.copy_count].to_vec())
     }

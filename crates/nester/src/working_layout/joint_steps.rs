@@ -38,12 +38,13 @@ struct NearPlace {
 
 impl WorkingLayout<'_> {
     /// Moves all parts at once, by the smallest motion after which, to first order, they keep their clearances and stand
-    /// below the height limit. Nothing moves if all pairs keep their clearances already.
+    /// inside the walls and below the height limit. Nothing moves if this is so already.
     pub(crate) fn take_joint_step(&mut self) {
         let wall = self.part_count();
         let mobilities = (0..wall).map(|part| self.mobility(part)).chain([PartMobility::FIXED]);
         let mut joint = JointMotion::new(mobilities.collect());
-        if self.add_pair_contacts(&mut joint) <= OVERSHOOT_MM {
+        let clear = self.add_pair_contacts(&mut joint) <= OVERSHOOT_MM;
+        if clear && !(0..self.parts.copy_count).any(|part| self.stands_out(part)) {
             return;
         }
         self.add_joint_walls(&mut joint, wall);
@@ -115,6 +116,8 @@ impl WorkingLayout<'_> {
             if self.parts.fixed[part] || nearest >= LOOK_AHEAD_MM {
                 continue;
             }
+            // What is too long for the room must become shorter than the room, not only as long.
+            let spare_mm = if self.stands_out(part) { self.walls[part].margin_mm + OVERSHOOT_MM } else { 0.0 };
             for &extreme in &proxy.shape.extremes_f32 {
                 let arm = proxy.rotation * extreme;
                 let here = proxy.center + arm;
@@ -123,7 +126,7 @@ impl WorkingLayout<'_> {
                         [(here[axis], Vec3::AXES[axis]), (room[axis] - here[axis], -Vec3::AXES[axis])]
                     {
                         if gap_mm < LOOK_AHEAD_MM {
-                            joint.add_contact([part, wall], [arm, Vec3::ZERO], normal, gap_mm);
+                            joint.add_contact([part, wall], [arm, Vec3::ZERO], normal, gap_mm - spare_mm);
                         }
                     }
                 }

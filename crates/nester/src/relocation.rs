@@ -22,6 +22,10 @@ const KEPT_FLOWERS: usize = 16;
 const DEPTH_UNIT: f32 = 64.0;
 /// Points of a candidate that are looked up before it is compared with what is known.
 const POINTS_PER_LOOK: usize = 16;
+/// Candidates whose centers are nearer to each other than this, relative to the part's radius,
+const SAME_PLACE: f64 = 0.3;
+/// and whose rotations differ by less than this, radians, are one place.
+const SAME_ROTATION: f64 = 0.3;
 
 /// For every cell, the depth of its centre inside the parts (grown by their clearance), summed over all parts.
 pub(crate) struct OverlapDepthGrid {
@@ -263,7 +267,48 @@ pub(crate) fn relocate_part(
     best.1.center != here.center
 }
 
-/// Returns the best poses that flower pollination found, by depth in the occupancy grid.
+/// The best poses of a part, each in another place. Without this rule, nearly all of them would be in the place that the
+/// part is to leave: nothing else stands there.
+struct DifferentPlaces {
+    /// Depths and poses, the least depth first.
+    ranked: Vec<(f64, CenterPose)>,
+    most: usize,
+    near_mm: f64,
+}
+
+impl DifferentPlaces {
+    /// Room for `most` poses of a part with this radius.
+    fn new(most: usize, radius_mm: f64) -> Self {
+        Self { ranked: Vec::with_capacity(most + 1), most, near_mm: SAME_PLACE * radius_mm }
+    }
+
+    /// The depth from which on a pose is not kept.
+    fn worst_depth(&self) -> f64 {
+        if self.ranked.len() < self.most { f64::INFINITY } else { self.ranked.last().map_or(0.0, |(worst, _)| *worst) }
+    }
+
+    /// Keeps a pose if it is one of the best, and the best of its place.
+    fn offer_pose(&mut self, depth: f64, pose: CenterPose) {
+        if depth >= self.worst_depth() {
+            return;
+        }
+        let is_same = |known: &CenterPose| {
+            known.center.distance_squared(pose.center) < self.near_mm * self.near_mm
+                && known.rotation.angle_between(pose.rotation) < SAME_ROTATION
+        };
+        if let Some(at) = self.ranked.iter().position(|(_, known)| is_same(known)) {
+            if self.ranked[at].0 <= depth {
+                return;
+            }
+            self.ranked.remove(at);
+        }
+        let at = self.ranked.partition_point(|(known, _)| *known <= depth);
+        self.ranked.insert(at, (depth, pose));
+        self.ranked.truncate(self.most);
+    }
+}
+
+/// Returns the best poses that flower pollination found, by depth in the occupancy grid, each in another place.
 fn propose_poses(
     layout: &mut WorkingLayout<'_>,
     part: usize,
@@ -279,7 +324,7 @@ fn propose_poses(
     let before = if even { Vec::new() } else { std::mem::take(&mut layout.flowers[part]) };
     let mut flowers = FlowerPollination::new(setup, turning.gene_ranges(), rng.random()).starting_at(before);
     let room = layout.prepared.room.with_z(layout.height_limit_mm);
-    let mut best: Vec<(f64, CenterPose)> = Vec::with_capacity(effort.coarse_checks + 1);
+    let mut best = DifferentPlaces::new(effort.coarse_checks, proxy.shape.radius_mm);
     for _ in 0..effort.grid_queries {
         let genome = flowers.ask();
         let turn = turning.decode_rotation(genome);
@@ -293,19 +338,34 @@ fn propose_poses(
         }
         let place = share * free - min;
         proxy.center = place.as_vec3();
-        let worst = if best.len() < effort.coarse_checks { None } else { best.last().map(|(worst, _)| *worst) };
-        let worst = worst.unwrap_or(f64::INFINITY);
+        let worst = best.worst_depth();
         // The exact depth matters where it is better than the flower's own or than one of the best.
         let depth = grid.mean_depth(proxy, flowers.own_fitness().map_or(f64::INFINITY, |own| own.max(worst)));
         flowers.tell(depth);
-        if depth < worst {
-            let at = best.partition_point(|(known, _)| *known <= depth);
-            best.insert(at, (depth, CenterPose { rotation: turn, center: place }));
-            best.truncate(effort.coarse_checks);
-        }
+        best.offer_pose(depth, CenterPose { rotation: turn, center: place });
     }
     if !even {
         layout.flowers[part] = flowers.ranked_genomes().into_iter().take(KEPT_FLOWERS).map(<[f64]>::to_vec).collect();
     }
-    best.into_iter().map(|(_, pose)| pose).collect()
+    best.ranked.into_iter().map(|(_, pose)| pose).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_each_place_only_the_best_pose_is_kept() {
+        let pose = |x: f64, angle: f64| CenterPose { rotation: DQuat::from_rotation_z(angle), center: DVec3::X * x };
+        let mut places = DifferentPlaces::new(3, 10.0);
+        for (depth, x, angle) in [(5.0, 0.0, 0.0), (4.0, 2.0, 0.1), (6.0, 1.0, 0.1), (7.0, 1.0, 1.0), (8.0, 9.0, 0.1)] {
+            places.offer_pose(depth, pose(x, angle));
+        }
+        let depths = |places: &DifferentPlaces| places.ranked.iter().map(|place| place.0).collect::<Vec<_>>();
+        assert_eq!((depths(&places), places.worst_depth()), (vec![4.0, 7.0, 8.0], 8.0));
+        // A better pose of another place takes the place of the worst; a worse one is not kept.
+        places.offer_pose(9.0, pose(50.0, 0.0));
+        places.offer_pose(1.0, pose(30.0, 0.0));
+        assert_eq!(depths(&places), [1.0, 4.0, 7.0]);
+    }
 }

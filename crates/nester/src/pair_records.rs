@@ -2,6 +2,11 @@
 
 use super::exact_contacts::ExactContact;
 
+/// What is left of a weight from round to round where nothing overlaps.
+pub(crate) const WEIGHT_DECAY: f32 = 0.95;
+/// Greatest weight.
+pub(crate) const MAX_WEIGHT: f32 = 1e5;
+
 /// Data about one pair.
 #[derive(Debug, Clone)]
 pub(crate) struct PairRecord {

@@ -12,7 +12,7 @@ use super::{
     fit_check::shift_inside,
     interlock_memory::InterlockMemory,
     layout_parts::LayoutParts,
-    pair_records::{PairConstraint, PairRecordTable},
+    pair_records::{MAX_WEIGHT, PairConstraint, PairRecordTable, WEIGHT_DECAY},
     prepared_instance::{PlacedItem, PreparedInstance, clearance_of_pair},
     proximity_grid::ProximityGrid,
     separation_step::CollisionProxy,
@@ -25,13 +25,8 @@ const PROXY_SPARE_MM: f32 = 2e-4;
 const GRID_MIN_PARTS: usize = 100;
 /// Distance beyond the clearance that the search aims at, mm.
 const CLEARANCE_TARGET_SPARE_MM: f32 = 2e-3;
-
 /// Greatest correction of the proxies for a pair, mm.
 const MAX_MARGIN_MM: f32 = 1.5;
-/// What is left of a weight from round to round where nothing overlaps.
-const WEIGHT_DECAY: f32 = 0.95;
-/// Greatest weight.
-const MAX_WEIGHT: f32 = 1e5;
 
 /// The pose of one part, as rotation and center. The rotation has full precision.
 #[derive(Debug, Clone, Copy)]
@@ -194,7 +189,7 @@ impl<'t> WorkingLayout<'t> {
         }
     }
 
-    /// Unweighted overlap of a part, if it were at `guide`, with another part.
+    /// Unweighted overlap of a part, if it were at `proxy`, with another part.
     fn pair_overlap(
         &self,
         part: usize,
@@ -244,9 +239,19 @@ impl<'t> WorkingLayout<'t> {
         (0..self.part_count()).flat_map(of).collect()
     }
 
-    /// Weighted overlap of a part, if it were at `guide`; stops summing at `enough`.
+    /// How far a part, if it were at `proxy`, stands out of the walls and of the height limit, unweighted.
+    fn excess_energy(&self, part: usize, proxy: &CollisionProxy) -> f32 {
+        self.walls[part].excess_energy(proxy, self.prepared.room.with_z(self.height_limit_mm).as_vec3())
+    }
+
+    /// Whether a part stands out of the walls or of the height limit.
+    fn stands_out(&self, part: usize) -> bool {
+        self.excess_energy(part, &self.proxies[part]) > 0.0
+    }
+
+    /// Weighted overlap of a part, if it were at `proxy`; stops summing at `enough`.
     pub(crate) fn energy_at(&self, part: usize, proxy: &CollisionProxy, coarse: bool, enough: f32) -> f32 {
-        let mut energy = self.weighted_excess(part, proxy);
+        let mut energy = self.walls[part].weight * self.excess_energy(part, proxy);
         for other in self.nearby_parts(part, proxy) {
             let wanted = self.pair_constraint(part, other);
             energy += wanted.weight * self.pair_overlap(part, proxy, other, &wanted, coarse);
@@ -282,7 +287,10 @@ impl<'t> WorkingLayout<'t> {
         energies.resize(self.part_count(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
         for (part, energy) in energies.iter_mut().enumerate().take(self.parts.copy_count) {
-            *energy += self.weigh_excess(part);
+            *energy += self.excess_energy(part, &self.proxies[part]);
+            if self.prepared.components.weights {
+                self.walls[part].weigh(*energy > 0.0);
+            }
         }
         for (one, other) in self.nearby_pairs() {
             let energy = self.pair_energy(one, other);

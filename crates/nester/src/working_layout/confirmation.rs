@@ -23,7 +23,9 @@ impl WorkingLayout<'_> {
         for (part, piece) in pieces[..self.parts.copy_count].iter().enumerate() {
             if !prepared.is_inside(piece, self.height_limit_mm + 1e-9) {
                 inside = false;
-                self.require_inside(part);
+                if !self.parts.fixed[part] {
+                    self.walls[part].require_inside();
+                }
             }
         }
         let clear = self.check_pairs(&pieces);

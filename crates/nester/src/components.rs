@@ -12,7 +12,7 @@ pub struct SearchComponents {
     pub relocation: bool,
     /// Failed height limits leave near-feasible layouts to continue from.
     pub pool: bool,
-    /// The weight of a pair grows while the pair overlaps.
+    /// The weight of a pair grows while the pair overlaps, and that of a part while it stands out of the room.
     pub weights: bool,
     /// All parts make room together. Disabled: one part after the other is pushed.
     pub joint_steps: bool,

@@ -296,12 +296,10 @@ impl DifferentPlaces {
             known.center.distance_squared(pose.center) < self.near_mm * self.near_mm
                 && known.rotation.angle_between(pose.rotation) < SAME_ROTATION
         };
-        if let Some(at) = self.ranked.iter().position(|(_, known)| is_same(known)) {
-            if self.ranked[at].0 <= depth {
-                return;
-            }
-            self.ranked.remove(at);
+        if self.ranked.iter().any(|(known, at)| *known <= depth && is_same(at)) {
+            return;
         }
+        self.ranked.retain(|(_, at)| !is_same(at));
         let at = self.ranked.partition_point(|(known, _)| *known <= depth);
         self.ranked.insert(at, (depth, pose));
         self.ranked.truncate(self.most);
@@ -367,5 +365,9 @@ mod tests {
         places.offer_pose(9.0, pose(50.0, 0.0));
         places.offer_pose(1.0, pose(30.0, 0.0));
         assert_eq!(depths(&places), [1.0, 4.0, 7.0]);
+        // A pose between two kept ones takes the place of both if it is better.
+        let mut places = DifferentPlaces::new(3, 10.0);
+        [(5.0, 0.0), (6.0, 4.0), (4.0, 2.0)].into_iter().for_each(|(depth, x)| places.offer_pose(depth, pose(x, 0.0)));
+        assert_eq!(depths(&places), [4.0]);
     }
 }

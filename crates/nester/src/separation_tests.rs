@@ -1,7 +1,10 @@
-//! Tests of single steps of the search: how parts come inside the walls, and where else a part may go.
+//! Tests of single steps of the search: how parts come inside the walls.
+
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use solids::Mesh;
 
 use super::{
     BuildVolume, NestingInstance, NestingItem,
@@ -13,14 +16,14 @@ use super::{
 const ROOM: DVec3 = DVec3::new(50.0, 50.0, 100.0);
 const PATIENCE: SeparationLimits = SeparationLimits { idle_rounds: 40, failed_checks: 16, near_overlap: 10.0 };
 
-/// A block that fits between the walls along x, with this room to spare when it is not turned.
-fn long_block(spare_mm: f64) -> NestingInstance {
-    let mesh = block(DVec3::new(ROOM.x - spare_mm, 20.0, 20.0));
-    NestingInstance::new(BuildVolume { size_mm: ROOM }, 1.0, vec![NestingItem::new("block", mesh, 1)]).expect("fits")
+/// One part in the room.
+fn alone(mesh: Arc<Mesh>) -> NestingInstance {
+    NestingInstance::new(BuildVolume { size_mm: ROOM }, 1.0, vec![NestingItem::new("part", mesh, 1)]).expect("fits")
 }
 
-/// Separates the only part of an instance from a start at a rotation about z, without moving it elsewhere.
-fn separate_turned(instance: &NestingInstance, angle: f64) -> SeparationOutcome {
+/// Separates the only part of an instance from a start at a rotation about z, without moving it elsewhere. Returns where
+/// it began, too.
+fn separate_turned(instance: &NestingInstance, angle: f64) -> (CenterPose, SeparationOutcome) {
     let mut prepared = coarsely_prepared(instance);
     prepared.components.relocation = false;
     let rotation = DQuat::from_rotation_z(angle);
@@ -28,24 +31,31 @@ fn separate_turned(instance: &NestingInstance, angle: f64) -> SeparationOutcome 
     let mut layout = WorkingLayout::new(&prepared, &[piece], ROOM.z);
     // To the walls, as every part that is moved.
     layout.move_part(0, CenterPose { rotation, center: 0.5 * ROOM + DVec3::Z });
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    separate_parts(&mut layout, PATIENCE, &mut rng, |evaluations| evaluations > 2000)
+    let (begun, mut rng) = (layout.poses[0], ChaCha8Rng::seed_from_u64(1));
+    (begun, separate_parts(&mut layout, PATIENCE, &mut rng, |evaluations| evaluations > 2000))
+}
+
+/// The angle at which a block stands out of the room along x by `out_mm`: its extent is length x cos + width x sin.
+fn angle_of(length_mm: f64, width_mm: f64, out_mm: f64) -> f64 {
+    let extent_mm = ROOM.x + out_mm;
+    (0..20).fold(0.0_f64, |angle, _| ((extent_mm - length_mm * angle.cos()) / width_mm).asin())
 }
 
 #[test]
 fn a_part_that_stands_out_of_a_wall_however_little_comes_inside() {
-    let (spare_mm, width_mm) = (0.2, 20.0);
-    for out_mm in [3e-6, 3e-5, 3e-4, 6e-4, 5e-3, 0.1] {
-        // Its extent along x is length x cos + width x sin.
+    for (spare_mm, width_mm) in [(0.2, 20.0), (0.005, 20.0), (0.2, ROOM.y - 0.01)] {
         let length_mm = ROOM.x - spare_mm;
-        let angle =
-            (0..20).fold(0.0_f64, |angle, _| ((spare_mm + out_mm + length_mm * (1.0 - angle.cos())) / width_mm).asin());
-        let outcome = separate_turned(&long_block(spare_mm), angle);
-        assert!(matches!(outcome, SeparationOutcome::Clear(_)), "{out_mm} mm out");
+        let instance = alone(block(DVec3::new(length_mm, width_mm, 20.0)));
+        for out_mm in [3e-6, 3e-5, 3e-4, 6e-4, 5e-3, 0.1] {
+            let (_, outcome) = separate_turned(&instance, angle_of(length_mm, width_mm, out_mm));
+            assert!(matches!(outcome, SeparationOutcome::Clear(_)), "{length_mm} x {width_mm}: {out_mm} mm out");
+        }
     }
 }
 
 #[test]
 fn a_part_that_fits_exactly_between_two_walls_stays() {
-    assert!(matches!(separate_turned(&long_block(0.0), 0.0), SeparationOutcome::Clear(_)));
+    let (begun, outcome) = separate_turned(&alone(block(DVec3::new(ROOM.x, 20.0, 20.0))), 0.0);
+    let SeparationOutcome::Clear(pieces) = outcome else { panic!("it fits") };
+    assert_eq!((pieces[0].rotation, pieces[0].center), (begun.rotation, begun.center));
 }

@@ -1,4 +1,5 @@
-//! The layout during the search: overlaps are allowed and penalised; walls, floor and height limit are hard.
+//! The layout during the search. Overlaps are allowed and penalised, and so is what does not fit between the walls, the
+//! floor and the height limit. A part that fits is always inside.
 
 mod confirmation;
 mod joint_steps;
@@ -239,14 +240,14 @@ impl<'t> WorkingLayout<'t> {
         (0..self.part_count()).flat_map(of).collect()
     }
 
-    /// How far a part, if it were at `proxy`, stands out of the walls and of the height limit, unweighted.
-    fn excess_energy(&self, part: usize, proxy: &CollisionProxy) -> f32 {
-        self.walls[part].excess_energy(proxy, self.prepared.room.with_z(self.height_limit_mm).as_vec3())
+    /// How far a part, if it were at `proxy`, stands out of the walls and of the height limit along each axis, mm.
+    fn excess_mm(&self, part: usize, proxy: &CollisionProxy) -> Vec3 {
+        self.walls[part].excess_mm(proxy, self.prepared.room.with_z(self.height_limit_mm).as_vec3())
     }
 
-    /// Whether a part stands out of the walls or of the height limit.
-    fn stands_out(&self, part: usize) -> bool {
-        self.excess_energy(part, &self.proxies[part]) > 0.0
+    /// The same in the unit of overlap, unweighted.
+    fn excess_energy(&self, part: usize, proxy: &CollisionProxy) -> f32 {
+        self.excess_mm(part, proxy).length() * (proxy.shape.radius_mm as f32).powi(2)
     }
 
     /// Weighted overlap of a part, if it were at `proxy`; stops summing at `enough`.
@@ -317,7 +318,7 @@ impl<'t> WorkingLayout<'t> {
         self.interlock_memory.keep_apart(one, other)
     }
 
-    /// Resets the weights and reduces the margins.
+    /// Resets the weights, reduces the margins and forgets what is known of the walls.
     pub(crate) fn age_memory(&mut self) {
         self.pair_records.reset_weights();
         self.walls.fill(WallRecord::NONE);

@@ -44,7 +44,8 @@ impl WorkingLayout<'_> {
         let mobilities = (0..wall).map(|part| self.mobility(part)).chain([PartMobility::FIXED]);
         let mut joint = JointMotion::new(mobilities.collect());
         let clear = self.add_pair_contacts(&mut joint) <= OVERSHOOT_MM;
-        if clear && !(0..self.parts.copy_count).any(|part| self.stands_out(part)) {
+        let stands_out = |part| self.excess_mm(part, &self.proxies[part]) != Vec3::ZERO;
+        if clear && !(0..self.parts.copy_count).any(stands_out) {
             return;
         }
         self.add_joint_walls(&mut joint, wall);
@@ -116,17 +117,21 @@ impl WorkingLayout<'_> {
             if self.parts.fixed[part] || nearest >= LOOK_AHEAD_MM {
                 continue;
             }
+            let excess = self.excess_mm(part, proxy);
             // What is too long for the room must become shorter than the room, not only as long.
-            let spare_mm = if self.stands_out(part) { self.walls[part].margin_mm + OVERSHOOT_MM } else { 0.0 };
-            for &extreme in &proxy.shape.extremes_f32 {
-                let arm = proxy.rotation * extreme;
-                let here = proxy.center + arm;
+            let spare = Vec3::select(excess.cmpgt(Vec3::ZERO), Vec3::splat(OVERSHOOT_MM), Vec3::ZERO);
+            let arms = proxy.shape.extremes_f32.iter().map(|&extreme| proxy.rotation * extreme);
+            // The extremes may miss a little of what the bounds know.
+            let (seen_min, seen_max) =
+                arms.clone().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), arm| (min.min(arm), max.max(arm)));
+            let unseen_low = (proxy.center + seen_min - proxy.min).max(Vec3::ZERO);
+            let unseen_high = (proxy.max - proxy.center - seen_max).max(Vec3::ZERO);
+            for arm in arms {
+                let (low, high) = (proxy.center + arm - unseen_low, room - proxy.center - arm - unseen_high);
                 for axis in 0..3 {
-                    for (gap_mm, normal) in
-                        [(here[axis], Vec3::AXES[axis]), (room[axis] - here[axis], -Vec3::AXES[axis])]
-                    {
+                    for (gap_mm, normal) in [(low[axis], Vec3::AXES[axis]), (high[axis], -Vec3::AXES[axis])] {
                         if gap_mm < LOOK_AHEAD_MM {
-                            joint.add_contact([part, wall], [arm, Vec3::ZERO], normal, gap_mm - spare_mm);
+                            joint.add_contact([part, wall], [arm, Vec3::ZERO], normal, gap_mm - spare[axis]);
                         }
                     }
                 }

@@ -1,5 +1,5 @@
-//! What is known of a part that stands out of the walls or of the height limit: it is too long for the room at its
-//! rotation. It can be shifted, but not inside; it must turn, or go elsewhere.
+//! What is known of parts that stand out of the walls or of the height limit. Such a part is too long for the room at its
+//! rotation: it can be shifted, but not inside; it must turn, or go elsewhere.
 
 use glam::Vec3;
 
@@ -10,8 +10,9 @@ use super::super::{
 
 /// Excess up to which a proxy counts as inside, mm: its bounds have single precision.
 const EXCESS_TOLERANCE_MM: f32 = 5e-4;
-/// How much further inside a part must stand after the exact test found it outside, mm.
-const WALL_MARGIN_MM: f32 = 0.02;
+/// How much further inside a part must stand after the exact test found it outside, mm. It is hardly more than the
+/// tolerance: a part that fits between two walls with less to spare could never keep it.
+const WALL_MARGIN_MM: f32 = 1e-3;
 /// Growth of the weight of an excess from round to round.
 const WEIGHT_GROWTH: f32 = 2.0;
 
@@ -21,19 +22,17 @@ pub(super) struct WallRecord {
     /// Weight of the part's excess.
     pub(super) weight: f32,
     /// Distance that the proxy must keep from the far walls and the height limit, mm.
-    pub(super) margin_mm: f32,
+    margin_mm: f32,
 }
 
 impl WallRecord {
     /// Nothing is known.
     pub(super) const NONE: Self = Self { weight: 1.0, margin_mm: 0.0 };
 
-    /// How far a clamped proxy of the part stands out of a room (width, depth and height limit in mm), unweighted, in
-    /// the unit of overlap.
-    pub(super) fn excess_energy(&self, proxy: &CollisionProxy, room: Vec3) -> f32 {
-        let excess = (proxy.max - (room - self.margin_mm)).max(Vec3::ZERO);
-        let radius = proxy.shape.radius_mm as f32;
-        if excess.max_element() > EXCESS_TOLERANCE_MM { excess.length() * radius * radius } else { 0.0 }
+    /// How far a clamped proxy of the part stands out of a room (width, depth and height limit in mm) along each axis, mm.
+    pub(super) fn excess_mm(&self, proxy: &CollisionProxy, room: Vec3) -> Vec3 {
+        let excess = proxy.max - (room - self.margin_mm);
+        Vec3::select(excess.cmpgt(Vec3::splat(EXCESS_TOLERANCE_MM)), excess, Vec3::ZERO)
     }
 
     /// Makes the weight grow if the part stands out, and decay otherwise.

@@ -135,9 +135,18 @@ fn reasons_quote_no_escape_of_a_broken_ticket_or_package() {
     farm.drop_bytes("b.3mf", &wrong[..wrong.len() / 2]);
     farm.drop_bytes("c\x1b[2J.stl", b"solid x\nfacet normal 0 0 0\nouter loop\nvertex \x1b[31m 0 0\nendsolid");
     farm.wait_for_parts(PartState::Rejected, 3);
-    let reasons: Vec<_> = nestd::intake::files_below(&farm.folder("error")).unwrap();
-    let reasons: Vec<_> = reasons.iter().filter(|file| file.to_string_lossy().ends_with(".reason.txt")).collect();
-    assert_eq!(reasons.len(), 3);
+    // The ledger knows of a refusal before its reason is written.
+    let mut reasons = Vec::new();
+    wait_until_or(
+        "there are three reasons",
+        30.0,
+        || farm.log(),
+        || {
+            reasons = nestd::intake::files_below(&farm.folder("error")).unwrap();
+            reasons.retain(|file| file.to_string_lossy().ends_with(".reason.txt"));
+            reasons.len() == 3
+        },
+    );
     for file in reasons {
         assert_harmless("reason", &fs::read_to_string(file).unwrap());
     }

@@ -73,8 +73,8 @@ impl PairRecordTable {
     }
 
     /// Moves the weights back towards 1.
-    pub(crate) fn decay_weights(&mut self, share: f32) {
-        self.by_part.iter_mut().flatten().for_each(|n| n.weight = (n.weight * share).max(1.0));
+    pub(crate) fn decay_weights(&mut self) {
+        self.by_part.iter_mut().flatten().for_each(|n| n.weight = (n.weight * WEIGHT_DECAY).max(1.0));
     }
 
     /// Resets the weights and reduces the margins.

@@ -34,6 +34,12 @@ impl CollisionProxy {
     pub(crate) fn set_pose(&mut self, turn: DQuat, place: DVec3) {
         self.rotation = DMat3::from_quat(turn).as_mat3();
         self.center = place.as_vec3();
+        let (min, max) = self.extreme_bounds();
+        (self.min, self.max) = (self.center + min, self.center + max);
+    }
+
+    /// Bounds of the extreme points alone, from the center, mm.
+    pub(crate) fn extreme_bounds(&self) -> (Vec3, Vec3) {
         let motion = BlockMotion::new(self.rotation, Vec3::ZERO);
         let (mut min, mut max) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
         for block in &self.shape.extreme_blocks {
@@ -42,8 +48,7 @@ impl CollisionProxy {
                 (min[axis], max[axis]) = (min[axis].min(values), max[axis].max(values));
             }
         }
-        self.min = self.center + Vec3::from_array(min.map(Vec4::min_element));
-        self.max = self.center + Vec3::from_array(max.map(Vec4::max_element));
+        (Vec3::from_array(min.map(Vec4::min_element)), Vec3::from_array(max.map(Vec4::max_element)))
     }
 
     /// The same proxy raised by `lift` mm.

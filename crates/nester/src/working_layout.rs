@@ -250,9 +250,14 @@ impl<'t> WorkingLayout<'t> {
         self.excess_mm(part, proxy).length() * (proxy.shape.radius_mm as f32).powi(2)
     }
 
+    /// The same with its weight.
+    fn weighted_excess(&self, part: usize, proxy: &CollisionProxy) -> f32 {
+        self.walls[part].weight * self.excess_energy(part, proxy)
+    }
+
     /// Weighted overlap of a part, if it were at `proxy`; stops summing at `enough`.
     pub(crate) fn energy_at(&self, part: usize, proxy: &CollisionProxy, coarse: bool, enough: f32) -> f32 {
-        let mut energy = self.walls[part].weight * self.excess_energy(part, proxy);
+        let mut energy = self.weighted_excess(part, proxy);
         for other in self.nearby_parts(part, proxy) {
             let wanted = self.pair_constraint(part, other);
             energy += wanted.weight * self.pair_overlap(part, proxy, other, &wanted, coarse);
@@ -303,7 +308,7 @@ impl<'t> WorkingLayout<'t> {
         }
         self.evaluations += self.part_count() as u64 / 2 + 1;
         let worst = pairs.iter().fold(1e-12_f32, |most, p| most.max(p.2));
-        self.pair_records.decay_weights(WEIGHT_DECAY);
+        self.pair_records.decay_weights();
         for &(one, other, energy) in pairs.iter().filter(|_| self.prepared.components.weights) {
             let record = self.pair_records.pair_or_insert(one, other);
             // The factor is 2 for the worst pair and 1.2 for the least (the decay above is undone).

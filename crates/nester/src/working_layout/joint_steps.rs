@@ -120,13 +120,12 @@ impl WorkingLayout<'_> {
             let excess = self.excess_mm(part, proxy);
             // What is too long for the room must become shorter than the room, not only as long.
             let spare = Vec3::select(excess.cmpgt(Vec3::ZERO), Vec3::splat(OVERSHOOT_MM), Vec3::ZERO);
-            let arms = proxy.shape.extremes_f32.iter().map(|&extreme| proxy.rotation * extreme);
             // The extremes may miss a little of what the bounds know.
-            let (seen_min, seen_max) =
-                arms.clone().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), arm| (min.min(arm), max.max(arm)));
+            let (seen_min, seen_max) = proxy.extreme_bounds();
             let unseen_low = (proxy.center + seen_min - proxy.min).max(Vec3::ZERO);
             let unseen_high = (proxy.max - proxy.center - seen_max).max(Vec3::ZERO);
-            for arm in arms {
+            for &extreme in &proxy.shape.extremes_f32 {
+                let arm = proxy.rotation * extreme;
                 let (low, high) = (proxy.center + arm - unseen_low, room - proxy.center - arm - unseen_high);
                 for axis in 0..3 {
                     for (gap_mm, normal) in [(low[axis], Vec3::AXES[axis]), (high[axis], -Vec3::AXES[axis])] {

@@ -38,7 +38,7 @@ impl WorkingLayout<'_> {
             self.interlock_memory.add_hull_contact((part, proxy), (other, there), wanted.weight, &mut push);
         }
         let rule = self.motion_rule(part);
-        let energy = push.energy + self.walls[part].weight * self.excess_energy(part, proxy);
+        let energy = push.energy + self.weighted_excess(part, proxy);
         if energy <= 0.0 {
             return 0.0;
         }

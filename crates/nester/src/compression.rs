@@ -130,8 +130,8 @@ impl<'t> CompressionRun<'t> {
         self.pace.failures = 0;
     }
 
-    /// Brings the parts below a height limit: from the best layout, from the best or a failed layout after a change, or from
-    /// random poses. Returns whether it did not start from the best layout as it is.
+    /// Brings the parts below a height limit: from the best layout, from a modified failed layout, or from random
+    /// poses. Returns whether it did not start from the best layout.
     fn start_attempt(&mut self, height_limit_mm: f64) -> bool {
         self.layout.age_memory();
         self.layout.height_limit_mm = height_limit_mm;
@@ -142,18 +142,15 @@ impl<'t> CompressionRun<'t> {
             scatter_parts(&mut self.layout, &mut self.rng);
             return true;
         }
-        if again && self.rng.random_bool(0.5) {
+        if again {
             let count = self.pool.len();
             let at = self.rng.random_range(0..count).min(self.rng.random_range(0..count));
             let poses = self.pool[at].1.clone();
             self.layout.load_poses(&poses);
             swap_similar_parts(&mut self.layout, &mut self.rng);
-            return true;
-        }
-        // Only what stands above the limit moves. To lower others with it costs more overlaps than it makes room.
-        self.layout.load_poses(&self.best_poses);
-        if again {
-            throw_large_part(&mut self.layout, &mut self.rng);
+        } else {
+            // Only what stands above the limit moves. To lower others with it costs more overlaps than it makes room.
+            self.layout.load_poses(&self.best_poses);
         }
         again
     }
@@ -196,36 +193,17 @@ impl<'t> CompressionRun<'t> {
     }
 }
 
-/// Gives every part that is not fixed a random pose: a restart may succeed where the old arrangement is stuck.
+/// Gives every part a random pose: a restart may succeed where the old arrangement is stuck. Fixed parts stay.
 fn scatter_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
-    for part in movable_parts(layout) {
+    for part in 0..layout.part_count() {
         let pose = random_pose(layout, part, rng);
         layout.move_part(part, pose);
     }
-}
-
-/// Gives the largest of three parts a random pose: the others make room for it, or for what took its place. A layout often
-/// stands still because of one part, and then falls by much.
-fn throw_large_part(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
-    let movable = movable_parts(layout);
-    if movable.is_empty() {
-        return;
-    }
-    let radius = |part: &usize| layout.proxies[*part].shape.radius_mm;
-    let drawn: [usize; 3] = std::array::from_fn(|_| movable[rng.random_range(0..movable.len())]);
-    if let Some(part) = drawn.into_iter().max_by(|one, other| radius(one).total_cmp(&radius(other))) {
-        let pose = random_pose(layout, part, rng);
-        layout.move_part(part, pose);
-    }
-}
-
-fn movable_parts(layout: &WorkingLayout<'_>) -> Vec<usize> {
-    (0..layout.part_count()).filter(|&part| !layout.parts.fixed[part]).collect()
 }
 
 /// Swaps the positions of two parts of about the same size; each keeps its rotation.
 fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
-    let movable = movable_parts(layout);
+    let movable: Vec<usize> = (0..layout.part_count()).filter(|&part| !layout.parts.fixed[part]).collect();
     if movable.len() < 2 {
         return;
     }

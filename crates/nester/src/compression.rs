@@ -1,5 +1,5 @@
 //! Compression: repeatedly turns a valid layout into a lower one by lowering a height limit, until the budget is used
-//! up.
+//! up. Where no lower one is found, it goes on from another one that is hardly higher.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -29,7 +29,7 @@ const TRAVEL_SHARE: f64 = 0.7;
 const TRAVEL_RISE: f64 = 0.01;
 /// with at most this number of evaluations per part. The next height limit is
 const TRAVEL_EFFORT: u64 = 300;
-/// lower than the lowest layout by at least this share of the height.
+/// lower than the lowest layout by at least this share of the height, but where the budget is nearly used up.
 const TRAVEL_STEP: f64 = 0.003;
 
 /// What a descent has learnt about how far the height limit may fall at once. It goes on in the next round of a lane.
@@ -68,7 +68,7 @@ pub(crate) struct CompressionRun<'t> {
     pub(crate) height_mm: f64,
     /// The valid layout from which the next attempt begins: the lowest one, or one that is hardly higher.
     here_poses: Vec<CenterPose>,
-    here_mm: f64,
+    pub(crate) here_mm: f64,
     pub(crate) pace: DescentPace,
     near_overlap: f32,
 }
@@ -173,7 +173,7 @@ impl<'t> CompressionRun<'t> {
         self.layout.load_poses(&self.here_poses);
     }
 
-    /// Separates the parts below a height limit. A limit that is nearly reached is raised half of the way to the known
+    /// Separates the parts below a height limit. A limit that is nearly reached is raised half of the way to the present
     /// height: a layout found below it is worth more than the last millimetres.
     fn try_height_limit(&mut self, mut height_limit_mm: f64, clock: &CompressionBudget<'_>) -> Option<Vec<PlacedItem>> {
         let mut effort = (LIMIT_EFFORT.0 + LIMIT_EFFORT.1 * self.pace.failures).min(MAX_LIMIT_EFFORT)
@@ -228,7 +228,7 @@ fn throw_large_part(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
 
 /// Swaps the positions of two parts of about the same size; each keeps its rotation. Returns false if no part differs from
 /// another one.
-fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) -> bool {
+pub(crate) fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) -> bool {
     let movable = movable_parts(layout);
     if movable.len() < 2 {
         return false;

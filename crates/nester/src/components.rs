@@ -10,8 +10,8 @@ pub struct SearchComponents {
     pub flowers_in_start: bool,
     /// Overlapping parts are relocated within the whole volume.
     pub relocation: bool,
-    /// Where the height limit stands still, other layouts that are hardly higher are tried (record-to-record travel).
-    pub travel: bool,
+    /// Failed height limits leave near-feasible layouts to continue from.
+    pub pool: bool,
     /// The weight of a pair grows while the pair overlaps, and that of a part while it stands out of the room.
     pub weights: bool,
     /// All parts make room together. Disabled: one part after the other is pushed.
@@ -32,7 +32,7 @@ impl Default for SearchComponents {
             flowers_in_relocation: true,
             flowers_in_start: true,
             relocation: true,
-            travel: true,
+            pool: true,
             weights: true,
             joint_steps: true,
             turning: true,
@@ -51,7 +51,7 @@ impl SearchComponents {
             ("flowers in relocation (uniform sampling instead)", Self { flowers_in_relocation: false, ..all }),
             ("flowers in the start (uniform sampling instead)", Self { flowers_in_start: false, ..all }),
             ("relocation", Self { relocation: false, ..all }),
-            ("record-to-record travel", Self { travel: false, ..all }),
+            ("pool of failed height limits", Self { pool: false, ..all }),
             ("pair weights", Self { weights: false, ..all }),
             ("joint steps (one part after the other instead)", Self { joint_steps: false, ..all }),
             ("rotation while separating", Self { turning: false, ..all }),

@@ -1,4 +1,4 @@
-//! Remembers pairs of parts that were interlocked: such a pair keeps its convex hulls apart for the next attempts.
+//! Remembers pairs of parts that were interlocked: such a pair keeps its convex hulls apart for the next height limits.
 //! Parts whose hulls do not overlap are never interlocked.
 
 use std::collections::BTreeMap;
@@ -11,9 +11,9 @@ use super::{
     separation_step::{CollisionProxy, SeparationStep},
 };
 
-/// Number of attempts for which a pair is remembered. The hulls of rods and rings may well overlap without
+/// Number of height limits for which a pair is remembered. The hulls of rods and rings may well overlap without
 /// interlocking.
-const REMEMBERED_ATTEMPTS: u8 = 2;
+const REMEMBERED_LIMITS: u8 = 2;
 /// Hulls are pushed further apart than necessary by this, mm.
 const OVERSHOOT_MM: f32 = 0.03;
 
@@ -22,7 +22,7 @@ const OVERSHOOT_MM: f32 = 0.03;
 pub(crate) struct InterlockMemory {
     /// Directions along which hulls are looked at.
     spread: Vec<Vec3>,
-    /// Pairs, the lesser number first, with the number of attempts for which they still keep their hulls apart.
+    /// Pairs, the lesser number first, with the number of height limits for which they still keep their hulls apart.
     pairs: BTreeMap<(usize, usize), u8>,
     /// The removal order of the last layout that was checked.
     pub(crate) last_removals: Vec<PartRemoval>,
@@ -34,12 +34,12 @@ impl InterlockMemory {
         Self { spread: hull_penetration::tried_directions(), pairs: BTreeMap::new(), last_removals: Vec::new() }
     }
 
-    /// Makes two parts keep their hulls apart for the next attempts. Returns whether this is new.
+    /// Makes two parts keep their hulls apart for the next height limits. Returns whether this is new.
     pub(crate) fn keep_apart(&mut self, one: usize, other: usize) -> bool {
-        self.pairs.insert((one.min(other), one.max(other)), REMEMBERED_ATTEMPTS).is_none()
+        self.pairs.insert((one.min(other), one.max(other)), REMEMBERED_LIMITS).is_none()
     }
 
-    /// Counts down after each attempt.
+    /// Counts down after each height limit.
     pub(crate) fn age_pairs(&mut self) {
         self.pairs.values_mut().for_each(|lids| *lids -= 1);
         self.pairs.retain(|_, lids| *lids > 0);

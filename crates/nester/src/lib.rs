@@ -113,6 +113,8 @@ pub use solution::NestingSolution;
 pub use tilt::{FaceNotDown, MAX_TILTS, TiltLimit, TiltLimitError, write_tilts};
 
 #[cfg(test)]
+mod compression_tests;
+#[cfg(test)]
 mod first_layout_tests;
 #[cfg(test)]
 mod improvement_tests;

@@ -12,9 +12,6 @@ pub struct SearchComponents {
     pub relocation: bool,
     /// Failed height limits leave near-feasible layouts to continue from.
     pub pool: bool,
-    /// Where the height limit of few parts stands still, other layouts that are hardly higher are tried (record-to-record
-    /// travel).
-    pub travel: bool,
     /// The weight of a pair grows while the pair overlaps, and that of a part while it stands out of the room.
     pub weights: bool,
     /// All parts make room together. Disabled: one part after the other is pushed.
@@ -36,7 +33,6 @@ impl Default for SearchComponents {
             flowers_in_start: true,
             relocation: true,
             pool: true,
-            travel: true,
             weights: true,
             joint_steps: true,
             turning: true,
@@ -49,14 +45,13 @@ impl Default for SearchComponents {
 
 impl SearchComponents {
     /// Each component's name, and the search with that component disabled.
-    pub fn each_disabled() -> [(&'static str, Self); 11] {
+    pub fn each_disabled() -> [(&'static str, Self); 10] {
         let all = Self::default();
         [
             ("flowers in relocation (uniform sampling instead)", Self { flowers_in_relocation: false, ..all }),
             ("flowers in the start (uniform sampling instead)", Self { flowers_in_start: false, ..all }),
             ("relocation", Self { relocation: false, ..all }),
             ("pool of failed height limits", Self { pool: false, ..all }),
-            ("record-to-record travel", Self { travel: false, ..all }),
             ("pair weights", Self { weights: false, ..all }),
             ("joint steps (one part after the other instead)", Self { joint_steps: false, ..all }),
             ("rotation while separating", Self { turning: false, ..all }),

@@ -1,5 +1,5 @@
 //! Compression: repeatedly turns a valid layout into a lower one by lowering a height limit, until the budget is used
-//! up. Where few parts find no lower one, it goes on from another one that is hardly higher.
+//! up.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -23,20 +23,10 @@ const MAX_LIMIT_RAISES: usize = 2;
 /// Overlap of all parts, relative to one part's cross section, below which a height limit was nearly reached, mm.
 const NEAR_OVERLAP_MM: f64 = 0.3;
 
-/// Up to this number, parts are few. Few parts are sometimes restarted from random poses,
-const FEW_PARTS: usize = 60;
+/// Builds with at most this number of parts are sometimes restarted from random poses,
+const SCATTER_MAX_PARTS: usize = 60;
 /// after this number of failures.
 const SCATTER_AFTER: u64 = 3;
-/// A descent of few parts stands still after this number of failures. Then
-const TRAVEL_AFTER: u64 = 2;
-/// this share of its attempts is for another layout,
-const TRAVEL_SHARE: f64 = 0.7;
-/// higher than the lowest one by at most this share of its height,
-const TRAVEL_RISE: f64 = 0.01;
-/// with at most this number of evaluations per part. The next height limit is
-const TRAVEL_EFFORT: u64 = 300;
-/// lower than the lowest layout by at least this share of its height.
-const TRAVEL_STEP: f64 = 0.003;
 
 /// What a descent has learnt about how far the height limit may fall at once. It goes on in the next round of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,7 +34,7 @@ const TRAVEL_STEP: f64 = 0.003;
 pub struct DescentPace {
     /// Relative step of the height limit.
     pub step: f64,
-    /// Height limits that were not reached since the last new layout.
+    /// Height limits that were not reached since the last lower layout.
     pub failures: u64,
 }
 
@@ -72,9 +62,7 @@ pub(crate) struct CompressionRun<'t> {
     /// The lowest valid layout so far.
     pub(crate) items: Vec<PlacedItem>,
     pub(crate) height_mm: f64,
-    /// The valid layout from which the next attempt begins: the lowest one, or one that is hardly higher.
-    here_poses: Vec<CenterPose>,
-    pub(crate) here_mm: f64,
+    best_poses: Vec<CenterPose>,
     /// Overlap and poses of failed height limits, least overlap first.
     pool: Vec<(f32, Vec<CenterPose>)>,
     pub(crate) pace: DescentPace,
@@ -88,8 +76,7 @@ impl<'t> CompressionRun<'t> {
         let layout = WorkingLayout::new(prepared, start, height);
         let section: f64 = layout.proxies.iter().map(|g| g.shape.radius_mm.powi(2)).sum();
         Self {
-            here_poses: layout.poses.clone(),
-            here_mm: height,
+            best_poses: layout.poses.clone(),
             items: start.to_vec(),
             height_mm: height,
             pool: Vec::new(),
@@ -111,88 +98,45 @@ impl<'t> CompressionRun<'t> {
         while (clock.spent_share_at)(self.layout.evaluations) < clock.until
             && self.height_mm > clock.lower_bound_mm + 0.01
         {
-            let next = if self.stands_still() && self.rng.random_bool(TRAVEL_SHARE) {
-                self.find_other_layout(clock)
-            } else {
-                self.find_lower_layout(clock)
-            };
-            if let Some(pieces) = next
-                && self.accept_layout(pieces)
-            {
-                found(&self.items, self.layout.evaluations);
+            let (least, most) =
+                if (clock.spent_share_at)(self.layout.evaluations) > 0.75 { (5e-4, 8e-3) } else { (2e-3, 5e-2) };
+            self.pace.step = self.pace.step.clamp(least, most);
+            let height_limit_mm = (self.height_mm * (1.0 - self.pace.step)).max(clock.lower_bound_mm);
+            let again = self.start_attempt(height_limit_mm);
+            match self.try_height_limit(height_limit_mm, clock) {
+                Some(pieces) => {
+                    self.accept_layout(pieces);
+                    found(&self.items, self.layout.evaluations);
+                }
+                None => {
+                    self.pace.failures = self.pace.failures.saturating_add(1);
+                    if !again {
+                        self.pace.step *= 0.6;
+                    }
+                }
             }
         }
     }
 
-    /// Whether attempts for another layout are due.
-    fn stands_still(&self) -> bool {
-        self.layout.prepared.components.travel
-            && self.layout.part_count() <= FEW_PARTS
-            && self.pace.failures >= TRAVEL_AFTER
-    }
-
-    /// Continues from a new valid layout. Returns whether it is lower than all before.
-    fn accept_layout(&mut self, pieces: Vec<PlacedItem>) -> bool {
-        self.here_mm = height_mm(&pieces);
-        self.here_poses.clone_from(&self.layout.poses);
+    /// Continues from a new valid layout.
+    fn accept_layout(&mut self, pieces: Vec<PlacedItem>) {
+        // A height limit that was reached only after it was raised again fell too fast.
+        let wanted_mm = self.height_mm * (1.0 - self.pace.step);
+        self.height_mm = height_mm(&pieces);
+        self.pace.step *= if self.height_mm <= wanted_mm + 1e-6 { 1.3 } else { 0.7 };
+        self.items = pieces;
+        self.best_poses.clone_from(&self.layout.poses);
         self.pool.clear();
         self.pace.failures = 0;
-        let is_lowest = self.here_mm < self.height_mm;
-        if is_lowest {
-            (self.items, self.height_mm) = (pieces, self.here_mm);
-        }
-        is_lowest
     }
 
-    /// Looks for a layout that is lower than the present one.
-    fn find_lower_layout(&mut self, clock: &CompressionBudget<'_>) -> Option<Vec<PlacedItem>> {
-        let (least, most) =
-            if (clock.spent_share_at)(self.layout.evaluations) > 0.75 { (5e-4, 8e-3) } else { (2e-3, 5e-2) };
-        self.pace.step = self.pace.step.clamp(least, most);
-        let height_limit_mm = (self.here_mm * (1.0 - self.pace.step)).max(clock.lower_bound_mm);
-        let again = self.start_attempt(height_limit_mm);
-        let lower = self.try_height_limit(height_limit_mm, clock);
-        self.pace.failures = self.pace.failures.saturating_add(lower.is_none().into());
-        self.pace.step *= match &lower {
-            Some(pieces) if height_mm(pieces) <= height_limit_mm + 1e-6 => 1.3,
-            // A height limit that was reached only after it was raised again fell too fast.
-            Some(_) => 0.7,
-            None if again => 1.0,
-            None => 0.6,
-        };
-        lower
-    }
-
-    /// Looks for another layout that is hardly higher than the lowest one, with a part elsewhere or two parts swapped. From
-    /// there the height limit can often fall again (record-to-record travel, Dueck 1993, J. Comput. Phys. 104, 86-92).
-    fn find_other_layout(&mut self, clock: &CompressionBudget<'_>) -> Option<Vec<PlacedItem>> {
-        self.begin_attempt((self.height_mm * (1.0 + TRAVEL_RISE)).min(self.layout.prepared.room.z));
-        self.layout.load_poses(&self.here_poses);
-        if self.rng.random_bool(0.5) || !swap_similar_parts(&mut self.layout, &mut self.rng) {
-            throw_large_part(&mut self.layout, &mut self.rng);
-        }
-        match self.separate_within(TRAVEL_EFFORT * self.layout.part_count() as u64, clock) {
-            SeparationOutcome::Clear(pieces) if self.layout.prepared.keeps_cap(&pieces) => {
-                let above = 1.0 - self.height_mm / height_mm(&pieces);
-                self.pace.step = self.pace.step.max(above + TRAVEL_STEP);
-                Some(pieces)
-            }
-            _ => None,
-        }
-    }
-
-    /// Sets a height limit for the next attempt.
-    fn begin_attempt(&mut self, height_limit_mm: f64) {
+    /// Brings the parts below a height limit: from the best layout, from a modified failed layout, or from random
+    /// poses. Returns whether it did not start from the best layout.
+    fn start_attempt(&mut self, height_limit_mm: f64) -> bool {
         self.layout.age_memory();
         self.layout.height_limit_mm = height_limit_mm;
-    }
-
-    /// Brings the parts below a height limit: from the present layout, from a modified failed layout, or from random
-    /// poses. Returns whether it did not start from the present layout.
-    fn start_attempt(&mut self, height_limit_mm: f64) -> bool {
-        self.begin_attempt(height_limit_mm);
         let failed = self.layout.prepared.components.pool && self.pace.failures > 0 && !self.pool.is_empty();
-        let few = self.layout.part_count() <= FEW_PARTS && self.pace.failures >= SCATTER_AFTER;
+        let few = self.layout.part_count() <= SCATTER_MAX_PARTS && self.pace.failures >= SCATTER_AFTER;
         let again = failed && self.rng.random_bool(0.5);
         if !again && failed && few && self.rng.random_bool(0.3) {
             scatter_parts(&mut self.layout, &mut self.rng);
@@ -206,19 +150,22 @@ impl<'t> CompressionRun<'t> {
             swap_similar_parts(&mut self.layout, &mut self.rng);
         } else {
             // Only what stands above the limit moves. To lower others with it costs more overlaps than it makes room.
-            self.layout.load_poses(&self.here_poses);
+            self.layout.load_poses(&self.best_poses);
         }
         again
     }
 
-    /// Separates the parts below a height limit. A limit that is nearly reached is raised half of the way to the present
+    /// Separates the parts below a height limit. A limit that is nearly reached is raised half of the way to the known
     /// height: a layout found below it is worth more than the last millimetres.
     fn try_height_limit(&mut self, mut height_limit_mm: f64, clock: &CompressionBudget<'_>) -> Option<Vec<PlacedItem>> {
         // The pace may come from another machine.
         let harder = LIMIT_EFFORT.1.saturating_mul(self.pace.failures).saturating_add(LIMIT_EFFORT.0);
         let mut effort = harder.min(MAX_LIMIT_EFFORT) * self.layout.part_count() as u64;
         for relents in 0..=MAX_LIMIT_RAISES {
-            match self.separate_within(effort, clock) {
+            let limit = self.layout.evaluations + effort;
+            let patience = SeparationLimits { idle_rounds: 40, failed_checks: 16, near_overlap: self.near_overlap };
+            let over = |evaluations: u64| evaluations >= limit || (clock.spent_share_at)(evaluations) >= clock.until;
+            match separate_parts(&mut self.layout, patience, &mut self.rng, over) {
                 SeparationOutcome::Clear(pieces) if self.layout.prepared.keeps_cap(&pieces) => return Some(pieces),
                 SeparationOutcome::Clear(_) => {
                     // One layer exceeds its cap: continue from this layout after swapping two parts.
@@ -236,7 +183,7 @@ impl<'t> CompressionRun<'t> {
                         self.pool.truncate(POOL_SIZE);
                         return None;
                     }
-                    height_limit_mm += 0.5 * (self.here_mm - height_limit_mm);
+                    height_limit_mm += 0.5 * (self.height_mm - height_limit_mm);
                     self.layout.height_limit_mm = height_limit_mm;
                     self.layout.load_poses(&poses);
                     effort /= 2;
@@ -244,14 +191,6 @@ impl<'t> CompressionRun<'t> {
             }
         }
         None
-    }
-
-    /// Separates the parts with at most `effort` evaluations.
-    fn separate_within(&mut self, effort: u64, clock: &CompressionBudget<'_>) -> SeparationOutcome {
-        let limit = self.layout.evaluations + effort;
-        let patience = SeparationLimits { idle_rounds: 40, failed_checks: 16, near_overlap: self.near_overlap };
-        let over = |evaluations: u64| evaluations >= limit || (clock.spent_share_at)(evaluations) >= clock.until;
-        separate_parts(&mut self.layout, patience, &mut self.rng, over)
     }
 }
 
@@ -263,31 +202,11 @@ fn scatter_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// The parts that are not fixed.
-fn movable_parts(layout: &WorkingLayout<'_>) -> Vec<usize> {
-    (0..layout.part_count()).filter(|&part| !layout.parts.fixed[part]).collect()
-}
-
-/// Gives the largest of three parts a random pose: the others make room for it, or for what took its place.
-fn throw_large_part(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
-    let movable = movable_parts(layout);
-    if movable.is_empty() {
-        return;
-    }
-    let radius = |part: &usize| layout.proxies[*part].shape.radius_mm;
-    let drawn: [usize; 3] = std::array::from_fn(|_| movable[rng.random_range(0..movable.len())]);
-    if let Some(part) = drawn.into_iter().max_by(|one, other| radius(one).total_cmp(&radius(other))) {
-        let pose = random_pose(layout, part, rng);
-        layout.move_part(part, pose);
-    }
-}
-
-/// Swaps the positions of two parts of about the same size; each keeps its rotation. Returns false if no part differs from
-/// another one.
-pub(crate) fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) -> bool {
-    let movable = movable_parts(layout);
+/// Swaps the positions of two parts of about the same size; each keeps its rotation.
+fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
+    let movable: Vec<usize> = (0..layout.part_count()).filter(|&part| !layout.parts.fixed[part]).collect();
     if movable.len() < 2 {
-        return false;
+        return;
     }
     let one = movable[rng.random_range(0..movable.len())];
     let radius = |part: usize| layout.proxies[part].shape.radius_mm;
@@ -296,11 +215,10 @@ pub(crate) fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCh
     others.sort_by(|&a, &b| (radius(a) - radius(one)).abs().total_cmp(&(radius(b) - radius(one)).abs()));
     others.truncate(5);
     if others.is_empty() {
-        return false;
+        return;
     }
     let other = others[rng.random_range(0..others.len())];
     let (first, second) = (layout.poses[one], layout.poses[other]);
     layout.move_part(one, CenterPose { center: second.center, ..first });
     layout.move_part(other, CenterPose { center: first.center, ..second });
-    true
 }

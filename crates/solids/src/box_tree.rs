@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 
 use super::{
     Bounds, Mesh, Pose,
@@ -126,78 +126,5 @@ impl TriangleBoxTree {
     /// Whether the root box contains a point of the frame of the boxes.
     pub fn root_contains(&self, point: DVec3) -> bool {
         point.cmpge(self.bounds.min).all() && point.cmple(self.bounds.max).all()
-    }
-
-    /// The greatest dot product of a vertex with `direction` (both in the mesh's frame), by branch and bound;
-    /// `direction_in_box` is the same direction in the frame of the boxes, and `shift` what is added to a dot product in
-    /// that frame. Exact up to rounding: boxes that could improve the result only by rounding are skipped, since otherwise
-    /// all corners of a flat face would be tested.
-    pub fn support_value(&self, direction: DVec3, direction_in_box: DVec3, shift: f64) -> f64 {
-        let size = self.bounds.size().max(self.bounds.min.abs()).max(self.bounds.max.abs());
-        let slack = 1e-13 * (size.dot(direction_in_box.abs()) + shift.abs());
-        let way = direction_in_box.as_vec3a();
-        let mut search = SupportSearch {
-            tree: self,
-            direction,
-            direction_in_box,
-            way,
-            spread: way.abs(),
-            // More than the rounding of the single precision below.
-            margin: 1e-6 * size.element_sum(),
-            shift,
-            slack,
-            best: f64::NEG_INFINITY,
-        };
-        search.visit_node(0);
-        search.best
-    }
-}
-
-/// A search for the vertex that reaches farthest.
-struct SupportSearch<'a> {
-    tree: &'a TriangleBoxTree,
-    direction: DVec3,
-    direction_in_box: DVec3,
-    way: Vec3A,
-    spread: Vec3A,
-    margin: f64,
-    shift: f64,
-    slack: f64,
-    best: f64,
-}
-
-impl SupportSearch<'_> {
-    fn visit_node(&mut self, node: usize) {
-        let link = self.tree.links[node];
-        if link.is_leaf() {
-            for place in link.triangle_range() {
-                let corners = self.tree.corners(place);
-                self.best = corners.iter().fold(self.best, |best, c| best.max(c.dot(self.direction)));
-            }
-            return;
-        }
-        let children = [link.first_child(), link.first_child() + 1];
-        let bounds = children.map(|child| self.about_reach_of(child));
-        let order = if bounds[0] >= bounds[1] { [0, 1] } else { [1, 0] };
-        for i in order {
-            if bounds[i] > self.best && self.reach_of(children[i]) > self.best + self.slack {
-                self.visit_node(children[i]);
-            }
-        }
-    }
-
-    /// How far the box of a node reaches, a little more than exactly.
-    #[inline]
-    fn about_reach_of(&self, node: usize) -> f64 {
-        let TreeNodeBox { center, half } = self.tree.boxes[node];
-        f64::from((center * self.way + half * self.spread).element_sum()) + self.margin + self.shift
-    }
-
-    /// How far the box of a node reaches. The sides of the root are exact, so that a flat face on one of them does not
-    /// seem to reach beyond itself.
-    fn reach_of(&self, node: usize) -> f64 {
-        let (min, max) = self.tree.boxes[node].corners_within(&self.tree.bounds);
-        let way = self.direction_in_box;
-        DVec3::select(way.cmpge(DVec3::ZERO), max, min).dot(way) + self.shift
     }
 }

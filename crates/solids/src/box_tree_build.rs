@@ -318,10 +318,11 @@ mod tests {
             }
             for &index in &tree.order[link.triangle_range()] {
                 for corner in mesh.corners(index as usize).map(|c| to_box.transform_point(c)) {
+                    assert!((tree.bounds.min - corner).max(corner - tree.bounds.max).max_element() <= 1e-12);
                     for &node in &above {
-                        let (min, max) = tree.boxes[node].corners_within(&tree.bounds);
+                        let TreeNodeBox { center, half } = tree.boxes[node];
                         let slack = 1e-12; // of the transformation by a quaternion
-                        assert!((min - corner).max(corner - max).max_element() <= slack);
+                        assert!(((corner - center.as_dvec3()).abs() - half.as_dvec3()).max_element() <= slack);
                     }
                 }
             }

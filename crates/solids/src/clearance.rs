@@ -2,11 +2,14 @@
 //! their clearance. All boxes of a tree are aligned with the part's frame, so a pair of trees is traversed with one
 //! constant relative rotation.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use super::{Bounds, Mesh, Obb, Pose, box_tree::TriangleBoxTree, tree_pair_walk::TreePairWalk, winding_number};
+use super::{
+    Bounds, Mesh, Obb, Pose, box_tree::TriangleBoxTree, extreme_points::PointCells, tree_pair_walk::TreePairWalk,
+    winding_number,
+};
 
 /// Surfaces nearer than this count as meeting, mm: far above rounding, far below any printer's resolution.
 const MEET_MM: f64 = 1e-9;
@@ -16,6 +19,8 @@ const MEET_MM: f64 = 1e-9;
 pub struct ClearanceTree {
     obb: Obb,
     pub(super) tree: TriangleBoxTree,
+    /// Known once bounds are asked for.
+    vertex_cells: OnceLock<PointCells>,
 }
 
 impl ClearanceTree {
@@ -33,7 +38,7 @@ impl ClearanceTree {
     /// The same, with boxes along a known `obb`. Any box around the mesh gives correct results; a small one is faster.
     pub fn with_obb(mesh: Arc<Mesh>, obb: Obb, threads: usize) -> Self {
         let tree = TriangleBoxTree::new(mesh, &obb.pose.inverse(), threads);
-        Self { obb, tree }
+        Self { obb, tree, vertex_cells: OnceLock::new() }
     }
 
     /// The mesh of the tree.
@@ -98,8 +103,9 @@ impl ClearanceTree {
 
     /// How far the part reaches from the mesh frame's origin along a direction, in mm for a unit vector.
     pub fn reach_mm(&self, direction: DVec3) -> f64 {
-        let direction_in_box = self.obb.pose.rotation.conjugate() * direction;
-        self.tree.support_value(direction, direction_in_box, self.obb.pose.translation.dot(direction))
+        let vertices = self.mesh().vertices();
+        let cells = self.vertex_cells.get_or_init(|| PointCells::new(vertices));
+        cells.farthest_point(vertices, direction).map_or(0.0, |(reach, _)| reach)
     }
 
     /// A simultaneous traversal of this tree and another one; `pose12` is the mesh frame of the other seen from this

@@ -1,35 +1,88 @@
 //! Finds the points of a cloud that reach farthest in given directions without testing every point for every direction.
 
-use glam::DVec3;
+use std::ops::Range;
+
+use glam::{DVec3, Vec3A, Vec4};
 
 use super::Bounds;
 
 /// Approximate number of points per cell; with fewer, boxes cost more than they save.
-const PER_CELL: usize = 48;
+const PER_CELL: usize = 64;
 /// Greatest number of cells along an axis.
 const MAX_CELLS: usize = 24;
+/// Points that are compared at a time.
+const LANES: usize = 4;
+/// How far a dot product in single precision may be wrong where no coordinate exceeds 1: a few times the rounding of six
+/// coordinates, three products and two sums.
+const ROUNDING: f32 = 4e-6;
 
-/// Points sorted into cells of a regular grid, each with its bounds.
+/// Points with what finds the farthest of them.
 #[derive(Debug)]
 pub struct ExtremePoints<'a> {
     points: &'a [DVec3],
-    /// Indices of points, cell by cell.
-    order: Vec<u32>,
-    cells: Vec<PointCell>,
-}
-
-#[derive(Debug)]
-struct PointCell {
-    center: DVec3,
-    half: DVec3,
-    first: u32,
-    end: u32,
+    cells: PointCells,
 }
 
 impl<'a> ExtremePoints<'a> {
     /// Sorts finite points into cells. Time grows with their number.
     pub fn new(points: &'a [DVec3]) -> Self {
+        Self { points, cells: PointCells::new(points) }
+    }
+
+    /// Index of the point that reaches farthest in a direction; of equal points the first one. 0 without points.
+    pub fn farthest_point(&self, direction: DVec3) -> usize {
+        self.cells.farthest_point(self.points, direction).map_or(0, |(_, index)| index as usize)
+    }
+
+    /// Indices of the points that are farthest in any of `directions`, in rising order, without duplicates.
+    pub fn farthest_points(&self, directions: impl Iterator<Item = DVec3>) -> Vec<usize> {
+        let mut chosen: Vec<usize> = directions.map(|direction| self.farthest_point(direction)).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        chosen
+    }
+}
+
+/// Points sorted into cells of a regular grid, in single precision. What finds the farthest of them by these looks at the
+/// points themselves only where they are about as far.
+#[derive(Debug, Clone)]
+pub(super) struct PointCells {
+    /// The blocks of points of each cell.
+    cells: Vec<Range<u32>>,
+    /// Middles and half sizes of the boxes of four cells each. The cloud reaches from -1 to 1, whatever its size in mm.
+    boxes: Vec<[LanePoints; 2]>,
+    /// Four points each, on the same scale. The last point of a cell is repeated.
+    blocks: Vec<LanePoints>,
+    /// The indices of the points of each block.
+    indices: Vec<[u32; LANES]>,
+}
+
+/// Four points side by side.
+#[derive(Debug, Clone, Copy)]
+struct LanePoints {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl LanePoints {
+    /// Of up to four points; the last one is repeated.
+    fn of_points(points: &[Vec3A]) -> Self {
+        let lane = |axis: usize| Vec4::from_array(std::array::from_fn(|lane| points[lane.min(points.len() - 1)][axis]));
+        Self { x: lane(0), y: lane(1), z: lane(2) }
+    }
+
+    #[inline]
+    fn dot(&self, other: &Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+}
+
+impl PointCells {
+    /// Sorts finite points into cells. Time grows with their number.
+    pub fn new(points: &[DVec3]) -> Self {
         let bounds = Bounds::from_points(points.iter().copied());
+        let (middle, half) = (bounds.center(), (0.5 * bounds.size().max_element()).max(f64::MIN_POSITIVE));
         // A surface fills about as many cells as the square of the number along an axis.
         let along = ((points.len() / PER_CELL) as f64 / 3.0).sqrt().clamp(1.0, MAX_CELLS as f64) as usize;
         let scale = DVec3::splat(along as f64) / bounds.size().max(DVec3::splat(1e-300));
@@ -46,53 +99,63 @@ impl<'a> ExtremePoints<'a> {
             order[ends[home as usize] as usize] = index as u32;
             ends[home as usize] += 1;
         }
-        let mut first = 0;
-        let cells = (ends[..along.pow(3)].iter())
-            .filter_map(|&end| {
-                let range = first..end;
-                first = end;
-                (!range.is_empty()).then_some(range)
-            })
-            .map(|range| {
-                let indices = &order[range.start as usize..range.end as usize];
-                let bounds = Bounds::from_points(indices.iter().map(|&i| points[i as usize]));
-                PointCell { center: bounds.center(), half: 0.5 * bounds.size(), first: range.start, end: range.end }
-            })
-            .collect();
-        Self { points, order, cells }
+        let mut sorted = Self {
+            cells: Vec::new(),
+            boxes: Vec::new(),
+            blocks: Vec::with_capacity(points.len().div_ceil(LANES)),
+            indices: Vec::with_capacity(points.len().div_ceil(LANES)),
+        };
+        let (mut centers, mut halves) = (Vec::new(), Vec::new());
+        for indices in order.chunk_by(|&one, &other| homes[one as usize] == homes[other as usize]) {
+            let place = |&index: &u32| ((points[index as usize] - middle) / half).as_vec3a();
+            let near: Vec<Vec3A> = indices.iter().map(place).collect();
+            let min = near.iter().copied().fold(Vec3A::INFINITY, Vec3A::min);
+            let max = near.iter().copied().fold(Vec3A::NEG_INFINITY, Vec3A::max);
+            centers.push(0.5 * (min + max));
+            halves.push(0.5 * (max - min));
+            let first = sorted.blocks.len() as u32;
+            sorted.blocks.extend(near.chunks(LANES).map(LanePoints::of_points));
+            let lanes = |some: &[u32]| std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
+            sorted.indices.extend(indices.chunks(LANES).map(lanes));
+            sorted.cells.push(first..sorted.blocks.len() as u32);
+        }
+        let boxes = centers.chunks(LANES).zip(halves.chunks(LANES));
+        sorted.boxes = boxes.map(|(centers, halves)| [centers, halves].map(LanePoints::of_points)).collect();
+        sorted
     }
 
-    /// Index of the point that reaches farthest in a direction; of equal points the first one. 0 without points.
-    pub fn farthest_point(&self, direction: DVec3) -> usize {
-        let spread = direction.abs();
-        let reach = |cell: &PointCell| cell.center.dot(direction) + cell.half.dot(spread);
-        let mut best = (f64::NEG_INFINITY, u32::MAX);
-        let mut look = |cell: &PointCell| {
-            for &index in &self.order[cell.first as usize..cell.end as usize] {
-                let along = self.points[index as usize].dot(direction);
-                if along > best.0 || along == best.0 && index < best.1 {
-                    best = (along, index);
-                }
-            }
-            best.0
+    /// How far the points from which the cells were made reach in a direction (the greatest dot product), and the index of
+    /// the point that does; of equal points the first one. `None` without points.
+    pub fn farthest_point(&self, points: &[DVec3], direction: DVec3) -> Option<(f64, u32)> {
+        let way = (direction / direction.abs().max_element().max(f64::MIN_POSITIVE)).as_vec3a();
+        let [along, spread] = [way, way.abs()].map(|way| LanePoints::of_points(&[way]));
+        let reach = |[center, half]: &[LanePoints; 2]| center.dot(&along) + half.dot(&spread) + ROUNDING;
+        let reaches: Vec<Vec4> = self.boxes.iter().map(reach).collect();
+        let reaches = || reaches.iter().flat_map(|some| some.to_array()).zip(&self.cells);
+        let range_of = |cell: &Range<u32>| cell.start as usize..cell.end as usize;
+        let farthest = |cell: &Range<u32>| {
+            let blocks = self.blocks[range_of(cell)].iter();
+            blocks.fold(Vec4::NEG_INFINITY, |most, block| most.max(block.dot(&along))).max_element()
         };
-        let outermost = self.cells.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)));
-        let mut least = outermost.map_or(0.0, &mut look);
-        let slack = 1e-12 * (least.abs() + outermost.map_or(0.0, |cell| cell.half.dot(spread)));
-        for cell in &self.cells {
-            if reach(cell) >= least - slack {
-                least = look(cell);
+        let (_, outermost) = reaches().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut far = farthest(outermost);
+        for (reach, cell) in reaches() {
+            if reach > far {
+                far = far.max(farthest(cell));
             }
         }
-        if best.1 == u32::MAX { 0 } else { best.1 as usize }
-    }
-
-    /// Indices of the points that are farthest in any of `directions`, in rising order, without duplicates.
-    pub fn farthest_points(&self, directions: impl Iterator<Item = DVec3>) -> Vec<usize> {
-        let mut chosen: Vec<usize> = directions.map(|direction| self.farthest_point(direction)).collect();
-        chosen.sort_unstable();
-        chosen.dedup();
-        chosen
+        far -= ROUNDING;
+        let mut best = (f64::NEG_INFINITY, u32::MAX);
+        for at in reaches().filter(|(reach, _)| *reach >= far).flat_map(|(_, cell)| range_of(cell)) {
+            let near = self.blocks[at].dot(&along).cmpge(Vec4::splat(far)).bitmask();
+            for (_, &index) in self.indices[at].iter().enumerate().filter(|(lane, _)| near >> lane & 1 == 1) {
+                let exact = points[index as usize].dot(direction);
+                if exact > best.0 || exact == best.0 && index < best.1 {
+                    best = (exact, index);
+                }
+            }
+        }
+        Some(best)
     }
 }
 
@@ -116,8 +179,10 @@ mod tests {
             direction in proptest::array::uniform3(-1.0..1.0f64),
             // Rounded points have equals, on which the first must win.
             step in prop_oneof![Just(1e-9), Just(1.0), Just(20.0)],
+            (scale, away) in prop_oneof![Just((1.0, 0.0)), Just((1.0, 1e6)), Just((1e-200, 0.0)), Just((1e200, 0.0))],
         ) {
-            let points: Vec<DVec3> = points.iter().map(|&p| (DVec3::from_array(p) / step).round() * step).collect();
+            let rounded = |&p: &[f64; 3]| (DVec3::from_array(p) / step).round() * step * scale + away;
+            let points: Vec<DVec3> = points.iter().map(rounded).collect();
             let cells = ExtremePoints::new(&points);
             for direction in [DVec3::from_array(direction), DVec3::X, DVec3::NEG_Z] {
                 prop_assert_eq!(cells.farthest_point(direction), first_farthest(&points, direction));

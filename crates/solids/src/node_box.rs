@@ -1,8 +1,6 @@
 //! The node of a tree of boxes: the box in single precision, grown by its rounding, and what is below it.
 
-use glam::{DVec3, Vec3A};
-
-use super::Bounds;
+use glam::Vec3A;
 
 /// Bits of a link that hold the number of a leaf's triangles.
 const COUNT_BITS: u32 = 3;
@@ -24,12 +22,6 @@ impl TreeNodeBox {
         let half = (max - center).max(center - min);
         // Above the rounding of the two subtractions.
         Self { center, half: half + half * 1.2e-7 + f32::MIN_POSITIVE }
-    }
-
-    /// Least and greatest corner of the box, mm, as far as they are within `limits`.
-    pub fn corners_within(&self, limits: &Bounds) -> (DVec3, DVec3) {
-        let (center, half) = (self.center.as_dvec3(), self.half.as_dvec3());
-        ((center - half).max(limits.min), (center + half).min(limits.max))
     }
 }
 

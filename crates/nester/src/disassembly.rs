@@ -2,6 +2,8 @@
 //! the parts that are interlocked. Removing a part never makes another removal harder, so always removing the first
 //! possible part is exact for a fixed set of directions.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 use solids::{Bounds, ClearanceTree, Pose};
 
@@ -114,28 +116,41 @@ pub(crate) struct PartRemoval {
 /// The result of taking a layout apart.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DisassemblyPlan {
-    /// Removed parts, in order of removal.
-    pub(crate) removals: Vec<PartRemoval>,
     /// Locked parts, in rising order.
     pub(crate) locked: Vec<usize>,
     /// Number of sweep tests of one part against another.
     pub(crate) sweeps: u64,
 }
 
-/// Takes pieces apart. `known` is the removal order of a similar layout and is tried first.
+/// What is known from an earlier disassembly of the same parts, which may have moved since.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KnownDisassembly {
+    /// The removed parts, in order of removal: they are tried first.
+    pub(crate) removals: Vec<PartRemoval>,
+    /// Part, other part and direction of the sweep tests that found nothing, with how often both parts had moved by then.
+    free: HashMap<(usize, usize, usize), (u32, u32)>,
+}
+
+/// Takes pieces apart. `move_counts` tells how often each of them has moved: what is known of two that have not moved since
+/// is not tested again. Leaves in `known` what was found.
 pub(crate) fn plan_disassembly(
     prepared: &PreparedInstance,
     pieces: &[PlacedItem],
-    known: &[PartRemoval],
+    move_counts: &[u32],
+    known: &mut KnownDisassembly,
 ) -> DisassemblyPlan {
     let solids = pieces.iter().map(|piece| RemovablePart::new(prepared, piece)).collect();
     let mut work = DisassemblySearch::new(solids);
-    for leave in known.iter().filter(|leave| leave.part < pieces.len()) {
+    work.free = std::mem::take(&mut known.free);
+    work.free.retain(|&(part, other, _), then| (move_counts[part], move_counts[other]) == *then);
+    work.move_counts = move_counts.to_vec();
+    for leave in known.removals.iter().filter(|leave| leave.part < pieces.len()) {
         work.try_remove(leave.part, leave.direction);
     }
     while work.remove_upwards() || work.remove_any_direction() {}
     let locked = (0..pieces.len()).filter(|&part| !work.removed[part]).collect();
-    DisassemblyPlan { removals: work.removals, locked, sweeps: work.sweeps }
+    *known = KnownDisassembly { removals: work.removals, free: work.free };
+    DisassemblyPlan { locked, sweeps: work.sweeps }
 }
 
 /// The pieces that must be dropped so that all others can be taken apart: repeatedly the smallest of the locked pieces.
@@ -198,6 +213,9 @@ struct DisassemblySearch<'a> {
     removed: Vec<bool>,
     removals: Vec<PartRemoval>,
     sweeps: u64,
+    /// As in [`KnownDisassembly`].
+    free: HashMap<(usize, usize, usize), (u32, u32)>,
+    move_counts: Vec<u32>,
 }
 
 impl<'a> DisassemblySearch<'a> {
@@ -206,6 +224,8 @@ impl<'a> DisassemblySearch<'a> {
         from_top.sort_by(|&a, &b| solids[b].bounds.max.z.total_cmp(&solids[a].bounds.max.z));
         let (asked, gone) = (vec![[ObstacleScan::default(); DIRECTION_COUNT]; solids.len()], vec![false; solids.len()]);
         Self {
+            move_counts: vec![0; solids.len()],
+            free: HashMap::new(),
             solids,
             directions: removal_directions(),
             scans: asked,
@@ -231,9 +251,13 @@ impl<'a> DisassemblySearch<'a> {
         let asked = &mut self.scans[part][direction];
         while let Some(other) = self.from_top.get(asked.next as usize).copied() {
             if other != part && !self.removed[other] {
-                if !asked.blocked && solid.may_collide(&self.solids[other], line) {
+                let key = (part, other, direction);
+                if !asked.blocked && solid.may_collide(&self.solids[other], line) && !self.free.contains_key(&key) {
                     self.sweeps += 1;
                     asked.blocked = !solid.is_free(&self.solids[other], line);
+                    if !asked.blocked {
+                        self.free.insert(key, (self.move_counts[part], self.move_counts[other]));
+                    }
                 }
                 if asked.blocked {
                     return true;

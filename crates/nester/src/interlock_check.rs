@@ -4,7 +4,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    disassembly::{items_blocking_disassembly, locked_pairs, plan_disassembly},
+    disassembly::{items_blocking_disassembly, locked_pairs},
     prepared_instance::{PlacedItem, PreparedInstance},
     relocation::{OverlapDepthGrid, RelocationEffort, move_elsewhere},
     working_layout::WorkingLayout,
@@ -27,9 +27,7 @@ pub(crate) fn resolve_interlocks(
     if !layout.prepared.must_be_separable {
         return true;
     }
-    let known = std::mem::take(&mut layout.interlock_memory.last_removals);
-    let found = plan_disassembly(layout.prepared, pieces, &known);
-    layout.interlock_memory.last_removals = found.removals;
+    let found = layout.take_apart(pieces);
     layout.evaluations += found.sweeps / SWEEPS_PER_EVALUATION + 1;
     if found.locked.is_empty() {
         return true;

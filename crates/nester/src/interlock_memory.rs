@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 
 use super::{
-    disassembly::PartRemoval,
+    disassembly::KnownDisassembly,
     hull_penetration::{self, HullPenetration},
     separation_step::{CollisionProxy, SeparationStep},
 };
@@ -24,14 +24,18 @@ pub(crate) struct InterlockMemory {
     spread: Vec<Vec3>,
     /// Pairs, the lesser number first, with the number of height limits for which they still keep their hulls apart.
     pairs: BTreeMap<(usize, usize), u8>,
-    /// The removal order of the last layout that was checked.
-    pub(crate) last_removals: Vec<PartRemoval>,
+    /// What is known from the last layout that was checked.
+    pub(crate) disassembly: KnownDisassembly,
 }
 
 impl InterlockMemory {
     /// Nobody was locked yet.
     pub(crate) fn new() -> Self {
-        Self { spread: hull_penetration::tried_directions(), pairs: BTreeMap::new(), last_removals: Vec::new() }
+        Self {
+            spread: hull_penetration::tried_directions(),
+            pairs: BTreeMap::new(),
+            disassembly: KnownDisassembly::default(),
+        }
     }
 
     /// Makes two parts keep their hulls apart for the next height limits. Returns whether this is new.

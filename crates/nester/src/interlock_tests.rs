@@ -9,7 +9,10 @@ use solids::{Mesh, Pose};
 use super::{
     BuildVolume, InterlockRule, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution,
     OrientationRule, PlacedSolid, StopCondition,
-    disassembly::{can_be_removed, items_blocking_disassembly, locked_pairs, plan_disassembly, removal_directions},
+    disassembly::{
+        KnownDisassembly, can_be_removed, items_blocking_disassembly, locked_pairs, plan_disassembly,
+        removal_directions,
+    },
     find_removal_order, nest,
     prepared_instance::{PlacedItem, PreparedInstance},
     prove_placed_solids,
@@ -172,7 +175,7 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
     ];
     let task = coarsely_prepared(&instance);
     let pieces = pieces(&task, &placements);
-    let found = plan_disassembly(&task, &pieces, &[]);
+    let found = plan_disassembly(&task, &pieces, &[0; 3], &mut KnownDisassembly::default());
     assert_eq!(found.locked, [0, 1]);
     assert_eq!(locked_pairs(&task, &pieces, &found.locked), [(0, 1)]);
     assert_eq!(items_blocking_disassembly(&task, &pieces), [1]);
@@ -185,7 +188,8 @@ proptest! {
 
     #[test]
     fn the_search_finds_what_the_judge_finds(
-        places in proptest::collection::vec((5.0..40.0f64, 5.0..40.0f64, 5.0..40.0f64, 0usize..4, 0usize..24), 4..12)
+        places in proptest::collection::vec((5.0..40.0f64, 5.0..40.0f64, 5.0..40.0f64, 0usize..4, 0usize..24), 4..12),
+        number_moved in 0usize..12,
     ) {
         let meshes = [frame(7), frame(5), dumbbell(), block(DVec3::new(4.0, 4.0, 20.0))];
         let instance = instance(DVec3::splat(100.0), 0.6, &meshes.map(|mesh| (mesh, 12)));
@@ -198,12 +202,21 @@ proptest! {
             }
         }
         let task = coarsely_prepared(&instance);
-        let pieces = pieces(&task, &placements);
-        let cold = plan_disassembly(&task, &pieces, &[]);
+        let mut pieces = pieces(&task, &placements);
+        let (mut move_counts, mut known) = (vec![0; pieces.len()], KnownDisassembly::default());
+        let cold = plan_disassembly(&task, &pieces, &move_counts, &mut known);
+        let removals = known.removals.clone();
         prop_assert_eq!(&cold.locked, &find_removal_order(&bodies(&instance, &placements)).locked);
-        let warm = plan_disassembly(&task, &pieces, &cold.removals);
-        prop_assert_eq!(warm.locked, cold.locked);
-        prop_assert!(warm.sweeps <= cold.sweeps);
-        prop_assert_eq!(warm.removals, cold.removals);
+        let warm = plan_disassembly(&task, &pieces, &move_counts, &mut known);
+        prop_assert_eq!(&warm.locked, &cold.locked);
+        prop_assert!(warm.sweeps <= cold.sweeps && (cold.sweeps == 0 || !warm.locked.is_empty() || warm.sweeps == 0));
+        prop_assert_eq!(&known.removals, &removals);
+        // A part that moves is tested again.
+        let moved = number_moved % pieces.len();
+        pieces[moved] = pieces[moved].clone().moved_by(DVec3::Z * 90.0);
+        move_counts[moved] += 1;
+        let after = plan_disassembly(&task, &pieces, &move_counts, &mut known);
+        let anew = plan_disassembly(&task, &pieces, &move_counts, &mut KnownDisassembly::default());
+        prop_assert_eq!(after.locked, anew.locked);
     }
 }

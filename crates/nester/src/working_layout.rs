@@ -9,7 +9,9 @@ mod walls;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::{
-    OrientationRule, exact_contacts,
+    OrientationRule,
+    disassembly::{DisassemblyPlan, plan_disassembly},
+    exact_contacts,
     fit_check::shift_inside,
     interlock_memory::InterlockMemory,
     layout_parts::LayoutParts,
@@ -51,6 +53,8 @@ pub(crate) struct WorkingLayout<'t> {
     walls: Vec<WallRecord>,
     /// Number of moves of each part.
     move_counts: Vec<u32>,
+    /// Each part as it was last placed, with its move count then.
+    placed: Vec<Option<(u32, PlacedItem)>>,
     /// Pairs of parts that were interlocked.
     pub(crate) interlock_memory: InterlockMemory,
     /// The best flowers of each part's last relocation.
@@ -89,6 +93,7 @@ impl<'t> WorkingLayout<'t> {
             pair_records: PairRecordTable::new(proxies.len()),
             walls: vec![WallRecord::NONE; proxies.len()],
             move_counts: vec![0; proxies.len()],
+            placed: vec![None; proxies.len()],
             flowers: vec![Vec::new(); proxies.len()],
             proxies,
             interlock_memory: InterlockMemory::new(),
@@ -315,6 +320,11 @@ impl<'t> WorkingLayout<'t> {
             record.weight = (record.weight / WEIGHT_DECAY * (1.2 + 0.8 * (energy / worst).sqrt())).min(MAX_WEIGHT);
         }
         energies.iter().sum()
+    }
+
+    /// Takes apart the layout that was just confirmed as `pieces`.
+    pub(crate) fn take_apart(&mut self, pieces: &[PlacedItem]) -> DisassemblyPlan {
+        plan_disassembly(self.prepared, pieces, &self.move_counts, &mut self.interlock_memory.disassembly)
     }
 
     /// Keeps the hulls of two parts apart because the parts were interlocked. Returns whether this is new.

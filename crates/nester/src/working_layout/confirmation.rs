@@ -5,7 +5,7 @@ use super::{
         exact_contacts,
         prepared_instance::{CLEARANCE_SPARE_MM, PlacedItem, raised_bounds},
     },
-    MAX_MARGIN_MM, WorkingLayout,
+    CenterPose, MAX_MARGIN_MM, WorkingLayout,
 };
 
 /// For a pair that fails the exact test, contacts are collected up to this distance beyond the clearance, mm.
@@ -16,9 +16,7 @@ impl WorkingLayout<'_> {
     /// where it is not.
     pub(crate) fn confirm_clear(&mut self) -> Option<Vec<PlacedItem>> {
         let prepared = self.prepared;
-        let pieces: Vec<PlacedItem> = (self.parts.copies.iter().zip(&self.poses))
-            .map(|(&copy, s)| prepared.place_item(copy, s.rotation, s.center))
-            .collect();
+        let pieces: Vec<PlacedItem> = (0..self.part_count()).map(|part| self.place_part(part)).collect();
         let mut inside = true;
         for (part, piece) in pieces[..self.parts.copy_count].iter().enumerate() {
             if !prepared.is_inside(piece, self.height_limit_mm + 1e-9) {
@@ -30,6 +28,18 @@ impl WorkingLayout<'_> {
         }
         let clear = self.check_pairs(&pieces);
         (inside && clear).then(|| pieces[..self.parts.copy_count].to_vec())
+    }
+
+    /// A part where it stands; the exact bounds of one that has not moved since are known.
+    fn place_part(&mut self, part: usize) -> PlacedItem {
+        let now = self.move_counts[part];
+        if let Some((_, piece)) = self.placed[part].as_ref().filter(|(then, _)| *then == now) {
+            return piece.clone();
+        }
+        let CenterPose { rotation, center } = self.poses[part];
+        let piece = self.prepared.place_item(self.parts.copies[part], rotation, center);
+        self.placed[part] = Some((now, piece.clone()));
+        piece
     }
 
     /// Whether all pairs are clear on the triangles. For a pair that is not, stores its contacts or increases its

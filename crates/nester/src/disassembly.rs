@@ -127,12 +127,12 @@ pub(crate) struct DisassemblyPlan {
 pub(crate) struct KnownDisassembly {
     /// The removed parts, in order of removal: they are tried first.
     pub(crate) removals: Vec<PartRemoval>,
-    /// Part, other part and direction of the sweep tests that found nothing, with how often both parts had moved by then.
+    /// Part, other part and direction of the sweep tests that found nothing, with the move counts of both parts then.
     free: HashMap<(usize, usize, usize), (u32, u32)>,
 }
 
-/// Takes pieces apart. `move_counts` tells how often each of them has moved: what is known of two that have not moved since
-/// is not tested again. Leaves in `known` what was found.
+/// Takes pieces apart. `move_counts` tells how often each of them has moved (and more parts perhaps): a sweep that was free is
+/// not tested again while both parts stay. Leaves in `known` what was found.
 pub(crate) fn plan_disassembly(
     prepared: &PreparedInstance,
     pieces: &[PlacedItem],
@@ -144,7 +144,7 @@ pub(crate) fn plan_disassembly(
     work.free = std::mem::take(&mut known.free);
     work.free.retain(|&(part, other, _), then| (move_counts[part], move_counts[other]) == *then);
     work.move_counts = move_counts.to_vec();
-    for leave in known.removals.iter().filter(|leave| leave.part < pieces.len()) {
+    for leave in &known.removals {
         work.try_remove(leave.part, leave.direction);
     }
     while work.remove_upwards() || work.remove_any_direction() {}
@@ -215,6 +215,7 @@ struct DisassemblySearch<'a> {
     sweeps: u64,
     /// As in [`KnownDisassembly`].
     free: HashMap<(usize, usize, usize), (u32, u32)>,
+    /// Number of moves of each part.
     move_counts: Vec<u32>,
 }
 

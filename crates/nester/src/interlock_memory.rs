@@ -24,7 +24,7 @@ pub(crate) struct InterlockMemory {
     spread: Vec<Vec3>,
     /// Pairs, the lesser number first, with the number of height limits for which they still keep their hulls apart.
     pairs: BTreeMap<(usize, usize), u8>,
-    /// What is known from the last layout that was checked.
+    /// What is known from the layouts that were checked so far.
     pub(crate) disassembly: KnownDisassembly,
 }
 

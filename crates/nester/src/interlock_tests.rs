@@ -183,6 +183,28 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
     assert!(can_be_removed(&task, &pieces[2], &pieces[..2]));
 }
 
+#[test]
+fn a_part_that_moves_is_tested_again() {
+    let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let instance = instance(DVec3::splat(60.0), 1.0, &[(frame(7), 1), (frame(6), 1)]);
+    let task = coarsely_prepared(&instance);
+    let at = |x_mm: f64| {
+        pieces(&task, &[placed(0, 0, DQuat::IDENTITY, [10.0, 10.0, 15.0]), placed(1, 0, upright, [x_mm, 21.5, 7.0])])
+    };
+    let plan =
+        |x_mm: f64, moves: u32, known: &mut KnownDisassembly| plan_disassembly(&task, &at(x_mm), &[0, moves], known);
+    let is_free = |x_mm: &f64| {
+        let found = plan(*x_mm, 0, &mut KnownDisassembly::default());
+        found.locked.is_empty() && found.sweeps > 0
+    };
+    let beside_mm = (20..60).map(f64::from).find(is_free).expect("a place near the other one");
+    let mut known = KnownDisassembly::default();
+    assert!(plan(beside_mm, 0, &mut known).locked.is_empty());
+    assert_eq!(plan(20.0, 1, &mut known).locked, [0, 1]);
+    assert_eq!(plan(20.0, 1, &mut known).locked, [0, 1]);
+    assert!(plan(beside_mm, 2, &mut known).locked.is_empty());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -190,6 +212,7 @@ proptest! {
     fn the_search_finds_what_the_judge_finds(
         places in proptest::collection::vec((5.0..40.0f64, 5.0..40.0f64, 5.0..40.0f64, 0usize..4, 0usize..24), 4..12),
         number_moved in 0usize..12,
+        shift in proptest::array::uniform3(-15.0..15.0f64),
     ) {
         let meshes = [frame(7), frame(5), dumbbell(), block(DVec3::new(4.0, 4.0, 20.0))];
         let instance = instance(DVec3::splat(100.0), 0.6, &meshes.map(|mesh| (mesh, 12)));
@@ -211,9 +234,8 @@ proptest! {
         prop_assert_eq!(&warm.locked, &cold.locked);
         prop_assert!(warm.sweeps <= cold.sweeps && (cold.sweeps == 0 || !warm.locked.is_empty() || warm.sweeps == 0));
         prop_assert_eq!(&known.removals, &removals);
-        // A part that moves is tested again.
         let moved = number_moved % pieces.len();
-        pieces[moved] = pieces[moved].clone().moved_by(DVec3::Z * 90.0);
+        pieces[moved] = pieces[moved].clone().moved_by(DVec3::from_array(shift));
         move_counts[moved] += 1;
         let after = plan_disassembly(&task, &pieces, &move_counts, &mut known);
         let anew = plan_disassembly(&task, &pieces, &move_counts, &mut KnownDisassembly::default());

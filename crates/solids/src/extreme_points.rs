@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::Bounds;
+use super::{Bounds, triangle_lanes::LanePoints};
 
 /// Approximate number of points per cell; with fewer, boxes cost more than they save.
 const PER_CELL: usize = 64;
@@ -50,32 +50,11 @@ pub(super) struct PointCells {
     /// The blocks of points of each cell.
     cells: Vec<Range<u32>>,
     /// Middles and half sizes of the boxes of four cells each. Along its longest axis the cloud reaches from -1 to 1.
-    boxes: Vec<[FourPoints; 2]>,
+    boxes: Vec<[LanePoints; 2]>,
     /// Four points each, on the same scale. The last point of a cell is repeated.
-    blocks: Vec<FourPoints>,
+    blocks: Vec<LanePoints>,
     /// The indices of the points of each block.
     indices: Vec<[u32; LANES]>,
-}
-
-/// Four points side by side.
-#[derive(Debug, Clone, Copy)]
-struct FourPoints {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
-}
-
-impl FourPoints {
-    /// Of up to four points; the last one is repeated.
-    fn of_points(points: &[Vec3A]) -> Self {
-        let lane = |axis: usize| Vec4::from_array(std::array::from_fn(|lane| points[lane.min(points.len() - 1)][axis]));
-        Self { x: lane(0), y: lane(1), z: lane(2) }
-    }
-
-    #[inline]
-    fn dot(&self, other: &Self) -> Vec4 {
-        self.x * other.x + self.y * other.y + self.z * other.z
-    }
 }
 
 impl PointCells {
@@ -114,13 +93,13 @@ impl PointCells {
             centers.push(0.5 * (min + max));
             halves.push(0.5 * (max - min));
             let first = sorted.blocks.len() as u32;
-            sorted.blocks.extend(near.chunks(LANES).map(FourPoints::of_points));
+            sorted.blocks.extend(near.chunks(LANES).map(LanePoints::of_points));
             let lanes = |some: &[u32]| std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
             sorted.indices.extend(indices.chunks(LANES).map(lanes));
             sorted.cells.push(first..sorted.blocks.len() as u32);
         }
         let boxes = centers.chunks(LANES).zip(halves.chunks(LANES));
-        sorted.boxes = boxes.map(|(centers, halves)| [centers, halves].map(FourPoints::of_points)).collect();
+        sorted.boxes = boxes.map(|(centers, halves)| [centers, halves].map(LanePoints::of_points)).collect();
         sorted
     }
 
@@ -129,14 +108,14 @@ impl PointCells {
     /// farther off than it is large: then equal up to the rounding of the product.
     pub fn farthest_point(&self, points: &[DVec3], direction: DVec3) -> Option<(f64, u32)> {
         let way = (direction / direction.abs().max_element().max(f64::MIN_POSITIVE)).as_vec3a();
-        let [along, spread] = [way, way.abs()].map(|way| FourPoints::of_points(&[way]));
-        let reach = |[center, half]: &[FourPoints; 2]| center.dot(&along) + half.dot(&spread) + ROUNDING;
+        let [along, spread] = [way, way.abs()].map(|way| LanePoints::of_points(&[way]));
+        let reach = |[center, half]: &[LanePoints; 2]| center.dot(along) + half.dot(spread) + ROUNDING;
         let reaches: Vec<Vec4> = self.boxes.iter().map(reach).collect();
         let reaches = || reaches.iter().flat_map(|some| some.to_array()).zip(&self.cells);
         let range_of = |cell: &Range<u32>| cell.start as usize..cell.end as usize;
         let farthest = |cell: &Range<u32>| {
             let blocks = self.blocks[range_of(cell)].iter();
-            blocks.fold(Vec4::NEG_INFINITY, |most, block| most.max(block.dot(&along))).max_element()
+            blocks.fold(Vec4::NEG_INFINITY, |most, block| most.max(block.dot(along))).max_element()
         };
         let (_, outermost) = reaches().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut far = farthest(outermost);
@@ -148,7 +127,7 @@ impl PointCells {
         far -= ROUNDING;
         let mut best = (f64::NEG_INFINITY, u32::MAX);
         for at in reaches().filter(|(reach, _)| *reach >= far).flat_map(|(_, cell)| range_of(cell)) {
-            let near = self.blocks[at].dot(&along).cmpge(Vec4::splat(far)).bitmask();
+            let near = self.blocks[at].dot(along).cmpge(Vec4::splat(far)).bitmask();
             for (_, &index) in self.indices[at].iter().enumerate().filter(|(lane, _)| near >> lane & 1 == 1) {
                 let exact = points[index as usize].dot(direction);
                 if exact > best.0 || exact == best.0 && index < best.1 {

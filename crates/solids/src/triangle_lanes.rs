@@ -46,15 +46,21 @@ impl TriangleLaneStore {
     }
 }
 
-/// A point of each of four triangles.
-#[derive(Clone, Copy)]
-struct LanePoints {
+/// Four points side by side, as one of each of four triangles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LanePoints {
     x: Vec4,
     y: Vec4,
     z: Vec4,
 }
 
 impl LanePoints {
+    /// Of one to four points; the last one is repeated.
+    pub fn of_points(points: &[Vec3A]) -> Self {
+        let lane = |axis: usize| Vec4::from_array(std::array::from_fn(|lane| points[lane.min(points.len() - 1)][axis]));
+        Self { x: lane(0), y: lane(1), z: lane(2) }
+    }
+
     #[inline]
     fn map_two(self, other: Self, each: impl Fn(Vec4, Vec4) -> Vec4) -> Self {
         Self { x: each(self.x, other.x), y: each(self.y, other.y), z: each(self.z, other.z) }
@@ -66,7 +72,7 @@ impl LanePoints {
     }
 
     #[inline]
-    fn dot(self, other: Self) -> Vec4 {
+    pub fn dot(self, other: Self) -> Vec4 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 

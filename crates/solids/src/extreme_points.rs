@@ -4,14 +4,15 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::{Bounds, triangle_lanes::LanePoints};
+use super::{
+    Bounds,
+    triangle_lanes::{LANES, LanePoints},
+};
 
 /// Approximate number of points per cell; with fewer, boxes cost more than they save.
 const PER_CELL: usize = 64;
 /// Greatest number of cells along an axis.
 const MAX_CELLS: usize = 24;
-/// Points that are compared at a time.
-const LANES: usize = 4;
 /// How far a dot product in single precision may be wrong where no coordinate exceeds 1: a few times the rounding of six
 /// coordinates, three products and two sums.
 const ROUNDING: f32 = 4e-6;

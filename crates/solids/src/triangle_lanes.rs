@@ -5,8 +5,8 @@ use glam::{BVec4A, DVec3, Mat3A, Vec3A, Vec4};
 
 use super::{Pose, box_tree_build::MAX_LEAF_TRIANGLES, triangle::Triangle};
 
-/// Triangles that are compared at a time.
-const LANES: usize = 4;
+/// Triangles or points that are compared at a time.
+pub(super) const LANES: usize = 4;
 const _: () = assert!(MAX_LEAF_TRIANGLES <= LANES);
 /// Coordinates of a triangle.
 const COORDINATES: usize = 9;

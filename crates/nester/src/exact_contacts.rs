@@ -97,21 +97,22 @@ pub(crate) fn add_contacts(
     }
 }
 
-/// Finds the contacts of two pieces that are nearer than `limit_mm` and puts them before the known ones: the nearest
-/// contact of every neighbourhood.
+/// Finds the contacts of two pieces up to the greater of two distances, mm: the nearest of every neighbourhood. Puts them
+/// before the known ones and returns true if they tell why the pieces are not clear: the surfaces do not meet, and come nearer
+/// than the lesser distance.
 pub(crate) fn find_contacts(
     prepared: &PreparedInstance,
     first: &PlacedItem,
     second: &PlacedItem,
-    limit_mm: f64,
+    (wanted_mm, limit_mm): (f64, f64),
     touches: &mut Vec<ExactContact>,
-) {
+) -> bool {
     let (shape1, shape2) = (&prepared.prepared_item(first.item).shape, &prepared.prepared_item(second.item).shape);
     let pose12 = first.pose.relative_pose_of(&second.pose);
     let pose21 = pose12.inverse();
     let cell_mm = 0.3 * shape1.radius_mm.min(shape2.radius_mm);
     let mut found: Vec<(glam::IVec3, f64, ExactContact)> = Vec::new();
-    shape1.tree.visit_contacts(&shape2.tree, &pose12, (0.5 * cell_mm, limit_mm), &mut |contact| {
+    let meet = shape1.tree.visit_contacts(&shape2.tree, &pose12, (0.5 * cell_mm, limit_mm), &mut |contact| {
         let distance = contact.distance_mm();
         let cell = (contact.point1 / cell_mm).floor().as_ivec3();
         let direction = pose21.transform_direction(contact.point1 - contact.point2) / distance;
@@ -127,6 +128,45 @@ pub(crate) fn find_contacts(
         }
     });
     found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    if meet || found.first().is_none_or(|nearest| nearest.1 >= wanted_mm) {
+        return false;
+    }
     touches.splice(0..0, found.into_iter().map(|(_, _, touch)| touch));
     touches.truncate(MAX_CONTACTS);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::{
+        BuildVolume, NestingInstance, NestingItem,
+        testing::{block, coarsely_prepared, hollow},
+    };
+
+    #[test]
+    fn contacts_are_kept_only_where_they_tell_why_two_parts_are_not_clear() {
+        let items = vec![
+            NestingItem::new("shell", hollow(40.0, 2.0), 1),
+            NestingItem::new("cube", block(DVec3::splat(10.0)), 1),
+        ];
+        let volume = BuildVolume { size_mm: DVec3::splat(100.0) };
+        let instance = NestingInstance::new(volume, 1.0, items).expect("fits");
+        let prepared = coarsely_prepared(&instance);
+        let shell = prepared.place_item((0, 0), DQuat::IDENTITY, DVec3::splat(50.0));
+        for (x, is_explained, why) in [
+            (75.5, true, "half a millimetre apart"),
+            (76.05, false, "far enough apart"),
+            (72.0, false, "one cuts the other"),
+            (50.0, false, "one is in the other, far from its walls"),
+            (90.0, false, "far apart"),
+        ] {
+            let cube = prepared.place_item((1, 0), DQuat::IDENTITY, DVec3::new(x, 50.0, 50.0));
+            let mut touches = Vec::new();
+            let explained = find_contacts(&prepared, &shell, &cube, (1.0, 1.1), &mut touches);
+            assert_eq!((explained, !touches.is_empty()), (is_explained, is_explained), "{why}");
+        }
+    }
 }

@@ -170,43 +170,38 @@ impl PreparedInstance {
 
     /// Whether two pieces keep their clearance and neither is inside the other. Exact.
     pub(crate) fn is_clear(&self, one: &PlacedItem, other: &PlacedItem) -> bool {
-        self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
+        self.keeps_distance(one, other, self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM)
     }
 
     /// The same for pieces that were found clear before, with a tolerance for rounding in a file or a ledger.
     pub(crate) fn is_still_clear(&self, one: &PlacedItem, other: &PlacedItem) -> bool {
-        self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + 0.5 * CLEARANCE_SPARE_MM
+        self.keeps_distance(one, other, self.clearance_mm(one.item, other.item) + 0.5 * CLEARANCE_SPARE_MM)
     }
 
-    /// Distance between two pieces over all allowed raises of either, mm. It is exact up to slightly more than their
-    /// clearance, and negative when one is inside the other.
-    pub(crate) fn gap_mm(&self, one: &PlacedItem, other: &PlacedItem) -> f64 {
-        let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
+    /// Whether two pieces keep a distance over all allowed raises of either, and neither is inside the other. Exact.
+    fn keeps_distance(&self, one: &PlacedItem, other: &PlacedItem, distance_mm: f64) -> bool {
         // The extra z clearance does not apply to zones.
         let zones = self.outlined.outlined_items.len();
         let extra_mm = if one.item.max(other.item) >= zones { 0.0 } else { self.z_extra_mm };
-        if raised_bounds(&one.bounds, extra_mm).distance(&raised_bounds(&other.bounds, extra_mm)) >= cap {
-            return cap;
+        if raised_bounds(&one.bounds, extra_mm).distance(&raised_bounds(&other.bounds, extra_mm)) >= distance_mm {
+            return true;
         }
         let (tree1, tree2) = (&self.prepared_item(one.item).shape.tree, &self.prepared_item(other.item).shape.tree);
         let pose12 = one.pose.relative_pose_of(&other.pose);
-        let gap = match extra_mm > 0.0 {
-            true => tree1.distance_sliding_mm(
-                tree2,
-                &pose12,
-                one.pose.inverse().transform_direction(DVec3::Z * extra_mm),
-                cap,
-            ),
-            false => tree1.distance_capped_mm(tree2, &pose12, cap),
+        let is_near = match extra_mm > 0.0 {
+            true => {
+                let slide1 = one.pose.inverse().transform_direction(DVec3::Z * extra_mm);
+                tree1.distance_sliding_mm(tree2, &pose12, slide1, distance_mm) < distance_mm
+            }
+            false => tree1.is_closer_than(tree2, &pose12, distance_mm),
         };
-        if gap > 0.0 && one.bounds.contains_bounds(&other.bounds, 0.0) && tree1.contains_part(tree2, &pose12) {
-            return -1.0;
+        if is_near {
+            return false;
         }
-        let pose21 = pose12.inverse();
-        if gap > 0.0 && other.bounds.contains_bounds(&one.bounds, 0.0) && tree2.contains_part(tree1, &pose21) {
-            return -1.0;
-        }
-        gap
+        let encloses = one.bounds.contains_bounds(&other.bounds, 0.0) && tree1.contains_part(tree2, &pose12);
+        let is_enclosed =
+            other.bounds.contains_bounds(&one.bounds, 0.0) && tree2.contains_part(tree1, &pose12.inverse());
+        !encloses && !is_enclosed
     }
 }
 

@@ -7,12 +7,12 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Bounds, Mesh, Obb, Pose, box_tree::TriangleBoxTree, extreme_points::PointCells, tree_pair_walk::TreePairWalk,
+    Bounds, Mesh, Obb, Pose,
+    box_tree::TriangleBoxTree,
+    extreme_points::PointCells,
+    tree_pair_walk::{MEET_MM, TreePairWalk},
     winding_number,
 };
-
-/// Surfaces nearer than this count as meeting, mm: far above rounding, far below any printer's resolution.
-const MEET_MM: f64 = 1e-9;
 
 /// A box tree over a mesh's triangles. Built once per mesh, shared by all its copies; the triangles stay in the mesh.
 #[derive(Debug, Clone)]

@@ -128,8 +128,10 @@ impl PointCells {
         far -= ROUNDING;
         let mut best = (f64::NEG_INFINITY, u32::MAX);
         for at in reaches().filter(|(reach, _)| *reach >= far).flat_map(|(_, cell)| range_of(cell)) {
-            let near = self.blocks[at].dot(along).cmpge(Vec4::splat(far)).bitmask();
-            for (_, &index) in self.indices[at].iter().enumerate().filter(|(lane, _)| near >> lane & 1 == 1) {
+            let mut near = self.blocks[at].dot(along).cmpge(Vec4::splat(far)).bitmask();
+            while near != 0 {
+                let index = self.indices[at][near.trailing_zeros() as usize];
+                near &= near - 1;
                 let exact = points[index as usize].dot(direction);
                 if exact > best.0 || exact == best.0 && index < best.1 {
                     best = (exact, index);

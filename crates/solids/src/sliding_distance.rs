@@ -7,12 +7,9 @@ use super::{
     ClearanceTree, Pose,
     box_tree::TriangleBoxTree,
     node_box::{TreeNodeBox, TreeNodeLink},
-    tree_pair_walk::opens_first,
+    tree_pair_walk::{MEET_MM, opens_first},
     triangle::Triangle,
 };
-
-/// Surfaces nearer than this count as meeting, mm.
-const MEET_MM: f64 = 1e-9;
 
 impl ClearanceTree {
     /// The least distance between the two surfaces over all positions of `other` from `-slide1` to `+slide1` relative

@@ -11,6 +11,9 @@ use super::{
     triangle::Triangle,
 };
 
+/// Surfaces nearer than this count as meeting, mm: far above rounding, far below any printer's resolution.
+pub(super) const MEET_MM: f64 = 1e-9;
+
 /// Rounding errors of a comparison of two boxes, as a share of the lengths that enter it: 16 roundings and more.
 const ROUNDING_SHARE: f32 = 1e-6;
 
@@ -132,7 +135,8 @@ impl<'a> TreePairWalk<'a> {
     /// comes nearer to the second surface than the root of `limit_sq` (mm2) without meeting it, with the nearest triangle
     /// of the patch and of the second surface, both in the first mesh's frame. A leaf that is larger than a patch is
     /// compared with the patches of the second surface one by one: its large triangles may be near in several places.
-    pub fn visit_near_patches(&self, patch_mm: f32, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
+    /// Returns whether the surfaces meet somewhere.
+    pub fn visit_near_patches(&self, patch_mm: f32, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) -> bool {
         let reach_sq = rounded_up(limit_sq);
         let patch_sq = 0.25 * patch_mm * patch_mm;
         let mut patches: Vec<NearPatch> = Vec::new();
@@ -155,10 +159,11 @@ impl<'a> TreePairWalk<'a> {
                 open.extend(self.children2(&node2).map(|child| (node1, child)));
             }
         }
-        for (one, two) in patches.iter().filter(|patch| patch.best_sq > 0.0).filter_map(|patch| patch.nearest.as_ref())
-        {
+        let apart = |patch: &&NearPatch| patch.best_sq > MEET_MM * MEET_MM;
+        for (one, two) in patches.iter().filter(apart).filter_map(|patch| patch.nearest.as_ref()) {
             each(one, two);
         }
+        !patches.iter().all(|patch| apart(&patch))
     }
 
     /// Looks in a part of the second surface for a triangle nearer to the patch than the known one.
@@ -168,7 +173,7 @@ impl<'a> TreePairWalk<'a> {
             walk: self,
             best_sq: patch.best_sq,
             reach_sq: rounded_up(patch.best_sq),
-            goal_sq: 0.0,
+            goal_sq: MEET_MM * MEET_MM,
             nearer: |one: &Triangle, two: &Triangle| *nearest = Some((*one, *two)),
         };
         if node1.lower_bound_sq(node2, search.reach_sq) < search.reach_sq {

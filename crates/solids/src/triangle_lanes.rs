@@ -1,7 +1,7 @@
 //! Four triangles at a time in single precision, to tell which of them may come near another one before any exact distance
 //! is worked out.
 
-use glam::{BVec4A, DVec3, Mat3A, Vec3A, Vec4};
+use glam::{BVec4A, DVec3, Mat3A, Mat4, Vec3A, Vec4};
 
 use super::{Pose, box_tree_build::MAX_LEAF_TRIANGLES, triangle::Triangle};
 
@@ -15,34 +15,39 @@ const DIRECTIONS: usize = 3;
 /// A direction whose squared length is less, mm2, is the rounding of equal points.
 const MIN_DIRECTION_SQ: f32 = 1e-12;
 
-/// The triangles of a tree in the order of its leaves, rounded to single precision in the frame of its boxes: a list for
-/// each coordinate, 36 bytes a triangle.
+/// The triangles of a tree in the order of its leaves, rounded to single precision in the frame of its boxes: the coordinates
+/// of one after the other, 36 bytes a triangle, so that a leaf takes few lines of memory.
 #[derive(Debug, Clone)]
 pub(super) struct TriangleLaneStore {
-    coordinates: [Vec<f32>; COORDINATES],
+    triangles: Vec<[f32; COORDINATES]>,
 }
 
 impl TriangleLaneStore {
     /// Stores triangles, which `to_box` takes from the mesh's frame to the frame of the boxes.
     pub fn new(triangles: &[Triangle], to_box: &Pose) -> Self {
         let (rotation, shift) = (to_box.rotation_matrix(), to_box.translation);
-        let mut coordinates = [const { Vec::new() }; COORDINATES];
-        for triangle in triangles {
-            let corners = triangle.corners.map(|c| (rotation * c + shift).to_array());
-            for (list, value) in coordinates.iter_mut().zip(corners.as_flattened()) {
-                list.push(*value as f32);
-            }
-        }
+        let rounded = |triangle: &Triangle| {
+            let corners = triangle.corners.map(|c| (rotation * c + shift).as_vec3().to_array());
+            std::array::from_fn(|k| corners.as_flattened()[k])
+        };
         // So that four can be read from the last one on.
-        coordinates.iter_mut().for_each(|list| list.extend([0.0; LANES - 1]));
-        Self { coordinates }
+        let spare = [[0.0; COORDINATES]; LANES - 1];
+        Self { triangles: triangles.iter().map(rounded).chain(spare).collect() }
     }
 
     /// Four triangles from a place on.
     #[inline]
     pub fn lanes_from(&self, first: usize) -> TriangleLanes {
-        let at = |k: usize| Vec4::from_slice(&self.coordinates[k][first..]);
-        TriangleLanes { corners: [0, 3, 6].map(|k| LanePoints { x: at(k), y: at(k + 1), z: at(k + 2) }) }
+        let four: &[[f32; COORDINATES]] = &self.triangles[first..first + LANES];
+        let columns = |k: usize| {
+            let rows = [0, 1, 2, 3].map(|lane| Vec4::from_slice(&four[lane][k..]));
+            let turned = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+            [turned.x_axis, turned.y_axis, turned.z_axis, turned.w_axis]
+        };
+        let [[x1, y1, z1, x2], [y2, z2, x3, y3]] = [columns(0), columns(4)];
+        let z3 = Vec4::from_array([0, 1, 2, 3].map(|lane: usize| four[lane][COORDINATES - 1]));
+        let corners = [(x1, y1, z1), (x2, y2, z2), (x3, y3, z3)].map(|(x, y, z)| LanePoints { x, y, z });
+        TriangleLanes { corners }
     }
 }
 

@@ -58,26 +58,19 @@ impl WorkingLayout<'_> {
                 continue;
             }
             self.evaluations += 1;
-            let gap = prepared.gap_mm(&pieces[one], &pieces[other]);
-            let deceived = gap >= wanted && self.pair_energy(one, other) > 0.0;
+            let is_clear = prepared.is_clear(&pieces[one], &pieces[other]);
+            let deceived = is_clear && self.pair_energy(one, other) > 0.0;
             let record = self.pair_records.pair_or_insert(one, other);
             record.known_overlap = None;
-            if gap >= wanted {
+            if is_clear {
                 record.clear_at = Some(now);
                 // The proxies report an overlap that does not exist.
                 record.margin = if deceived { (record.margin - 0.1).max(-MAX_MARGIN_MM) } else { record.margin };
                 continue;
             }
             clear = false;
-            if gap > 0.0 {
-                exact_contacts::find_contacts(
-                    prepared,
-                    &pieces[one],
-                    &pieces[other],
-                    wanted + CONTACT_LIMIT_MM,
-                    &mut record.contacts,
-                );
-            } else {
+            let limits_mm = (wanted, wanted + CONTACT_LIMIT_MM);
+            if !exact_contacts::find_contacts(prepared, &pieces[one], &pieces[other], limits_mm, &mut record.contacts) {
                 record.margin = (record.margin + 0.4).min(MAX_MARGIN_MM);
             }
         }

@@ -6,15 +6,15 @@ mod block_lookup;
 use glam::{DVec3, Vec3};
 use solids::{Mesh, closest_point};
 
-use super::byte_codec::{ByteReader, ByteWriter};
+use super::{
+    byte_codec::{ByteReader, ByteWriter},
+    point_block::EXACT_INTEGERS,
+};
 
 /// Triangles between two checks of the clock; each triangle may fill the whole grid.
 const TRIANGLES_PER_CHECK: usize = 64;
 /// Of meshes with more triangles, not every one is tested.
 const MAX_TESTED_TRIANGLES: usize = 200_000;
-
-/// Whole numbers below this are exact in single precision, and the last bits of their sum with it.
-const EXACT_INTEGERS: f32 = 8_388_608.0;
 
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame relative to
 /// `center`.

@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     disassembly::{items_blocking_disassembly, locked_pairs},
+    overlap_depth_grid::OverlapDepthGrid,
     prepared_instance::{PlacedItem, PreparedInstance},
-    relocation::{OverlapDepthGrid, RelocationEffort, move_elsewhere},
+    relocation::{RelocationEffort, move_elsewhere},
     working_layout::WorkingLayout,
 };
 

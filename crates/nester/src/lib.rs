@@ -38,6 +38,7 @@ mod nesting_run;
 mod orientation;
 mod orientation_rule;
 mod outline;
+mod overlap_depth_grid;
 mod pair_records;
 #[cfg(feature = "paper")]
 mod paper;

@@ -2,6 +2,22 @@
 
 use glam::{Mat3, Vec3, Vec4};
 
+/// Whole numbers below this are exact in single precision, and the last bits of their sum with it.
+pub(crate) const EXACT_INTEGERS: f32 = 8_388_608.0;
+
+/// The greatest whole numbers that are not above four values from 0 to [`EXACT_INTEGERS`].
+#[inline(always)]
+pub(crate) fn floor_values(values: Vec4) -> Vec4 {
+    let nearest = (values + EXACT_INTEGERS) - EXACT_INTEGERS;
+    nearest - Vec4::select(nearest.cmpgt(values), Vec4::ONE, Vec4::ZERO)
+}
+
+/// Four whole numbers from 0 to [`EXACT_INTEGERS`] as indices.
+#[inline(always)]
+pub(crate) fn to_indices(values: Vec4) -> [usize; BLOCK_POINTS] {
+    (values + EXACT_INTEGERS).to_array().map(|value| (value.to_bits() - EXACT_INTEGERS.to_bits()) as usize)
+}
+
 /// Points of a block.
 pub(crate) const BLOCK_POINTS: usize = 4;
 

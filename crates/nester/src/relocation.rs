@@ -1,141 +1,25 @@
 //! Finds another place for a part. Flower pollination searches the whole volume in three steps of rising cost: many
 //! lookups in an occupancy grid, the overlap of the best candidates, and separation steps for the very best.
 
-use glam::{DQuat, DVec3, Vec3, Vec4};
+use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
     OrientationLimits, OrientationRule,
     first_rotations::first_rotations,
-    point_block::{BLOCK_POINTS, BlockMotion, PointBlock},
+    overlap_depth_grid::OverlapDepthGrid,
     separation_step::CollisionProxy,
     working_layout::{CenterPose, WorkingLayout},
 };
 use crate::pollination::{FlowerPollination, GeneBoundary, GeneRange, PollinationSettings};
 
-/// Approximate number of cells of the occupancy grid.
-const CELLS: f32 = 40_000.0;
 /// Number of flowers of a part that are kept for its next relocation.
 const KEPT_FLOWERS: usize = 16;
-/// Depths are summed in fixed point, so that removing a part restores the grid exactly.
-const DEPTH_UNIT: f32 = 64.0;
-/// Points of a candidate that are looked up before it is compared with what is known.
-const POINTS_PER_LOOK: usize = 16;
 /// Candidates whose centers are nearer to each other than this, relative to the part's radius,
 const SAME_PLACE: f64 = 0.3;
 /// and whose rotations differ by less than this, radians, are one place.
 const SAME_ROTATION: f64 = 0.3;
-
-/// For every cell, the depth of its centre inside the parts (grown by their clearance), summed over all parts.
-pub(crate) struct OverlapDepthGrid {
-    pitch: f32,
-    cells: [usize; 3],
-    depths: Vec<i32>,
-    added: Vec<AddedPart>,
-    reach: f32,
-}
-
-/// What a part added to the grid.
-#[derive(Default, Clone)]
-struct AddedPart {
-    /// Its bounds then, mm; `None` when it is not in the grid.
-    bounds: Option<(Vec3, Vec3)>,
-    /// Cells and depths.
-    depths: Vec<(u32, i32)>,
-}
-
-impl OverlapDepthGrid {
-    /// An empty grid for a layout.
-    pub(crate) fn new(layout: &WorkingLayout<'_>) -> Self {
-        let room = layout.prepared.room.with_z(layout.height_limit_mm).as_vec3();
-        let pitch = (room.element_product() / CELLS).cbrt().max(0.5);
-        let cells = (room / pitch).ceil().max(Vec3::ONE).to_array().map(|n| n as usize);
-        let depths = vec![0; cells.iter().product()];
-        Self {
-            pitch,
-            cells,
-            depths,
-            added: vec![AddedPart::default(); layout.part_count()],
-            reach: layout.prepared.max_clearance_mm as f32,
-        }
-    }
-
-    /// Updates the grid to the present pose of every part, except `left_out`, which is removed from it.
-    pub(crate) fn update_parts(&mut self, layout: &WorkingLayout<'_>, left_out: usize) {
-        for part in 0..layout.part_count() {
-            let now = &layout.proxies[part];
-            let tolerance = 0.3 * self.pitch;
-            let stays = self.added[part].bounds.is_some_and(|(min, max)| {
-                part != left_out
-                    && (min - now.min).abs().max_element() < tolerance
-                    && (max - now.max).abs().max_element() < tolerance
-            });
-            if stays {
-                continue;
-            }
-            let AddedPart { bounds, mut depths } = std::mem::take(&mut self.added[part]);
-            if bounds.is_some() {
-                depths.iter().for_each(|&(cell, depth)| self.depths[cell as usize] -= depth);
-                depths.clear();
-            }
-            let bounds = (part != left_out).then(|| {
-                self.find_depths(now, &mut depths);
-                depths.iter().for_each(|&(cell, depth)| self.depths[cell as usize] += depth);
-                (now.min, now.max)
-            });
-            self.added[part] = AddedPart { bounds, depths };
-        }
-    }
-
-    /// Finds the cells whose centres are in a part, and their depths.
-    fn find_depths(&self, proxy: &CollisionProxy, depths: &mut Vec<(u32, i32)>) {
-        let low = ((proxy.min - self.reach) / self.pitch).max(Vec3::ZERO).to_array().map(|n| n as usize);
-        let high = ((proxy.max + self.reach) / self.pitch + 1.0).max(Vec3::ZERO).to_array().map(|n| n as usize);
-        let back = BlockMotion::new(proxy.rotation.transpose(), Vec3::ZERO);
-        let middle = |cell: usize| (cell as f32 + 0.5) * self.pitch;
-        let end = high[0].min(self.cells[0]);
-        for z in low[2]..high[2].min(self.cells[2]) {
-            for y in low[1]..high[1].min(self.cells[1]) {
-                for first in (low[0]..end).step_by(BLOCK_POINTS) {
-                    let middles = PointBlock {
-                        x: Vec4::from_array([0, 1, 2, 3].map(|x| middle(first + x))) - proxy.center.x,
-                        y: Vec4::splat(middle(y) - proxy.center.y),
-                        z: Vec4::splat(middle(z) - proxy.center.z),
-                    };
-                    let distances = proxy.shape.distance_field.block_distances(&back.move_block(&middles), self.reach);
-                    let cell = (z * self.cells[1] + y) * self.cells[0] + first;
-                    for (x, distance) in distances.to_array().into_iter().enumerate().take(end - first) {
-                        let depth = self.reach - distance;
-                        if depth > 0.0 {
-                            depths.push(((cell + x) as u32, (depth * DEPTH_UNIT) as i32));
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Mean depth of a proxy's points. Where it is not below `enough`, perhaps of some of them only.
-    fn mean_depth(&self, proxy: &CollisionProxy, enough: f64) -> f64 {
-        let scale = 1.0 / self.pitch;
-        let most = Vec3::new(self.cells[0] as f32, self.cells[1] as f32, self.cells[2] as f32) - 1.0;
-        let points = proxy.shape.coarse_points.points();
-        let mut sum = 0_i64;
-        for some in points.chunks(POINTS_PER_LOOK) {
-            let depth = |&p: &Vec3| {
-                let at = ((proxy.rotation * p + proxy.center) * scale).clamp(Vec3::ZERO, most);
-                let cell = (at.z as usize * self.cells[1] + at.y as usize) * self.cells[0] + at.x as usize;
-                i64::from(self.depths[cell])
-            };
-            sum += some.iter().map(depth).sum::<i64>();
-            if sum as f64 / points.len() as f64 >= enough {
-                break;
-            }
-        }
-        sum as f64 / points.len() as f64
-    }
-}
 
 /// Decodes the rotation of a part from a genome.
 struct RotationDecoder<'t> {
@@ -351,7 +235,6 @@ fn propose_poses(
 #[cfg(test)]
 mod tests {
     use super::*;
-
     #[test]
     fn of_each_place_only_the_best_pose_is_kept() {
         let pose = |x: f64, angle: f64| CenterPose { rotation: DQuat::from_rotation_z(angle), center: DVec3::X * x };

@@ -6,8 +6,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     interlock_check::resolve_interlocks,
+    overlap_depth_grid::OverlapDepthGrid,
     prepared_instance::PlacedItem,
-    relocation::{OverlapDepthGrid, RelocationEffort, relocate_part},
+    relocation::{RelocationEffort, relocate_part},
     working_layout::{CenterPose, WorkingLayout},
 };
 

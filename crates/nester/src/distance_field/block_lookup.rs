@@ -3,7 +3,10 @@
 
 use glam::Vec4;
 
-use super::{super::point_block::PointBlock, DistanceField, EXACT_INTEGERS};
+use super::{
+    super::point_block::{PointBlock, floor_values, to_indices},
+    DistanceField,
+};
 
 /// Cells that contain the points of a block, per axis.
 struct AxisCells {
@@ -46,8 +49,7 @@ impl DistanceField {
         let axis = |at: Vec4, origin: f32, nodes: usize| {
             let raw = (at - origin) * self.inverse_step;
             let inner = raw.max(Vec4::ZERO).min(Vec4::splat(nodes as f32 - 1.001));
-            let nearest = (inner + EXACT_INTEGERS) - EXACT_INTEGERS;
-            let node = nearest - Vec4::select(nearest.cmpgt(inner), Vec4::ONE, Vec4::ZERO);
+            let node = floor_values(inner);
             AxisCells { node, part: inner - node, off: raw - inner }
         };
         BlockCells {
@@ -61,7 +63,7 @@ impl DistanceField {
     fn distances_in(&self, BlockCells { x, y, z }: &BlockCells) -> Vec4 {
         let beyond = (x.off * x.off + y.off * y.off + z.off * z.off).sqrt() * self.step;
         let at = (z.node * self.dims[1] as f32 + y.node) * self.dims[0] as f32 + x.node;
-        let at = (at + EXACT_INTEGERS).to_array().map(|at| (at.to_bits() - EXACT_INTEGERS.to_bits()) as usize);
+        let at = to_indices(at);
         let (row, layer) = (self.dims[0], self.dims[0] * self.dims[1]);
         let mix = |a: Vec4, b: Vec4, t: Vec4| a + (b - a) * t;
         let along_x = |offset: usize| {

@@ -13,6 +13,8 @@ use super::{
 const MAX_SLIDE_MM: f32 = 1.5;
 /// A contact that is deeper than this belongs to another place, mm.
 const MAX_SUNK_MM: f32 = 1.5;
+/// Contacts are collected up to this distance beyond the clearance, mm.
+const CONTACT_LIMIT_MM: f64 = 0.1;
 /// Greatest number of contacts kept per pair.
 const MAX_CONTACTS: usize = 24;
 
@@ -97,22 +99,22 @@ pub(crate) fn add_contacts(
     }
 }
 
-/// Finds the contacts of two pieces up to the greater of two distances, mm: the nearest of every neighbourhood. Puts them
-/// before the known ones and returns true if they tell why the pieces are not clear: the surfaces do not meet, and come nearer
-/// than the lesser distance.
+/// Finds the contacts of two pieces, the nearest of every neighbourhood. If they tell why the pieces are not clear (the
+/// surfaces come too near without meeting, and neither piece is in the other), puts them before the known ones and returns
+/// true; otherwise leaves the known ones as they are.
 pub(crate) fn find_contacts(
     prepared: &PreparedInstance,
     first: &PlacedItem,
     second: &PlacedItem,
-    (wanted_mm, limit_mm): (f64, f64),
     touches: &mut Vec<ExactContact>,
 ) -> bool {
+    let wanted_mm = prepared.wanted_distance_mm(first, second);
     let (shape1, shape2) = (&prepared.prepared_item(first.item).shape, &prepared.prepared_item(second.item).shape);
     let pose12 = first.pose.relative_pose_of(&second.pose);
     let pose21 = pose12.inverse();
     let cell_mm = 0.3 * shape1.radius_mm.min(shape2.radius_mm);
     let mut found: Vec<(glam::IVec3, f64, ExactContact)> = Vec::new();
-    let meet = shape1.tree.visit_contacts(&shape2.tree, &pose12, (0.5 * cell_mm, limit_mm), &mut |contact| {
+    shape1.tree.visit_contacts(&shape2.tree, &pose12, (0.5 * cell_mm, wanted_mm + CONTACT_LIMIT_MM), &mut |contact| {
         let distance = contact.distance_mm();
         let cell = (contact.point1 / cell_mm).floor().as_ivec3();
         let direction = pose21.transform_direction(contact.point1 - contact.point2) / distance;
@@ -127,10 +129,11 @@ pub(crate) fn find_contacts(
             None => found.push((cell, distance, touch)),
         }
     });
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    if meet || found.first().is_none_or(|nearest| nearest.1 >= wanted_mm) {
+    let is_too_near = found.iter().any(|known| known.1 < wanted_mm);
+    if !is_too_near || prepared.encloses(first, second) || prepared.encloses(second, first) {
         return false;
     }
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
     touches.splice(0..0, found.into_iter().map(|(_, _, touch)| touch));
     touches.truncate(MAX_CONTACTS);
     true
@@ -143,30 +146,37 @@ mod tests {
     use super::*;
     use crate::{
         BuildVolume, NestingInstance, NestingItem,
-        testing::{block, coarsely_prepared, hollow},
+        testing::{block, cells, coarsely_prepared, hollow},
     };
 
     #[test]
     fn contacts_are_kept_only_where_they_tell_why_two_parts_are_not_clear() {
+        // A hook whose long leg comes near where its short one cuts.
+        let hook = cells(10.0, [[0, 0, 0], [0, 0, 1], [0, 0, 2], [1, 0, 0]]);
         let items = vec![
-            NestingItem::new("shell", hollow(40.0, 2.0), 1),
+            NestingItem::new("shell", hollow(60.0, 2.0), 1),
             NestingItem::new("cube", block(DVec3::splat(10.0)), 1),
+            NestingItem::new("hook", hook, 1),
         ];
-        let volume = BuildVolume { size_mm: DVec3::splat(100.0) };
+        let volume = BuildVolume { size_mm: DVec3::splat(300.0) };
         let instance = NestingInstance::new(volume, 1.0, items).expect("fits");
         let prepared = coarsely_prepared(&instance);
-        let shell = prepared.place_item((0, 0), DQuat::IDENTITY, DVec3::splat(50.0));
-        for (x, is_explained, why) in [
-            (75.5, true, "half a millimetre apart"),
-            (76.05, false, "far enough apart"),
-            (72.0, false, "one cuts the other"),
-            (50.0, false, "one is in the other, far from its walls"),
-            (90.0, false, "far apart"),
+        let shell = prepared.place_item((0, 0), DQuat::IDENTITY, DVec3::splat(100.0));
+        for (item, x, is_explained, why) in [
+            (1, 135.5, true, "half a millimetre apart"),
+            (1, 136.05, false, "far enough apart"),
+            (1, 170.0, false, "far apart"),
+            (1, 132.0, false, "one cuts the other"),
+            (1, 100.0, false, "one is in the other, far from its walls"),
+            (1, 122.5, false, "one is in the other, near its wall"),
+            (2, 69.5, false, "one cuts the other, and is near it elsewhere"),
         ] {
-            let cube = prepared.place_item((1, 0), DQuat::IDENTITY, DVec3::new(x, 50.0, 50.0));
-            let mut touches = Vec::new();
-            let explained = find_contacts(&prepared, &shell, &cube, (1.0, 1.1), &mut touches);
-            assert_eq!((explained, !touches.is_empty()), (is_explained, is_explained), "{why}");
+            let piece = prepared.place_item((item, 0), DQuat::IDENTITY, DVec3::new(x, 100.0, 100.0));
+            let known = ExactContact { arm1: Vec3::X, arm2: Vec3::ZERO, direction2: Vec3::X };
+            let mut touches = vec![known];
+            assert_eq!(find_contacts(&prepared, &shell, &piece, &mut touches), is_explained, "{why}");
+            let place = touches.iter().position(|touch| touch.arm1 == Vec3::X).expect("it stays");
+            assert_eq!((place > 0, place + 1), (is_explained, touches.len()), "{why}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where a room is full: a grid in which a relocation looks up thousands of places of a part before any overlap is worked out.
+//! Where a room is full: a grid in which a relocation looks up many places of a part before any overlap is worked out.
 
 use glam::{Vec3, Vec4};
 
@@ -141,25 +141,28 @@ mod tests {
     #[test]
     fn the_mean_depth_is_that_of_the_cells_of_all_points() {
         let size_mm = DVec3::new(60.0, 50.0, 80.0);
-        let items = vec![NestingItem::new("box", hollow(30.0, 2.0), 2)];
+        let items = vec![NestingItem::new("box", hollow(30.0, 2.0), 1)];
         let instance = NestingInstance::new(BuildVolume { size_mm }, 1.0, items).expect("fits");
         let prepared = coarsely_prepared(&instance);
-        let pieces = [0, 1].map(|copy| prepared.place_item((0, copy), DQuat::IDENTITY, 0.5 * size_mm));
-        let layout = WorkingLayout::new(&prepared, &pieces, size_mm.z);
+        let piece = prepared.place_item((0, 0), DQuat::IDENTITY, 0.5 * size_mm);
+        let layout = WorkingLayout::new(&prepared, &[piece], size_mm.z);
         let mut grid = OverlapDepthGrid::new(&layout);
-        grid.update_parts(&layout, 1);
-        let mut proxy = layout.proxies[1].clone();
-        // In the other part, half in it, at a corner of the room and partly out of it.
-        for (x, is_deep) in [(30.0, true), (45.0, true), (60.0, false)] {
-            proxy.set_pose(DQuat::from_rotation_y(0.3), DVec3::new(x, x.min(50.0), 40.0 + 2.0 * (x - 30.0)));
+        // Every cell has a depth of its own, so that a wrong one shows.
+        grid.depths.iter_mut().zip(1..).for_each(|(depth, own)| *depth = own);
+        let mut proxy = layout.proxies[0].clone();
+        for place in [DVec3::new(30.0, 25.0, 40.0), DVec3::new(58.0, 45.0, 78.0), DVec3::new(3.0, 4.0, 2.0)] {
+            proxy.set_pose(DQuat::from_rotation_y(0.3), place);
             let points = proxy.shape.coarse_points.points();
+            assert_ne!(points.len() % BLOCK_POINTS, 0, "the last block is not full");
             let depth = |&point: &Vec3| {
-                let place = (proxy.rotation * point + proxy.center) / grid.pitch;
+                let place = (proxy.rotation * point + proxy.center) * (1.0 / grid.pitch);
                 let [x, y, z] = [0, 1, 2].map(|axis| (place[axis].max(0.0) as usize).min(grid.cells[axis] - 1));
                 f64::from(grid.depths[(z * grid.cells[1] + y) * grid.cells[0] + x])
             };
             let mean = points.iter().map(depth).sum::<f64>() / points.len() as f64;
-            assert_eq!((grid.mean_depth(&proxy, f64::INFINITY), mean > 0.0), (mean, is_deep));
+            assert_eq!(grid.mean_depth(&proxy, f64::INFINITY), mean);
+            let enough = grid.mean_depth(&proxy, 0.5 * mean);
+            assert!((0.5 * mean..mean).contains(&enough), "{enough} of {mean}");
         }
     }
 }

@@ -168,9 +168,14 @@ impl PreparedInstance {
         room.contains_bounds(&piece.bounds, WALL_SPARE_MM - 1e-7)
     }
 
+    /// The distance at which the search counts two pieces as clear, mm.
+    pub(crate) fn wanted_distance_mm(&self, one: &PlacedItem, other: &PlacedItem) -> f64 {
+        self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
+    }
+
     /// Whether two pieces keep their clearance and neither is inside the other. Exact.
     pub(crate) fn is_clear(&self, one: &PlacedItem, other: &PlacedItem) -> bool {
-        self.keeps_distance(one, other, self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM)
+        self.keeps_distance(one, other, self.wanted_distance_mm(one, other))
     }
 
     /// The same for pieces that were found clear before, with a tolerance for rounding in a file or a ledger.
@@ -195,13 +200,14 @@ impl PreparedInstance {
             }
             false => tree1.is_closer_than(tree2, &pose12, distance_mm),
         };
-        if is_near {
-            return false;
-        }
-        let encloses = one.bounds.contains_bounds(&other.bounds, 0.0) && tree1.contains_part(tree2, &pose12);
-        let is_enclosed =
-            other.bounds.contains_bounds(&one.bounds, 0.0) && tree2.contains_part(tree1, &pose12.inverse());
-        !encloses && !is_enclosed
+        !is_near && !self.encloses(one, other) && !self.encloses(other, one)
+    }
+
+    /// Whether a piece, whose surface does not meet that of another one, is inside of it or of a sealed cavity of it.
+    pub(crate) fn encloses(&self, outer: &PlacedItem, inner: &PlacedItem) -> bool {
+        let tree = |piece: &PlacedItem| &self.prepared_item(piece.item).shape.tree;
+        outer.bounds.contains_bounds(&inner.bounds, 0.0)
+            && tree(outer).contains_part(tree(inner), &outer.pose.relative_pose_of(&inner.pose))
     }
 }
 

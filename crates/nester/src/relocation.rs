@@ -235,6 +235,7 @@ fn propose_poses(
 #[cfg(test)]
 mod tests {
     use super::*;
+
     #[test]
     fn of_each_place_only_the_best_pose_is_kept() {
         let pose = |x: f64, angle: f64| CenterPose { rotation: DQuat::from_rotation_z(angle), center: DVec3::X * x };

@@ -135,8 +135,8 @@ impl<'a> TreePairWalk<'a> {
     /// comes nearer to the second surface than the root of `limit_sq` (mm2) without meeting it, with the nearest triangle
     /// of the patch and of the second surface, both in the first mesh's frame. A leaf that is larger than a patch is
     /// compared with the patches of the second surface one by one: its large triangles may be near in several places.
-    /// Returns whether the surfaces meet somewhere.
-    pub fn visit_near_patches(&self, patch_mm: f32, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) -> bool {
+    /// Where the surfaces meet, it calls nothing.
+    pub fn visit_near_patches(&self, patch_mm: f32, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
         let reach_sq = rounded_up(limit_sq);
         let patch_sq = 0.25 * patch_mm * patch_mm;
         let mut patches: Vec<NearPatch> = Vec::new();
@@ -153,17 +153,16 @@ impl<'a> TreePairWalk<'a> {
                     patches.len() - 1
                 });
                 self.search_patch(&mut patches[known], &node1, &node2);
+                if patches[known].best_sq <= MEET_MM * MEET_MM {
+                    return;
+                }
             } else if node1.opens_before(&node2) {
                 open.extend(self.children1(&node1).map(|child| (child, node2)));
             } else {
                 open.extend(self.children2(&node2).map(|child| (node1, child)));
             }
         }
-        let apart = |patch: &&NearPatch| patch.best_sq > MEET_MM * MEET_MM;
-        for (one, two) in patches.iter().filter(apart).filter_map(|patch| patch.nearest.as_ref()) {
-            each(one, two);
-        }
-        !patches.iter().all(|patch| apart(&patch))
+        patches.iter().filter_map(|patch| patch.nearest.as_ref()).for_each(|(one, two)| each(one, two));
     }
 
     /// Looks in a part of the second surface for a triangle nearer to the patch than the known one.

@@ -3,13 +3,10 @@
 use super::{
     super::{
         exact_contacts,
-        prepared_instance::{CLEARANCE_SPARE_MM, PlacedItem, raised_bounds},
+        prepared_instance::{PlacedItem, raised_bounds},
     },
     CenterPose, MAX_MARGIN_MM, WorkingLayout,
 };
-
-/// For a pair that fails the exact test, contacts are collected up to this distance beyond the clearance, mm.
-const CONTACT_LIMIT_MM: f64 = 0.1;
 
 impl WorkingLayout<'_> {
     /// Returns the pieces if each of them is exactly inside and clear of all others. Otherwise increases the margins
@@ -48,7 +45,7 @@ impl WorkingLayout<'_> {
         let prepared = self.prepared;
         let mut clear = true;
         for (one, other) in self.nearby_pairs() {
-            let wanted = prepared.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
+            let wanted = prepared.wanted_distance_mm(&pieces[one], &pieces[other]);
             let near = raised_bounds(&pieces[one].bounds, prepared.z_extra_mm);
             if near.distance(&raised_bounds(&pieces[other].bounds, prepared.z_extra_mm)) >= wanted {
                 continue;
@@ -69,8 +66,7 @@ impl WorkingLayout<'_> {
                 continue;
             }
             clear = false;
-            let limits_mm = (wanted, wanted + CONTACT_LIMIT_MM);
-            if !exact_contacts::find_contacts(prepared, &pieces[one], &pieces[other], limits_mm, &mut record.contacts) {
+            if !exact_contacts::find_contacts(prepared, &pieces[one], &pieces[other], &mut record.contacts) {
                 record.margin = (record.margin + 0.4).min(MAX_MARGIN_MM);
             }
         }

@@ -9,11 +9,12 @@ use super::{
     interlock_check::split_separable,
     layers::FilledLayers,
     lowest_layers::LowestLayers,
+    occupancy_grid::OccupancyGrid,
+    part_raster::PartRaster,
     prepared_instance::{PlacedItem, PreparedInstance, item_layer_areas, raised_bounds},
     proximity_grid::ProximityGrid,
     recipe::PlacementRecipe,
     skyline::SkylineGrid,
-    voxels::{OccupancyGrid, PartRaster},
 };
 
 /// Voxels by which a part is grown beyond half its clearance. Less growth wastes less space, but fails the exact test
@@ -207,13 +208,10 @@ impl<'t> LayoutBuilder<'t> {
         let rasters = self.rasters.entry(copy.0).or_insert_with(|| {
             let turns = rotations_to_try(prepared.outlined.outlined_item(copy.0), prepared.room, self.max_rotations);
             let shape = &prepared.prepared_item(copy.0).shape;
+            let (clearance_mm, fineness) = (prepared.max_clearance_mm, (pitch, GROWTH_VOXELS, lift));
             turns
                 .into_iter()
-                .map(|turn| {
-                    let fineness = (pitch, GROWTH_VOXELS);
-                    PartRaster::new(shape, turn, prepared.max_clearance_mm, fineness, &mut self.steps)
-                        .extended_upwards(lift)
-                })
+                .map(|turn| PartRaster::new(shape, turn, clearance_mm, fineness, &mut self.steps))
                 .collect()
         });
         let mut floors =

@@ -35,6 +35,7 @@ mod look_alikes;
 mod lowest_layers;
 mod nester;
 mod nesting_run;
+mod occupancy_grid;
 mod orientation;
 mod orientation_rule;
 mod outline;
@@ -42,6 +43,7 @@ mod overlap_depth_grid;
 mod pair_records;
 #[cfg(feature = "paper")]
 mod paper;
+mod part_raster;
 mod placement;
 mod point_block;
 mod pollination;
@@ -73,7 +75,6 @@ mod tie_break;
 mod tilt;
 mod tournament;
 mod truncate_queue;
-mod voxels;
 mod working_layout;
 
 pub use build_volume::{BuildVolume, VolumeMargins};

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
     NestingConfig, NestingInstance, OrientationRule, PreparedMeshes, SearchBudget,
+    first_layouts::finer_voxels,
+    interlock_check::split_separable,
     layout_builder::LayoutBuilder,
-    nester::finer_voxels,
     nester_tests::{asked, item},
     nesting_run::NestingRun,
     prepared_instance::height_mm,
@@ -28,8 +30,7 @@ fn finer_voxels_leave_less_air_between_parts() {
     with_run(&instance, &SearchBudget::until_cancelled(), |run| {
         let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
         let height = |mut builder: LayoutBuilder<'_>| {
-            let built =
-                builder.build_separable(&PlacementRecipe::FIRST[0], &task.copies, &[], f64::INFINITY, |_| false);
+            let built = builder.build_separable(&PlacementRecipe::FIRST[0], &task.copies, &[], &mut |_| false);
             let pieces = built.expect("nothing ends it");
             assert_eq!(pieces.len(), 3);
             height_mm(&pieces)
@@ -63,10 +64,31 @@ fn first_layouts_keep_to_their_share_of_the_budget() {
     };
     // With a budget that is used up by it, only the very first one is built.
     let first = made_of(1);
-    assert_eq!(made_of(15 * first), first, "nothing more fits into a tenth");
-    for evaluations in [40 * first, 100 * first] {
+    assert_eq!(made_of(10 * first), first, "nothing more fits into a tenth");
+    for evaluations in [15 * first, 40 * first, 100 * first] {
         let made = made_of(evaluations);
         // A layout that is under way ends after the part at which the share is used up.
         assert!(made > first && made as f64 <= 0.1 * evaluations as f64 + 0.3 * first as f64, "{made} {first}");
     }
+}
+
+#[test]
+fn a_recipe_that_keeps_parts_removable_locks_none() {
+    let cages = sample_parts::workload_parts(sample_parts::SampleWorkload::Cages);
+    let items = cages.into_iter().map(|(mesh, _)| item(Arc::new(mesh), 1, OrientationRule::Free)).collect();
+    let instance = asked(DVec3::new(120.0, 120.0, 600.0), 3.0, items);
+    with_run(&instance, &SearchBudget::until_cancelled(), |run| {
+        let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
+        assert!(task.must_be_separable);
+        let locked = |keeps_removable: bool| {
+            let recipe = PlacementRecipe::FIRST[0].keeping_removable(keeps_removable);
+            let order = recipe.sort_copies(&task.outlined, &task.copies, &mut ChaCha8Rng::seed_from_u64(1));
+            let built = LayoutBuilder::new(&task).build_once(&recipe, &order, &[], f64::INFINITY, &mut |_| false);
+            let pieces = built.expect("nothing ends it");
+            assert_eq!(pieces.len(), task.copies.len());
+            split_separable(&task, pieces).1.len()
+        };
+        assert!(locked(false) > 0);
+        assert_eq!(locked(true), 0);
+    });
 }

@@ -127,39 +127,63 @@ impl<'t> LayoutBuilder<'t> {
     }
 
     /// Places copies in the given order around the pieces already placed; copies that do not fit are left out. Returns
-    /// `None` early when the layout reaches the height `worst_mm` or when `enough` returns true. If interlocking is
-    /// forbidden, locked parts are placed elsewhere at the end.
+    /// `None` early when `enough` returns true. If interlocking is forbidden, locked parts are placed elsewhere at the end.
     pub(crate) fn build_separable(
         &mut self,
         recipe: &PlacementRecipe,
         order: &[(usize, u32)],
         standing: &[PlacedItem],
-        worst_mm: f64,
-        mut enough: impl FnMut(u64) -> bool,
+        enough: &mut dyn FnMut(u64) -> bool,
     ) -> Option<Vec<PlacedItem>> {
-        self.must_be_removable = false;
-        let built = self.build_once(recipe, order, standing, worst_mm, &mut enough);
-        self.must_be_removable = self.prepared.must_be_separable;
-        if !self.prepared.must_be_separable {
-            return built;
-        }
-        let (kept, dropped) = split_separable(self.prepared, built?);
-        if dropped.is_empty() {
-            return Some(kept);
-        }
-        let again: BTreeSet<(usize, u32)> = dropped.iter().map(|p| (p.item, p.copy)).collect();
-        let again: Vec<(usize, u32)> = order.iter().copied().filter(|copy| again.contains(copy)).collect();
-        self.build_once(recipe, &again, &kept, f64::INFINITY, &mut enough)
+        let built = self.build_once(recipe, order, standing, f64::INFINITY, enough)?;
+        self.make_separable(recipe, order, built, enough)
     }
 
-    /// Places copies in order, once, around the pieces already placed.
-    fn build_once(
+    /// Places copies in the given order around the pieces already placed; copies that do not fit are left out, and parts
+    /// may be locked. Returns `None` early when the layout reaches the height `worst_mm` or when `enough` returns true.
+    pub(crate) fn build_once(
         &mut self,
         recipe: &PlacementRecipe,
         order: &[(usize, u32)],
         standing: &[PlacedItem],
         worst_mm: f64,
-        enough: &mut impl FnMut(u64) -> bool,
+        enough: &mut dyn FnMut(u64) -> bool,
+    ) -> Option<Vec<PlacedItem>> {
+        self.must_be_removable = self.prepared.must_be_separable && recipe.keeps_removable;
+        let built = self.place_copies(recipe, order, standing, worst_mm, enough);
+        self.must_be_removable = self.prepared.must_be_separable;
+        built
+    }
+
+    /// If interlocking is forbidden, takes out the parts that are locked and places them elsewhere; those for which there
+    /// is no place are left out. Returns `None` when `enough` returns true.
+    pub(crate) fn make_separable(
+        &mut self,
+        recipe: &PlacementRecipe,
+        order: &[(usize, u32)],
+        pieces: Vec<PlacedItem>,
+        enough: &mut dyn FnMut(u64) -> bool,
+    ) -> Option<Vec<PlacedItem>> {
+        if !self.prepared.must_be_separable {
+            return Some(pieces);
+        }
+        let (kept, dropped) = split_separable(self.prepared, pieces);
+        if dropped.is_empty() {
+            return Some(kept);
+        }
+        let again: BTreeSet<(usize, u32)> = dropped.iter().map(|p| (p.item, p.copy)).collect();
+        let again: Vec<(usize, u32)> = order.iter().copied().filter(|copy| again.contains(copy)).collect();
+        self.place_copies(recipe, &again, &kept, f64::INFINITY, enough)
+    }
+
+    /// Places copies in order around the pieces already placed.
+    fn place_copies(
+        &mut self,
+        recipe: &PlacementRecipe,
+        order: &[(usize, u32)],
+        standing: &[PlacedItem],
+        worst_mm: f64,
+        enough: &mut dyn FnMut(u64) -> bool,
     ) -> Option<Vec<PlacedItem>> {
         let mut stack = self.start_layout(standing);
         for &copy in order {

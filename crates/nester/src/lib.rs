@@ -13,6 +13,7 @@ mod config;
 mod disassembly;
 mod distance_field;
 mod exact_contacts;
+mod first_layouts;
 mod first_rotations;
 mod fit_check;
 mod height_bound;

@@ -8,21 +8,19 @@ use super::{
     DescentPace, ItemPlacement, LaneTask, NestingConfig, NestingInstance, NestingMethod, NestingSolution,
     PreparedMeshes, ProgressListener, StopCondition,
     box_stacker::BoxStacker,
-    insert::{are_few, missing_copies},
+    insert::missing_copies,
     interlock_check::split_separable,
     layout_builder::LayoutBuilder,
     nesting_run::{COARSE_NODES, COARSE_POINTS, NestingRun},
     outline::OutlinedInstance,
     precedence::InsertionEffort,
-    prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
+    prepared_instance::{PreparedInstance, solution_from_items},
     recipe::PlacementRecipe,
     retained::retained_items,
     tie_break::{is_better_layout, pack_toward_origin},
-    truncate_queue::exceeds_capacity,
 };
 #[cfg(feature = "paper")]
 use crate::paper::nest_paper;
-use crate::pollination::{FlowerPollination, PollinationSettings};
 
 /// Nests an instance. `start` is an earlier layout to continue from, of the same instance or of a part of it; missing
 /// copies are inserted. The returned layout is always valid: every placement is inside the volume and keeps its
@@ -78,20 +76,10 @@ pub fn nest_with_cache(
     }
 }
 
-/// Share of the budget for the first layouts, after the very first one,
-const START_SHARE: f64 = 0.1;
-/// and the share that recipes may use. The rest is for the best recipe in finer voxels.
-const RECIPE_SHARE: f64 = 0.04;
-/// How much finer these voxels are, at least and at most.
-const FINER_VOXELS: (f64, f64) = (1.15, 2.0);
-/// The power of the fineness with which the cost of a first layout grows: 2.3 measured, and a margin.
-const FINENESS_COST: f64 = 2.5;
 /// Share of the budget for improving the tie-break criteria after the height search.
 const TIE_BREAK_SHARE: f64 = 0.02;
 /// Share of the budget after which a search that cannot place all copies only decides which of them are in.
 const PRECEDENCE_FROM: f64 = 0.85;
-/// Number of first layouts that are kept as starting points.
-const MAX_FIRST_LAYOUTS: usize = 8;
 /// From this number of copies on, boxes are stacked in one order only.
 const MANY_COPIES: usize = 300;
 /// Approximate number of nodes of all distance grids together, at two bytes each.
@@ -102,35 +90,6 @@ const FINER_NODES: [usize; 6] = [60_000, 75_000, 100_000, 150_000, 200_000, 300_
 const FINER_SHARE: f64 = 0.12;
 /// Number of meshes refined between two checks of the budget.
 const FINER_BATCH: usize = 8;
-
-/// The order that gave the lowest first layout so far.
-struct BuiltOrder {
-    recipe: PlacementRecipe,
-    order: Vec<(usize, u32)>,
-    height_mm: f64,
-}
-
-impl BuiltOrder {
-    /// Keeps the recipe and the order of a layout of all copies if it is lower than the best before.
-    fn keep_lower(
-        best: &mut Option<Self>,
-        task: &PreparedInstance,
-        (recipe, order): (PlacementRecipe, Vec<(usize, u32)>),
-        pieces: &[PlacedItem],
-    ) {
-        let height_mm = height_mm(pieces);
-        if pieces.len() == task.copies.len() && best.as_ref().is_none_or(|best| height_mm < best.height_mm) {
-            *best = Some(Self { recipe, order, height_mm });
-        }
-    }
-}
-
-/// How much finer voxels may be for a first layout within the share `left` of the budget, when one in the usual voxels takes
-/// the share `cost`; `None` when that is too little to be worth a layout.
-pub(super) fn finer_voxels(left: f64, cost: f64) -> Option<f64> {
-    let factor = (left.max(0.0) / cost.max(1e-9)).powf(1.0 / FINENESS_COST);
-    (factor >= FINER_VOXELS.0).then_some(factor.min(FINER_VOXELS.1))
-}
 
 impl NestingRun<'_> {
     fn run(mut self, start: &[ItemPlacement]) -> NestingSolution {
@@ -246,106 +205,6 @@ impl NestingRun<'_> {
         task
     }
 
-    /// Offers a first layout, and keeps it as a starting point unless a first layout of the same height exists.
-    pub(super) fn offer_first_layout(&mut self, pieces: Vec<PlacedItem>) {
-        let height = height_mm(&pieces);
-        if self.first_layouts.iter().all(|known| height_mm(known) != height) {
-            let at = self.first_layouts.partition_point(|known| height_mm(known) <= height);
-            self.first_layouts.insert(at, pieces.clone());
-            self.first_layouts.truncate(MAX_FIRST_LAYOUTS);
-        }
-        self.offer_layout(pieces);
-    }
-
-    /// Builds the first layouts: retained placements, stacked boxes, and voxel placement with several recipes.
-    pub(super) fn build_first_layouts(&mut self, task: &PreparedInstance, start: &[ItemPlacement]) {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let standing = retained_items(task, self.instance, start);
-        let missing = missing_copies(task, &standing);
-        if !standing.is_empty() {
-            self.offer_layout(BoxStacker::new(&task.outlined).stack_copies(&standing, &missing));
-        }
-        if missing.is_empty() {
-            return;
-        }
-        if are_few(&missing, &standing) {
-            self.insert_missing(task, &standing, &missing);
-            if self.best_items.len() == standing.len() + missing.len() {
-                return;
-            }
-        }
-        if exceeds_capacity(self.instance, &missing) {
-            return self.place_by_precedence(task, &mut LayoutBuilder::new(task), &standing, &missing);
-        }
-        let mut builder = LayoutBuilder::new(task);
-        let begun = self.stop.spent_share_at(self.evaluations);
-        let (mut cost, mut best) = (0.0, None);
-        for (at, recipe) in PlacementRecipe::FIRST.iter().enumerate() {
-            let order = recipe.sort_copies(&task.outlined, &missing, &mut rng);
-            let limit = if at == 0 { 1.0 } else { START_SHARE };
-            if let Some(pieces) = self.build_layout(&mut builder, recipe, &order, &standing, limit) {
-                BuiltOrder::keep_lower(&mut best, task, (*recipe, order), &pieces);
-                self.offer_first_layout(pieces);
-            }
-            if at == 0 {
-                cost = self.stop.spent_share_at(self.evaluations) - begun;
-            }
-            if self.stop.spent_share_at(self.evaluations) + cost > RECIPE_SHARE {
-                break;
-            }
-        }
-        self.vary_recipes(task, &mut builder, &standing, &missing, (&mut best, cost));
-        self.build_finer(task, &standing, best, cost);
-        if self.best_items.len() < task.copies.len() {
-            self.place_by_precedence(task, &mut builder, &standing, &missing);
-        }
-    }
-
-    /// Tries more recipes, chosen by flower pollination: order, weight of the part's height, direction of the pull,
-    /// and random variation.
-    fn vary_recipes(
-        &mut self,
-        task: &PreparedInstance,
-        builder: &mut LayoutBuilder<'_>,
-        standing: &[PlacedItem],
-        missing: &[(usize, u32)],
-        (best, cost): (&mut Option<BuiltOrder>, f64),
-    ) {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let setup = PollinationSettings {
-            population: 8,
-            even: !self.config.components.flowers_in_start,
-            ..PollinationSettings::default()
-        };
-        let mut flowers: FlowerPollination<f64> =
-            FlowerPollination::new(setup, PlacementRecipe::gene_ranges(), self.config.seed);
-        for _ in 0..24 {
-            if self.stop.spent_share_at(self.evaluations) + cost > RECIPE_SHARE {
-                return;
-            }
-            let recipe = PlacementRecipe::from_genes(flowers.ask());
-            let order = recipe.sort_copies(&task.outlined, missing, &mut rng);
-            let built = self.build_layout(builder, &recipe, &order, standing, START_SHARE);
-            let whole = built.filter(|pieces| pieces.len() == task.copies.len());
-            flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
-            if let Some(pieces) = whole {
-                BuiltOrder::keep_lower(best, task, (recipe, order), &pieces);
-                self.offer_first_layout(pieces);
-            }
-        }
-    }
-
-    /// Builds the best order once more, in voxels as fine as what is left of [`START_SHARE`] allows; a layout in the usual
-    /// ones took the share `cost`.
-    fn build_finer(&mut self, task: &PreparedInstance, standing: &[PlacedItem], best: Option<BuiltOrder>, cost: f64) {
-        let left = START_SHARE - self.stop.spent_share_at(self.evaluations);
-        let (Some(BuiltOrder { recipe, order, .. }), Some(factor)) = (best, finer_voxels(left, cost)) else { return };
-        let mut builder = LayoutBuilder::finer_by(task, factor);
-        if let Some(pieces) = self.build_layout(&mut builder, &recipe, &order, standing, START_SHARE) {
-            self.offer_first_layout(pieces);
-        }
-    }
-
     /// Improves the criteria that count after the height: a denser packed box, a position nearer to the origin, more
     /// even layers.
     fn improve_tie_breaks(&mut self, task: &PreparedInstance) {
@@ -369,7 +228,11 @@ impl NestingRun<'_> {
         let standing = self.best_items.clone();
         let missing = missing_copies(task, &standing);
         let mut builder = LayoutBuilder::new(task);
-        if let Some(pieces) = self.build_layout(&mut builder, &PlacementRecipe::FIRST[0], &missing, &standing, 0.9) {
+        let recipe = &PlacementRecipe::FIRST[0];
+        let built = self.run_builder(&mut builder, 0.9, |builder, enough| {
+            builder.build_separable(recipe, &missing, &standing, enough)
+        });
+        if let Some(pieces) = built {
             self.offer_layout(pieces);
         }
     }

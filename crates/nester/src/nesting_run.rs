@@ -8,7 +8,6 @@ use super::{
     outline::OutlinedInstance,
     preparation::MeshPreparation,
     prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
-    recipe::PlacementRecipe,
 };
 
 /// Share of the budget after which no more meshes are prepared; boxes are stacked instead. It is more than the whole
@@ -91,21 +90,15 @@ impl<'a> NestingRun<'a> {
         }
     }
 
-    /// Runs the builder once. The run ends when the layout gets higher than the best complete layout or at a share of
-    /// the budget.
-    pub(super) fn build_layout(
+    /// Runs a builder, until a share of the budget at most, and counts its work. `build` is given what tells it to end.
+    pub(super) fn run_builder<'t, T>(
         &mut self,
-        builder: &mut LayoutBuilder<'_>,
-        recipe: &PlacementRecipe,
-        order: &[(usize, u32)],
-        standing: &[PlacedItem],
-        limit: f64,
-    ) -> Option<Vec<PlacedItem>> {
-        let whole = self.best_items.len() == standing.len() + order.len();
-        let worst_mm = if whole { MAX_HEIGHT_RATIO * height_mm(&self.best_items) } else { f64::INFINITY };
+        builder: &mut LayoutBuilder<'t>,
+        until: f64,
+        build: impl FnOnce(&mut LayoutBuilder<'t>, &mut dyn FnMut(u64) -> bool) -> T,
+    ) -> T {
         let (stop, before) = (self.stop, self.evaluations);
-        let enough = |steps| stop.spent_share_at(before + steps / STEPS_PER_EVALUATION) >= limit;
-        let built = builder.build_separable(recipe, order, standing, worst_mm, enough);
+        let built = build(builder, &mut |steps| stop.spent_share_at(before + steps / STEPS_PER_EVALUATION) >= until);
         self.count_steps(builder);
         built
     }

@@ -244,8 +244,7 @@ impl NestingRun<'_> {
             if stacked.len() == pieces.len() {
                 return Some(stacked);
             }
-            let is_over = |_: u64| stop.spent_share_at(0) >= 1.0;
-            let built = builder.build_separable(&recipe, &order, &pinned, f64::INFINITY, is_over);
+            let built = builder.build_separable(&recipe, &order, &pinned, &mut |_| stop.spent_share_at(0) >= 1.0);
             self.count_steps(builder);
             if let Some(built) = built.filter(|built| built.len() == pieces.len()) {
                 return Some(built);

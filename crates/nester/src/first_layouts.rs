@@ -1,8 +1,6 @@
 //! The first layouts: retained placements, stacked boxes, and voxel placement with recipes that flower pollination
 //! proposes. The descents begin from the lowest ones.
 
-use std::cmp::Reverse;
-
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
@@ -10,7 +8,7 @@ use super::{
     box_stacker::BoxStacker,
     insert::{are_few, missing_copies},
     layout_builder::LayoutBuilder,
-    nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
+    nesting_run::{MAX_HEIGHT_RATIO, NestingRun, rank},
     prepared_instance::{PlacedItem, PreparedInstance, height_mm},
     recipe::PlacementRecipe,
     retained::retained_items,
@@ -32,7 +30,10 @@ const FINER_VOXELS: (f64, f64) = (1.15, 2.0);
 const FINENESS_COST: f64 = 2.5;
 /// Number of orders that are built in finer voxels, and of these in still finer ones.
 const FINER_COUNTS: [usize; 2] = [4, 1];
-/// How much higher a layout gets when it is made separable, from which on recipes that keep parts removable are tried.
+/// Greatest ratio of the edges of still finer voxels to those before.
+const LEAST_REFINEMENT: f64 = 0.9;
+/// How much higher the first layout gets when it is made separable, from which on a recipe that keeps parts removable is
+/// tried.
 const INTERLOCKED_FROM: f64 = 1.03;
 /// Number of first layouts that are kept as starting points.
 const MAX_FIRST_LAYOUTS: usize = 8;
@@ -54,24 +55,22 @@ struct Drafting<'a> {
     rng: ChaCha8Rng,
     /// Share of the budget that the last draft took, without making it separable.
     cost: f64,
-    /// Whether a draft got much higher when it was made separable,
-    is_interlocked: bool,
-    /// and whether recipes keep parts removable for that.
+    /// Whether recipes keep parts removable.
     keeps_removable: bool,
-    /// All drafts, the best first.
+    /// The drafts of all copies, the lowest first.
     drafts: Vec<Draft>,
 }
 
 impl Draft {
-    /// The better draft is less: it places more copies, or is lower.
-    fn rank(&self) -> (Reverse<usize>, f64) {
-        (Reverse(self.pieces.len()), height_mm(&self.pieces))
+    fn height_mm(&self) -> f64 {
+        height_mm(&self.pieces)
     }
 }
 
 impl Drafting<'_> {
     fn keep(&mut self, draft: Draft) {
-        let at = self.drafts.partition_point(|known| known.rank() <= draft.rank());
+        let height_mm = draft.height_mm();
+        let at = self.drafts.partition_point(|known| known.height_mm() <= height_mm);
         self.drafts.insert(at, draft);
     }
 }
@@ -101,21 +100,19 @@ impl NestingRun<'_> {
             }
         }
         let mut builder = LayoutBuilder::new(task);
-        if !exceeds_capacity(self.instance, &missing) {
-            let rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-            let (is_interlocked, keeps_removable) = (false, false);
-            let mut drafting = Drafting {
-                task,
-                standing: &standing,
-                missing: &missing,
-                rng,
-                cost: 0.0,
-                is_interlocked,
-                keeps_removable,
-                drafts: Vec::new(),
-            };
-            self.draft_layouts(&mut drafting, &mut builder);
+        if exceeds_capacity(self.instance, &missing) {
+            return self.place_by_precedence(task, &mut builder, &standing, &missing);
         }
+        let mut drafting = Drafting {
+            task,
+            standing: &standing,
+            missing: &missing,
+            rng: ChaCha8Rng::seed_from_u64(self.config.seed),
+            cost: 0.0,
+            keeps_removable: false,
+            drafts: Vec::new(),
+        };
+        self.draft_layouts(&mut drafting, &mut builder);
         if self.best_items.len() < task.copies.len() {
             self.place_by_precedence(task, &mut builder, &standing, &missing);
         }
@@ -124,16 +121,19 @@ impl NestingRun<'_> {
     /// Builds layouts with several recipes, and the best of them in finer voxels; then offers the lowest ones.
     fn draft_layouts(&mut self, drafting: &mut Drafting<'_>, builder: &mut LayoutBuilder<'_>) {
         let recipe = PlacementRecipe::FIRST[0];
-        let first_mm = self.try_recipe(drafting, builder, recipe, 1.0);
-        let cost = drafting.cost;
-        if drafting.is_interlocked {
-            let careful_mm = self.try_recipe(drafting, builder, recipe.keeping_removable(true), START_SHARE);
-            drafting.keeps_removable = careful_mm < first_mm;
+        let raw_mm = self.try_recipe(drafting, builder, recipe, 1.0);
+        let (cost, first) = (drafting.cost, rank(&self.best_items));
+        if first.1 > INTERLOCKED_FROM * raw_mm {
+            self.try_recipe(drafting, builder, recipe.keeping_removable(true), START_SHARE);
+            drafting.keeps_removable = rank(&self.best_items) < first;
         }
         let from = self.spent_share();
+        if from >= START_SHARE {
+            return;
+        }
         let until = |share: f64| from + share * (START_SHARE - from);
         self.try_recipes(drafting, builder, until(RECIPES_UNTIL));
-        self.try_finer(drafting, cost, until(FINER_UNTIL));
+        self.try_finer(drafting, (cost, builder.pitch), until(FINER_UNTIL));
         for mut draft in std::mem::take(&mut drafting.drafts).into_iter().take(MAX_FIRST_LAYOUTS) {
             if self.spent_share() < START_SHARE && !draft.is_offered {
                 self.offer_draft(builder, &mut draft, START_SHARE);
@@ -157,10 +157,10 @@ impl NestingRun<'_> {
         self.try_order(drafting, builder, (recipe, order), until)
     }
 
-    /// Builds a layout and keeps it, unless the share `until` of the budget is used up first, or the layout gets much
-    /// higher than the best one. Offers it if it may be better than the best one: the others wait, because to make a
-    /// layout of hundreds of parts separable costs more than to build it. Returns its height in mm, infinite if there is
-    /// no layout of all copies.
+    /// Builds a layout, and keeps it if it contains all copies; unless the share `until` of the budget is used up first, or
+    /// the layout gets much higher than the best one. Offers it if it may be better than the best one: the others wait,
+    /// because to make a layout of hundreds of parts separable costs more than to build it. Returns its height in mm
+    /// before it was made separable, infinite if there is no layout of all copies.
     fn try_order(
         &mut self,
         drafting: &mut Drafting<'_>,
@@ -168,8 +168,8 @@ impl NestingRun<'_> {
         (recipe, order): (PlacementRecipe, Vec<(usize, u32)>),
         until: f64,
     ) -> f64 {
-        let begun = self.spent_share();
-        let whole = self.best_items.len() == drafting.task.copies.len();
+        let (begun, copies) = (self.spent_share(), drafting.task.copies.len());
+        let whole = self.best_items.len() == copies;
         let worst_mm = if whole { MAX_HEIGHT_RATIO * height_mm(&self.best_items) } else { f64::INFINITY };
         let built = self.run_builder(builder, until, |builder, enough| {
             builder.build_once(&recipe, &order, drafting.standing, worst_mm, enough)
@@ -177,15 +177,14 @@ impl NestingRun<'_> {
         drafting.cost = self.spent_share() - begun;
         let Some(pieces) = built else { return f64::INFINITY };
         let mut draft = Draft { recipe, order, pieces, is_offered: false };
-        if draft.rank() < (Reverse(self.best_items.len()), height_mm(&self.best_items)) {
-            let raw_mm = height_mm(&draft.pieces);
+        let raw_mm = if draft.pieces.len() == copies { draft.height_mm() } else { f64::INFINITY };
+        if rank(&draft.pieces) < rank(&self.best_items) || !drafting.task.must_be_separable {
             self.offer_draft(builder, &mut draft, until);
-            drafting.is_interlocked |= height_mm(&draft.pieces) > INTERLOCKED_FROM * raw_mm;
         }
-        let is_whole = draft.pieces.len() == drafting.task.copies.len();
-        let height_mm = if is_whole { height_mm(&draft.pieces) } else { f64::INFINITY };
-        drafting.keep(draft);
-        height_mm
+        if draft.pieces.len() == copies {
+            drafting.keep(draft);
+        }
+        raw_mm
     }
 
     /// Makes a draft separable and offers it.
@@ -211,7 +210,7 @@ impl NestingRun<'_> {
         self.offer_layout(pieces);
     }
 
-    /// Tries more recipes, some that are always tried and then what flower pollination proposes: order, weight of the
+    /// Tries more recipes, first some that are the same for all and then what flower pollination proposes: order, weight of the
     /// part's height, direction of the pull, and random variation.
     fn try_recipes(&mut self, drafting: &mut Drafting<'_>, builder: &mut LayoutBuilder<'_>, until: f64) {
         let setup = PollinationSettings {
@@ -226,19 +225,19 @@ impl NestingRun<'_> {
             if self.spent_share() + if at == 1 { 0.0 } else { drafting.cost } > until {
                 return;
             }
-            let always = PlacementRecipe::FIRST.get(at).copied();
-            let recipe = always.unwrap_or_else(|| PlacementRecipe::from_genes(flowers.ask()));
+            let known = PlacementRecipe::FIRST.get(at).copied();
+            let recipe = known.unwrap_or_else(|| PlacementRecipe::from_genes(flowers.ask()));
             let recipe = recipe.keeping_removable(drafting.keeps_removable);
-            let height_mm = self.try_recipe(drafting, builder, recipe, START_SHARE);
-            if always.is_none() {
-                flowers.tell(height_mm);
+            let raw_mm = self.try_recipe(drafting, builder, recipe, START_SHARE);
+            if known.is_none() {
+                flowers.tell(raw_mm);
             }
         }
     }
 
     /// Builds the orders of the best drafts once more in finer voxels, and the best of these in still finer ones. A layout in
-    /// the usual ones took the share `cost`.
-    fn try_finer(&mut self, drafting: &mut Drafting<'_>, cost: f64, until: f64) {
+    /// voxels of edge `pitch` took the share `cost`.
+    fn try_finer(&mut self, drafting: &mut Drafting<'_>, (cost, mut pitch): (f64, f64), until: f64) {
         let orders = |drafting: &Drafting<'_>| -> Vec<_> {
             drafting.drafts.iter().map(|draft| (draft.recipe, draft.order.clone())).collect()
         };
@@ -248,6 +247,10 @@ impl NestingRun<'_> {
             let left = (until - self.spent_share()) / (FINER_COUNTS.len() - level) as f64;
             let Some(factor) = finer_voxels(left / best.len().max(1) as f64, cost) else { continue };
             let mut builder = LayoutBuilder::finer_by(drafting.task, factor);
+            if best.is_empty() || builder.pitch > LEAST_REFINEMENT * pitch {
+                break;
+            }
+            pitch = builder.pitch;
             let before = std::mem::take(&mut drafting.drafts);
             for order in best {
                 self.try_order(drafting, &mut builder, order, START_SHARE);

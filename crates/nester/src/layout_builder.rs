@@ -35,7 +35,8 @@ const MAX_LAYER_RAISES: usize = 64;
 pub(crate) struct LayoutBuilder<'t> {
     prepared: &'t PreparedInstance,
     boxes: BoxStacker<'t>,
-    pitch: f64,
+    /// Edge of a voxel, mm.
+    pub(crate) pitch: f64,
     max_rotations: usize,
     rasters: BTreeMap<usize, Vec<PartRaster>>,
     /// Whether a position counts only if the part can be removed from there again.

@@ -19,7 +19,7 @@ struct RasterLowestLayers {
     /// The layer after the last one inside the walls.
     end: usize,
     /// For every level of the raster, a layer for every block of positions, in rows along y. At all positions of a block
-    /// and at all layers below it, the part collides.
+    /// and at all layers below it, the part collides or is not wanted.
     levels: Vec<Vec<u16>>,
     /// The least value of every row of the greatest blocks.
     row_minima: Vec<u16>,
@@ -68,10 +68,10 @@ impl LowestLayers {
         for floor in &mut self.0 {
             for x in x.saturating_sub(reach)..(x + reach + 1).min(floor.extent[0]) {
                 for y in y.saturating_sub(reach)..(y + reach + 1).min(floor.extent[1]) {
-                    let index = floor.index(0, [x, y]);
-                    let layer = &mut floor.levels[0][index];
-                    if usize::from(*layer) >= low {
-                        *layer = (*layer).max((z + reach + 1) as u16);
+                    let layer = floor.lowest_layer([x, y]);
+                    if usize::from(layer) >= low {
+                        let index = floor.index(0, [x, y]);
+                        floor.levels[0][index] = layer.max((z + reach + 1) as u16);
                     }
                 }
             }
@@ -142,6 +142,12 @@ impl RasterLowestLayers {
         (x >> level) * self.extent[1].div_ceil(1 << level) + (y >> level)
     }
 
+    /// The layer below which all levels together exclude a position.
+    fn lowest_layer(&self, at: [usize; 2]) -> u16 {
+        let of_levels = self.levels.iter().enumerate().map(|(level, layers)| layers[self.index(level, at)]);
+        of_levels.max().unwrap_or(0)
+    }
+
     fn update_row_minimum(&mut self, row: usize) {
         let level = self.top_level();
         let count = self.extent[1].div_ceil(1 << level);
@@ -204,13 +210,13 @@ mod tests {
 
     use glam::{DQuat, DVec3};
     use proptest::prelude::*;
-    use solids::Pose;
+    use solids::{Bounds, Pose};
 
     use super::*;
     use crate::{
         OrientationRule,
         nester_tests::{asked, item},
-        testing::coarsely_prepared,
+        testing::{block, coarsely_prepared},
     };
 
     proptest! {
@@ -259,6 +265,29 @@ mod tests {
                     occupancy.fill_solid(shape, &pose, &shape.tree.bounds_at(&pose), 0.9, 0.5);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_position_that_locks_a_part_is_forbidden_with_those_around_it_in_ruled_out_blocks_too() {
+        let items = vec![item(block(DVec3::new(9.0, 9.0, 5.0)), 1, OrientationRule::Free)];
+        let prepared = coarsely_prepared(&asked(DVec3::new(60.0, 60.0, 60.0), 1.0, items));
+        let shape = &prepared.prepared_item(0).shape;
+        let rasters = [PartRaster::new(shape, DQuat::IDENTITY, 1.0, (1.0, 0.45, 0), &mut 0)];
+        let mut occupancy = OccupancyGrid::new(prepared.room, 1.0, 1.0, 0);
+        let recipe = PlacementRecipe::FIRST[0];
+        let full = Bounds { min: DVec3::ZERO, max: DVec3::new(60.0, 60.0, 20.0) };
+        let floor = block(full.size());
+        let solid = coarsely_prepared(&asked(DVec3::splat(80.0), 1.0, vec![item(floor, 1, OrientationRule::Free)]));
+        occupancy.fill_solid(&solid.prepared_item(0).shape, &Pose::IDENTITY, &full, 0.9, 0.5);
+        let mut floors = LowestLayers::new(&occupancy, &rasters);
+        let mut found: Vec<[usize; 3]> = Vec::new();
+        while found.len() < 6 {
+            let (_, at) = floors.lowest_scored_position(&recipe, &occupancy, &rasters, &mut 0).expect("there is room");
+            let is_near = |[x, y, _]: &[usize; 3]| x.abs_diff(at[0]) <= 5 && y.abs_diff(at[1]) <= 5;
+            assert!(at[2] > 15 && !found.iter().any(is_near), "{at:?} is near one of {found:?}");
+            floors.forbid_positions_around(at, 5);
+            found.push(at);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One run of our own search: its input, the best layout so far, and the evaluations made.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::{cmp::Reverse, collections::BTreeSet, sync::Arc};
 
 use super::{
     InterlockRule, NestingConfig, NestingInstance, PreparedMeshes, ProgressListener, StopCondition,
@@ -22,6 +22,11 @@ pub(super) const COARSE_NODES: usize = 30_000;
 pub(super) const COARSE_POINTS: usize = 400;
 /// Greatest ratio of a first layout's height to the lowest one at which it is kept.
 pub(super) const MAX_HEIGHT_RATIO: f64 = 1.15;
+
+/// The better layout is less: it places more copies, or is lower.
+pub(super) fn rank(pieces: &[PlacedItem]) -> (Reverse<usize>, f64) {
+    (Reverse(pieces.len()), height_mm(pieces))
+}
 
 /// One run of our own search.
 pub(super) struct NestingRun<'a> {
@@ -82,7 +87,6 @@ impl<'a> NestingRun<'a> {
 
     /// Accepts a layout if it places more copies or is lower, and reports it to the listener.
     pub(super) fn offer_layout(&mut self, pieces: Vec<PlacedItem>) {
-        let rank = |pieces: &[PlacedItem]| (std::cmp::Reverse(pieces.len()), height_mm(pieces));
         if !pieces.is_empty() && rank(&pieces) < rank(&self.best_items) {
             self.best_items = pieces;
             self.listener

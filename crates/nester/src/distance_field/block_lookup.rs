@@ -44,6 +44,15 @@ impl DistanceField {
         self.distances_in(&self.locate_cells(points))
     }
 
+    /// Signed distances of four points, and how fast they can change at most, in mm per mm: outside the grid, both the distance
+    /// to the grid and the one from there can.
+    #[inline(always)]
+    pub(crate) fn distances_and_rates(&self, points: &PointBlock) -> (Vec4, Vec4) {
+        let cells = self.locate_cells(points);
+        let is_outside = cells.x.off.cmpne(Vec4::ZERO) | cells.y.off.cmpne(Vec4::ZERO) | cells.z.off.cmpne(Vec4::ZERO);
+        (self.distances_in(&cells), Vec4::select(is_outside, Vec4::splat(2.0), Vec4::ONE))
+    }
+
     #[inline(always)]
     fn locate_cells(&self, points: &PointBlock) -> BlockCells {
         let axis = |at: Vec4, origin: f32, nodes: usize| {

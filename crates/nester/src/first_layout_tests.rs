@@ -73,22 +73,19 @@ fn first_layouts_keep_to_their_share_of_the_budget() {
 }
 
 #[test]
-fn a_recipe_that_keeps_parts_removable_locks_none() {
+fn a_draft_may_lock_parts_and_a_layout_made_of_it_may_not() {
     let cages = sample_parts::workload_parts(sample_parts::SampleWorkload::Cages);
     let items = cages.into_iter().map(|(mesh, _)| item(Arc::new(mesh), 1, OrientationRule::Free)).collect();
     let instance = asked(DVec3::new(120.0, 120.0, 600.0), 3.0, items);
     with_run(&instance, &SearchBudget::until_cancelled(), |run| {
         let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
         assert!(task.must_be_separable);
-        let locked = |keeps_removable: bool| {
-            let recipe = PlacementRecipe::FIRST[0].keeping_removable(keeps_removable);
-            let order = recipe.sort_copies(&task.outlined, &task.copies, &mut ChaCha8Rng::seed_from_u64(1));
-            let built = LayoutBuilder::new(&task).build_once(&recipe, &order, &[], f64::INFINITY, &mut |_| false);
-            let pieces = built.expect("nothing ends it");
-            assert_eq!(pieces.len(), task.copies.len());
-            split_separable(&task, pieces).1.len()
-        };
-        assert!(locked(false) > 0);
-        assert_eq!(locked(true), 0);
+        let recipe = PlacementRecipe::FIRST[0];
+        let order = recipe.sort_copies(&task.outlined, &task.copies, &mut ChaCha8Rng::seed_from_u64(1));
+        let mut builder = LayoutBuilder::new(&task);
+        let draft = builder.build_once(&recipe, &order, &[], f64::INFINITY, &mut |_| false).expect("nothing ends it");
+        assert!(!split_separable(&task, draft.clone()).1.is_empty());
+        let made = builder.make_separable(&recipe, &order, draft, &mut |_| false).expect("nothing ends it");
+        assert_eq!((made.len(), split_separable(&task, made).1.len()), (task.copies.len(), 0));
     });
 }

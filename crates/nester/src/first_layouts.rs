@@ -32,9 +32,6 @@ const FINENESS_COST: f64 = 2.5;
 const FINER_COUNTS: [usize; 2] = [4, 1];
 /// Greatest ratio of the edges of still finer voxels to those before.
 const LEAST_REFINEMENT: f64 = 0.9;
-/// How much higher the first layout gets when it is made separable, from which on a recipe that keeps parts removable is
-/// tried.
-const INTERLOCKED_FROM: f64 = 1.03;
 /// Number of first layouts that are kept as starting points.
 const MAX_FIRST_LAYOUTS: usize = 8;
 
@@ -55,8 +52,6 @@ struct Drafting<'a> {
     rng: ChaCha8Rng,
     /// Share of the budget that the last draft took, without making it separable.
     cost: f64,
-    /// Whether recipes keep parts removable.
-    keeps_removable: bool,
     /// The drafts of all copies, the lowest first.
     drafts: Vec<Draft>,
 }
@@ -109,7 +104,6 @@ impl NestingRun<'_> {
             missing: &missing,
             rng: ChaCha8Rng::seed_from_u64(self.config.seed),
             cost: 0.0,
-            keeps_removable: false,
             drafts: Vec::new(),
         };
         self.draft_layouts(&mut drafting, &mut builder);
@@ -120,13 +114,8 @@ impl NestingRun<'_> {
 
     /// Builds layouts with several recipes, and the best of them in finer voxels; then offers the lowest ones.
     fn draft_layouts(&mut self, drafting: &mut Drafting<'_>, builder: &mut LayoutBuilder<'_>) {
-        let recipe = PlacementRecipe::FIRST[0];
-        let raw_mm = self.try_recipe(drafting, builder, recipe, 1.0);
-        let (cost, first) = (drafting.cost, rank(&self.best_items));
-        if first.1 > INTERLOCKED_FROM * raw_mm {
-            self.try_recipe(drafting, builder, recipe.keeping_removable(true), START_SHARE);
-            drafting.keeps_removable = rank(&self.best_items) < first;
-        }
+        self.try_recipe(drafting, builder, PlacementRecipe::FIRST[0], 1.0);
+        let cost = drafting.cost;
         let from = self.spent_share();
         if from >= START_SHARE {
             return;
@@ -227,7 +216,6 @@ impl NestingRun<'_> {
             }
             let known = PlacementRecipe::FIRST.get(at).copied();
             let recipe = known.unwrap_or_else(|| PlacementRecipe::from_genes(flowers.ask()));
-            let recipe = recipe.keeping_removable(drafting.keeps_removable);
             let raw_mm = self.try_recipe(drafting, builder, recipe, START_SHARE);
             if known.is_none() {
                 flowers.tell(raw_mm);

@@ -150,7 +150,7 @@ impl<'t> LayoutBuilder<'t> {
         worst_mm: f64,
         enough: &mut dyn FnMut(u64) -> bool,
     ) -> Option<Vec<PlacedItem>> {
-        self.must_be_removable = self.prepared.must_be_separable && recipe.keeps_removable;
+        self.must_be_removable = false;
         let built = self.place_copies(recipe, order, standing, worst_mm, enough);
         self.must_be_removable = self.prepared.must_be_separable;
         built

@@ -232,7 +232,7 @@ mod tests {
             let turns = [DQuat::IDENTITY, DQuat::from_rotation_x(1.5), DQuat::from_rotation_y(0.6)];
             let rasters = turns.map(|turn| PartRaster::new(shape, turn, 1.0, (1.1, 0.45, lift), &mut 0));
             let mut occupancy = OccupancyGrid::new(prepared.room, 1.0, 1.1, lift);
-            let recipe = PlacementRecipe { order: 0, top_share, pull_x, shuffle: 0.0, keeps_removable: false };
+            let recipe = PlacementRecipe { order: 0, top_share, pull_x, shuffle: 0.0 };
             let mut floors = LowestLayers::new(&occupancy, &rasters);
             let mut forbidden: Vec<(usize, [usize; 3])> = Vec::new();
             for (count, choice) in order.into_iter().enumerate() {

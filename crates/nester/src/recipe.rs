@@ -20,18 +20,15 @@ pub(crate) struct PlacementRecipe {
     pub(crate) pull_x: f64,
     /// Random variation of the sizes, 0 = none.
     pub(crate) shuffle: f64,
-    /// Whether a part is placed only where it can be removed from among those placed before it. Otherwise parts that are
-    /// locked in the end are placed elsewhere: lower, unless most parts reach around others.
-    pub(crate) keeps_removable: bool,
 }
 
 impl PlacementRecipe {
     /// The recipes that are tried first.
     pub(crate) const FIRST: [Self; 4] = [
-        Self { order: 0, top_share: 1.0, pull_x: 0.5, shuffle: 0.0, keeps_removable: false },
-        Self { order: 1, top_share: 0.8, pull_x: 0.9, shuffle: 0.0, keeps_removable: false },
-        Self { order: 2, top_share: 1.0, pull_x: 0.1, shuffle: 0.0, keeps_removable: false },
-        Self { order: 3, top_share: 0.6, pull_x: 0.9, shuffle: 0.0, keeps_removable: false },
+        Self { order: 0, top_share: 1.0, pull_x: 0.5, shuffle: 0.0 },
+        Self { order: 1, top_share: 0.8, pull_x: 0.9, shuffle: 0.0 },
+        Self { order: 2, top_share: 1.0, pull_x: 0.1, shuffle: 0.0 },
+        Self { order: 3, top_share: 0.6, pull_x: 0.9, shuffle: 0.0 },
     ];
 
     /// The gene ranges of a recipe.
@@ -40,20 +37,9 @@ impl PlacementRecipe {
         vec![gene(3.99), gene(1.0), gene(1.0), gene(0.6)]
     }
 
-    /// The same recipe; whether it keeps parts removable is given.
-    pub(crate) fn keeping_removable(self, keeps_removable: bool) -> Self {
-        Self { keeps_removable, ..self }
-    }
-
     /// Decodes a recipe from a genome.
     pub(crate) fn from_genes(genome: &[f64]) -> Self {
-        Self {
-            order: genome[0] as usize,
-            top_share: genome[1],
-            pull_x: genome[2],
-            shuffle: genome[3],
-            keeps_removable: false,
-        }
+        Self { order: genome[0] as usize, top_share: genome[1], pull_x: genome[2], shuffle: genome[3] }
     }
 
     /// Copies in the order of this recipe, largest first; copies of one item stay together.

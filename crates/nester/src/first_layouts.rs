@@ -232,10 +232,13 @@ impl NestingRun<'_> {
         let mut best = orders(drafting);
         for (level, count) in FINER_COUNTS.into_iter().enumerate() {
             best.truncate(count);
+            if best.is_empty() {
+                break;
+            }
             let left = (until - self.spent_share()) / (FINER_COUNTS.len() - level) as f64;
-            let Some(factor) = finer_voxels(left / best.len().max(1) as f64, cost) else { continue };
+            let Some(factor) = finer_voxels(left / best.len() as f64, cost) else { continue };
             let mut builder = LayoutBuilder::finer_by(drafting.task, factor);
-            if best.is_empty() || builder.pitch > LEAST_REFINEMENT * pitch {
+            if builder.pitch > LEAST_REFINEMENT * pitch {
                 break;
             }
             pitch = builder.pitch;

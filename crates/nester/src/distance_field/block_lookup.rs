@@ -1,7 +1,7 @@
 //! Looks up four points at once in a distance grid, by vector instructions. Every distance comes out as it does for a
 //! single point, to the last bit.
 
-use glam::Vec4;
+use glam::{BVec4A, Vec4};
 
 use super::{
     super::point_block::{PointBlock, floor_values, to_indices},
@@ -25,14 +25,21 @@ struct BlockCells {
     z: AxisCells,
 }
 
+impl BlockCells {
+    /// Which of the points are outside the grid.
+    #[inline(always)]
+    fn are_outside(&self) -> BVec4A {
+        self.x.off.cmpne(Vec4::ZERO) | self.y.off.cmpne(Vec4::ZERO) | self.z.off.cmpne(Vec4::ZERO)
+    }
+}
+
 impl DistanceField {
     /// Signed distances of four points, mm, each as [`DistanceField::distance`] gives it. May give infinity for all of
     /// them if none is nearer than `reach`.
     #[inline(always)]
     pub(crate) fn block_distances(&self, points: &PointBlock, reach: f32) -> Vec4 {
         let cells = self.locate_cells(points);
-        let is_outside = |axis: &AxisCells| axis.off.cmpne(Vec4::ZERO);
-        if self.edge_distance >= reach && (is_outside(&cells.x) | is_outside(&cells.y) | is_outside(&cells.z)).all() {
+        if self.edge_distance >= reach && cells.are_outside().all() {
             return Vec4::INFINITY;
         }
         self.distances_in(&cells)
@@ -49,8 +56,7 @@ impl DistanceField {
     #[inline(always)]
     pub(crate) fn distances_and_rates(&self, points: &PointBlock) -> (Vec4, Vec4) {
         let cells = self.locate_cells(points);
-        let is_outside = cells.x.off.cmpne(Vec4::ZERO) | cells.y.off.cmpne(Vec4::ZERO) | cells.z.off.cmpne(Vec4::ZERO);
-        (self.distances_in(&cells), Vec4::select(is_outside, Vec4::splat(2.0), Vec4::ONE))
+        (self.distances_in(&cells), Vec4::select(cells.are_outside(), Vec4::splat(2.0), Vec4::ONE))
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use solids::Mesh;
 
 use super::{
     NestingConfig, NestingInstance, OrientationRule, PreparedMeshes, SearchBudget,
@@ -87,5 +88,30 @@ fn a_draft_may_lock_parts_and_a_layout_made_of_it_may_not() {
         assert!(!split_separable(&task, draft.clone()).1.is_empty());
         let made = builder.make_separable(&recipe, &order, draft, &mut |_| false).expect("nothing ends it");
         assert_eq!((made.len(), split_separable(&task, made).1.len()), (task.copies.len(), 0));
+    });
+}
+
+#[test]
+fn a_part_is_not_put_on_top_because_a_few_places_below_fail_the_exact_test() {
+    // A pin too thin for the voxels stands near the corner at which the places are tried first.
+    let (plate, pin) = (block(DVec3::new(40.0, 40.0, 2.0)), block(DVec3::new(0.3, 0.3, 31.0)));
+    let pin_at = DVec3::new(1.5, 1.5, 1.0);
+    let vertices = plate.vertices().iter().copied().chain(pin.vertices().iter().map(|&corner| corner + pin_at));
+    let first = plate.vertices().len() as u32;
+    let pin_triangles = pin.triangles().iter().map(|corners| corners.map(|corner| corner + first));
+    let triangles = plate.triangles().iter().copied().chain(pin_triangles);
+    let pinned_plate = Mesh::new(vertices.collect(), triangles.collect()).expect("two closed shells");
+    let items = vec![
+        item(Arc::new(pinned_plate), 1, OrientationRule::Fixed),
+        item(block(DVec3::new(30.0, 30.0, 10.0)), 1, OrientationRule::Fixed),
+    ];
+    let instance = asked(DVec3::new(42.0, 42.0, 100.0), 0.1, items);
+    with_run(&instance, &SearchBudget::until_cancelled(), |run| {
+        let task = run.prepare_instance(Arc::new(run.outline_instance())).expect("there is time");
+        let mut builder = LayoutBuilder::new(&task);
+        let built = builder.build_once(&PlacementRecipe::FIRST[0], &task.copies, &[], f64::INFINITY, &mut |_| false);
+        let pieces = built.expect("nothing ends it");
+        assert_eq!(pieces.len(), 2);
+        assert!(height_mm(&pieces) < 33.0, "{}", height_mm(&pieces));
     });
 }

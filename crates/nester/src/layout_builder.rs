@@ -24,8 +24,9 @@ const GROWTH_VOXELS: f64 = 0.45;
 const LEAST_PITCH: (f64, f64) = (0.3, 0.15);
 /// Greatest memory for remembered lowest layers, bytes.
 const MAX_LOWEST_LAYER_BYTES: usize = 64 << 20;
-/// Number of positions that may fail the exact test before a part is placed on top of all others.
-const MAX_FAILED_PLACES: usize = 8;
+/// Number of positions that may fail the exact test before a part is placed on top of all others, which costs far more height
+/// than a test costs time.
+const MAX_FAILED_PLACES: usize = 100;
 /// Number of positions that may lock the part before it is placed on top of all others.
 const MAX_LOCKED_PLACES: usize = 6;
 /// Number of raises to layers with free area before a part is placed on top of all others.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
-use solids::Mesh;
+use solids::MeshBuilder;
 
 use super::{
     NestingConfig, NestingInstance, OrientationRule, PreparedMeshes, SearchBudget,
@@ -95,12 +95,12 @@ fn a_draft_may_lock_parts_and_a_layout_made_of_it_may_not() {
 fn a_part_is_not_put_on_top_because_a_few_places_below_fail_the_exact_test() {
     // A pin too thin for the voxels stands near the corner at which the places are tried first.
     let (plate, pin) = (block(DVec3::new(40.0, 40.0, 2.0)), block(DVec3::new(0.3, 0.3, 31.0)));
-    let pin_at = DVec3::new(1.5, 1.5, 1.0);
-    let vertices = plate.vertices().iter().copied().chain(pin.vertices().iter().map(|&corner| corner + pin_at));
-    let first = plate.vertices().len() as u32;
-    let pin_triangles = pin.triangles().iter().map(|corners| corners.map(|corner| corner + first));
-    let triangles = plate.triangles().iter().copied().chain(pin_triangles);
-    let pinned_plate = Mesh::new(vertices.collect(), triangles.collect()).expect("two closed shells");
+    let mut pinned_plate = MeshBuilder::default();
+    for (solid, place) in [(plate, DVec3::ZERO), (pin, DVec3::new(1.5, 1.5, 1.0))] {
+        let corners = (0..solid.triangles().len()).map(|triangle| solid.corners(triangle));
+        corners.for_each(|corners| pinned_plate.add_triangle(corners.map(|corner| corner + place)));
+    }
+    let pinned_plate = pinned_plate.into_mesh().expect("two closed shells");
     let items = vec![
         item(Arc::new(pinned_plate), 1, OrientationRule::Fixed),
         item(block(DVec3::new(30.0, 30.0, 10.0)), 1, OrientationRule::Fixed),

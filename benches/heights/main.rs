@@ -1,4 +1,4 @@
-//! How low the search gets: our own method beside the published one, organ by organ, from 20 to 1,000 copies.
+//! How low the search gets: our own method beside the published one, component by component, from 20 to 1,000 copies.
 //!
 //! `cargo bench --bench heights` measures everything on the project's own parts and writes `docs/benchmark.md`; `--
 //! --help` shows how to measure a part of it. `cargo test --bench heights -- --gate` is the short run before every

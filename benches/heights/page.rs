@@ -44,7 +44,7 @@ pub fn write(book: &RecordBook) -> Result<()> {
     section(&mut page, "Other people's parts", &listed, tables::listed);
     page.push_str(&drawings(&listed)?);
     let all: Vec<&SearchRecord> = book.records.iter().collect();
-    section(&mut page, "What each organ is worth", &all, tables::ablation);
+    section(&mut page, "What each component is worth", &all, tables::ablation);
     section(&mut page, "From 20 to 1,000 copies", &all, tables::scale);
     section(&mut page, "The first layout", &all, tables::first_layouts);
     if !book.kernel.is_empty() {
@@ -72,7 +72,7 @@ fn origins<'a>(measured: impl Iterator<Item = &'a MeasurementOrigin>) -> String 
     format!("\nMeasured {}.\n", told.into_iter().collect::<Vec<_>>().join("; "))
 }
 
-/// A drawing for each workload, of its longest searches.
+/// A drawing for each workload, of the searches with the most seeds, and of these the longest.
 fn drawings(records: &[&SearchRecord]) -> Result<String> {
     let cases: BTreeSet<&str> = records.iter().map(|r| r.finding.trial.case.as_str()).collect();
     let mut links = String::new();
@@ -82,11 +82,15 @@ fn drawings(records: &[&SearchRecord]) -> Result<String> {
             TrialBudget::Evaluations(_) => None,
         };
         let of_case = || records.iter().filter(|r| r.finding.trial.case == case && r.finding.trial.without.is_none());
-        let Some(longest) = of_case().filter_map(|r| secs(r)).max() else { continue };
-        let drawn: Vec<&SearchRecord> = of_case().filter(|r| secs(r) == Some(longest)).copied().collect();
+        let of_secs = |wanted: u64| of_case().filter(move |r| secs(r) == Some(wanted)).copied();
+        let Some(drawn_secs) = of_case().filter_map(|r| secs(r)).max_by_key(|&secs| (of_secs(secs).count(), secs))
+        else {
+            continue;
+        };
+        let drawn: Vec<&SearchRecord> = of_secs(drawn_secs).collect();
         let name = case.replace('/', "-");
         let file = format!("docs/heights-{name}.svg");
-        let drawing = plot::drawing(&format!("{name}: build height over time"), &drawn, longest as f64);
+        let drawing = plot::drawing(&format!("{name}: build height over time"), &drawn, drawn_secs as f64);
         std::fs::write(repository(&file), drawing).with_context(|| format!("writing {file}"))?;
         links.push_str(&format!("\n![Height over time, {name}](heights-{name}.svg)\n"));
     }

@@ -14,7 +14,7 @@ use super::{
 pub enum BenchSection {
     /// Our own method beside the published one at the same CPU seconds.
     Heights,
-    /// Each organ taken out at fixed evaluations.
+    /// Each component disabled at fixed evaluations.
     Ablation,
     /// From 20 to 1,000 copies.
     Scale,
@@ -27,7 +27,7 @@ pub enum BenchSection {
 }
 
 /// The workloads of the ablation.
-pub const ABLATED: [&str; 3] = ["fans20", "engine30", "small60"];
+pub const ABLATED: [&str; 3] = ["engine30", "small200", "organic88"];
 /// Evaluations per copy in the scaling.
 pub const SCALE_EVALUATIONS: u64 = 400;
 /// Workloads for the time to the first layout.
@@ -91,14 +91,14 @@ fn compared(args: &BenchArgs, case: &str) -> Vec<SearchTrial> {
 }
 
 fn ablated(args: &BenchArgs, case: &str) -> Vec<SearchTrial> {
-    let organs = SearchComponents::each_disabled().map(|(organ, _)| Some(organ.to_owned()));
+    let components = SearchComponents::each_disabled().map(|(component, _)| Some(component.to_owned()));
     let of = |without: Option<String>, seed: u64| SearchTrial {
         without,
         ..trial(args, case, NestingMethod::Nestd, TrialBudget::Evaluations(args.evaluations), seed)
     };
     [None]
         .into_iter()
-        .chain(organs)
-        .flat_map(|organ| (1..=args.seeds).map(move |seed| of(organ.clone(), seed)))
+        .chain(components)
+        .flat_map(|component| (1..=args.seeds).map(move |seed| of(component.clone(), seed)))
         .collect()
 }

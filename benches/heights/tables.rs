@@ -24,6 +24,16 @@ impl SeedSample {
         self.0.iter().sum::<f64>() / self.0.len() as f64
     }
 
+    /// The relative change of the mean against another sample, and its variance.
+    fn change_against(&self, base: &Self) -> (f64, f64) {
+        let relative = |sample: &Self| {
+            let (count, mean) = (sample.0.len() as f64, sample.mean());
+            let squares = sample.0.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>();
+            squares / (count - 1.0).max(1.0) / count
+        };
+        (self.mean() / base.mean() - 1.0, relative(self) + relative(base))
+    }
+
     /// `mean (least - greatest)`; only the mean where there is one value.
     fn mean_and_range(&self) -> String {
         let (least, most) = self.0.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &v| (l.min(v), m.max(v)));
@@ -139,51 +149,59 @@ fn ratio(ours: &[&SearchFinding], theirs: &[&SearchFinding]) -> String {
     format!("{:.3}", mean(ours) / mean(theirs))
 }
 
-/// Each organ taken out.
+/// Each component disabled.
 pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let counts = records.iter().filter(|r| r.finding.trial.without.is_some());
     let Some(budget) = counts.map(|r| r.finding.trial.budget).max() else { return Default::default() };
     let (TrialBudget::CpuSecs(evaluations) | TrialBudget::Evaluations(evaluations)) = budget;
     let mut origins = Vec::new();
-    let mut mean = |case: &str, organ: Option<&str>| {
-        let of = records.iter().filter(|r| {
+    let mut of = |case: &str, without: Option<&str>| -> Vec<&SearchFinding> {
+        let of_trial = |r: &&&SearchRecord| {
             let trial = &r.finding.trial;
             trial.case == case
-                && trial.without.as_deref() == organ
+                && trial.without.as_deref() == without
                 && trial.budget == budget
                 && trial.method == NestingMethod::Nestd
-        });
-        let found: Vec<&SearchRecord> = of.copied().collect();
+        };
+        let found: Vec<&SearchRecord> = records.iter().filter(of_trial).copied().collect();
         origins.extend(found.iter().map(|r| r.origin.clone()));
-        let findings: Vec<&SearchFinding> = found.iter().map(|r| &r.finding).collect();
-        let mean = |value: fn(&SearchFinding) -> f64| SeedSample::of(&findings, value).mean();
-        (!findings.is_empty()).then(|| (mean(|f| f.height_mm), mean(|f| f.cpu_secs)))
+        found.iter().map(|r| &r.finding).collect()
     };
     let mut text = format!(
-        "Mean height at {} evaluations, and the change against the whole search; CPU seconds in brackets. Changes below 3 %\n\
-         may be chance.\n\n| without | {} | mean |\n|---|{}---|\n",
+        "Mean height at {} evaluations, and the change against the whole search with its 95 % interval; CPU seconds in\n         brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
         thousands(evaluations as f64),
         ABLATED.join(" | "),
         "---|".repeat(ABLATED.len())
     );
-    let organs = SearchComponents::each_disabled().map(|(organ, _)| Some(organ));
-    for organ in [None].into_iter().chain(organs) {
-        let mut cells = String::new();
+    let components = SearchComponents::each_disabled().map(|(component, _)| Some(component));
+    for component in [None].into_iter().chain(components) {
         let mut changes = Vec::new();
+        let mut cells = String::new();
         for case in ABLATED {
-            let (Some((mm, secs)), Some((whole_mm, _))) = (mean(case, organ), mean(case, None)) else {
+            let (found, whole) = (of(case, component), of(case, None));
+            if found.is_empty() || whole.is_empty() {
                 cells.push_str(" - |");
                 continue;
-            };
-            let change = 100.0 * (mm / whole_mm - 1.0);
+            }
+            let sample = |findings: &[&SearchFinding]| SeedSample::of(findings, |f| f.height_mm);
+            let change = sample(&found).change_against(&sample(&whole));
+            let told = if component.is_some() { format!(" {}", told_change(&[change])) } else { String::new() };
+            let secs = SeedSample::of(&found, |f| f.cpu_secs).mean();
+            cells.push_str(&format!(" {:.1}{told} ({secs:.1}) |", sample(&found).mean()));
             changes.push(change);
-            let told = if organ.is_some() { format!(" {change:+.1} %") } else { String::new() };
-            cells.push_str(&format!(" {mm:.1}{told} ({secs:.1}) |"));
         }
-        let mean = if changes.is_empty() { String::new() } else { format!("{:+.1} %", SeedSample(changes).mean()) };
-        text.push_str(&format!("| {} |{cells} {mean} |\n", organ.unwrap_or("nothing")));
+        let mean = if component.is_some() { told_change(&changes) } else { String::new() };
+        text.push_str(&format!("| {} |{cells} {mean} |\n", component.unwrap_or("nothing")));
     }
     (text, origins)
+}
+
+/// The mean of relative changes and its 95 % interval, in percent; each with the variance of its mean.
+fn told_change(changes: &[(f64, f64)]) -> String {
+    let count = changes.len() as f64;
+    let mean = changes.iter().map(|change| change.0).sum::<f64>() / count;
+    let half = 1.96 * changes.iter().map(|change| change.1).sum::<f64>().sqrt() / count;
+    if changes.is_empty() { String::new() } else { format!("{:+.1} ± {:.1} %", 100.0 * mean, 100.0 * half) }
 }
 
 /// Growing piles on one machine.

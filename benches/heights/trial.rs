@@ -29,7 +29,7 @@ pub struct SearchTrial {
     pub case: String,
     /// Which search.
     pub method: NestingMethod,
-    /// The organ that is taken out.
+    /// The component that is disabled.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without: Option<String>,
     /// What ends it.
@@ -80,7 +80,7 @@ impl SearchFinding {
     /// One line for the terminal.
     pub fn line(&self) -> String {
         let SearchTrial { case, method, without, budget, seed, .. } = &self.trial;
-        let without = without.as_ref().map_or_else(String::new, |organ| format!(" without {organ}"));
+        let without = without.as_ref().map_or_else(String::new, |component| format!(" without {component}"));
         let first = self.first_secs().map_or_else(|| "no whole layout".to_owned(), |s| format!("first at {s:.2} s"));
         format!(
             "{case} {method:?}{without} {budget:?} seed {seed}: {:.2} mm, {} unplaced, {first}, {} evaluations in {:.1} s, {:.0} MB",
@@ -97,7 +97,7 @@ impl SearchTrial {
             method: self.method,
             seed: self.seed,
             threads: self.threads,
-            components: self.organs()?,
+            components: self.components()?,
             ..NestingConfig::default()
         };
         let meter = BudgetMeter { began_secs: cpu_secs(), budget: self.budget };
@@ -126,11 +126,11 @@ impl SearchTrial {
         })
     }
 
-    fn organs(&self) -> Result<SearchComponents> {
+    fn components(&self) -> Result<SearchComponents> {
         let Some(name) = &self.without else { return Ok(SearchComponents::default()) };
-        match SearchComponents::each_disabled().into_iter().find(|(organ, _)| organ == name) {
-            Some((_, organs)) => Ok(organs),
-            None => bail!("there is no organ {name:?}"),
+        match SearchComponents::each_disabled().into_iter().find(|(component, _)| component == name) {
+            Some((_, components)) => Ok(components),
+            None => bail!("there is no component {name:?}"),
         }
     }
 }

@@ -97,8 +97,8 @@ fn random_builds_of_our_own_parts_hold_what_was_asked() {
         let mut rng = ChaCha8Rng::seed_from_u64(number);
         let instance = any_own_instance(&mut rng);
         // Fine guides would take most of the time of such a short search.
-        let organs = SearchComponents { fine_proxies: number % 6 == 0, ..SearchComponents::default() };
-        let config = NestingConfig { seed: number, components: organs, ..NestingConfig::default() };
+        let components = SearchComponents { fine_proxies: number % 6 == 0, ..SearchComponents::default() };
+        let config = NestingConfig { seed: number, components, ..NestingConfig::default() };
         let mut tell = |_: &NestingSolution, _: u64| {};
         let solution = nest(&instance, &config, &[], &EvaluationLimit(rng.random_range(200..3000)), &mut tell);
         assert_holds_what_was_asked(&format!("build {number}"), &instance, &solution);

@@ -57,7 +57,7 @@ impl PreparedInstance {
         outlined: Arc<OutlinedInstance>,
         pins: BTreeSet<(usize, u32)>,
         preparation: &MeshPreparation<'_>,
-        organs: SearchComponents,
+        components: SearchComponents,
         nodes: usize,
         points: usize,
     ) -> Option<Self> {
@@ -85,7 +85,7 @@ impl PreparedInstance {
             z_extra_mm,
             zones: Vec::new(),
             pinned: pins,
-            components: organs,
+            components,
             must_be_separable: false,
             outlined,
         };

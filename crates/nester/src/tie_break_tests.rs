@@ -48,11 +48,8 @@ fn what_settles_is_denser_and_nearer_and_no_higher() {
     let items = vec![(corner, 6, OrientationRule::Free), (bar, 4, OrientationRule::Free)];
     let instance = asked(DVec3::new(70.0, 70.0, 100.0), items);
     let report = |settling| {
-        let organs = SearchComponents { tie_breaks: settling, ..SearchComponents::default() };
-        measured(
-            &instance,
-            &nested(&instance, &NestingConfig { components: organs, ..NestingConfig::default() }, 20_000),
-        )
+        let components = SearchComponents { tie_breaks: settling, ..SearchComponents::default() };
+        measured(&instance, &nested(&instance, &NestingConfig { components, ..NestingConfig::default() }, 20_000))
     };
     let (loose, settled) = (report(false), report(true));
     // The search before the last step is the same except for its last fiftieth.

@@ -64,8 +64,9 @@ impl<'a> BoxStacker<'a> {
             if full.contains(&copy.0) {
                 continue;
             }
-            match self.place_on_top(copy, &mut skyline, &filled) {
+            match self.place_on_top(copy, &skyline, &filled) {
                 Some(piece) => {
+                    skyline.add_box(&raised_bounds(&piece.bounds, self.outlined.z_extra_mm));
                     self.add_layer_areas(&mut filled, &piece);
                     pieces.push(piece);
                 }
@@ -83,11 +84,11 @@ impl<'a> BoxStacker<'a> {
         }
     }
 
-    /// Places a copy on top of the boxes below it, higher where its layers are full.
+    /// The lowest place of a copy on top of the boxes below it, higher where its layers are full.
     pub(crate) fn place_on_top(
         &mut self,
         copy: (usize, u32),
-        skyline: &mut SkylineGrid,
+        skyline: &SkylineGrid,
         filled: &FilledLayers,
     ) -> Option<PlacedItem> {
         let outlined = self.outlined;
@@ -118,7 +119,6 @@ impl<'a> BoxStacker<'a> {
                 return None;
             }
         }
-        skyline.add_box(&raised_bounds(&piece.bounds, outlined.z_extra_mm));
         Some(piece)
     }
 }

@@ -93,17 +93,29 @@ fn a_draft_may_lock_parts_and_a_layout_made_of_it_may_not() {
 
 #[test]
 fn a_part_is_not_put_on_top_because_a_few_places_below_fail_the_exact_test() {
-    // A pin too thin for the voxels stands near the corner at which the places are tried first.
-    let (plate, pin) = (block(DVec3::new(40.0, 40.0, 2.0)), block(DVec3::new(0.3, 0.3, 31.0)));
+    // The pin stands near the corner at which the places are tried first.
+    assert!(height_beside_pin(31.0, [1.5, 1.5], 30.0) < 33.0);
+}
+
+#[test]
+fn a_part_is_put_on_top_where_the_first_place_without_failure_is_higher() {
+    // Each place below the top of the pin fails. The box ends at its top; the voxels leave air above it.
+    let height = height_beside_pin(8.6, [20.0, 20.0], 41.0);
+    assert!((19.7..19.71).contains(&height), "{height}");
+}
+
+/// The height of a layout of a plate with a pin, too thin for the voxels, and a block of 10 mm, in millimetres.
+fn height_beside_pin(pin_mm: f64, pin_at: [f64; 2], block_mm: f64) -> f64 {
+    let (plate, pin) = (block(DVec3::new(40.0, 40.0, 2.0)), block(DVec3::new(0.3, 0.3, pin_mm)));
     let mut pinned_plate = MeshBuilder::default();
-    for (solid, place) in [(plate, DVec3::ZERO), (pin, DVec3::new(1.5, 1.5, 1.0))] {
+    for (solid, place) in [(plate, DVec3::ZERO), (pin, DVec3::new(pin_at[0], pin_at[1], 1.0))] {
         let corners = (0..solid.triangles().len()).map(|triangle| solid.corners(triangle));
         corners.for_each(|corners| pinned_plate.add_triangle(corners.map(|corner| corner + place)));
     }
     let pinned_plate = pinned_plate.into_mesh().expect("two closed shells");
     let items = vec![
         item(Arc::new(pinned_plate), 1, OrientationRule::Fixed),
-        item(block(DVec3::new(30.0, 30.0, 10.0)), 1, OrientationRule::Fixed),
+        item(block(DVec3::new(block_mm, block_mm, 10.0)), 1, OrientationRule::Fixed),
     ];
     let instance = asked(DVec3::new(42.0, 42.0, 100.0), 0.1, items);
     with_run(&instance, &SearchBudget::until_cancelled(), |run| {
@@ -112,6 +124,6 @@ fn a_part_is_not_put_on_top_because_a_few_places_below_fail_the_exact_test() {
         let built = builder.build_once(&PlacementRecipe::FIRST[0], &task.copies, &[], f64::INFINITY, &mut |_| false);
         let pieces = built.expect("nothing ends it");
         assert_eq!(pieces.len(), 2);
-        assert!(height_mm(&pieces) < 33.0, "{}", height_mm(&pieces));
-    });
+        height_mm(&pieces)
+    })
 }

@@ -1,5 +1,5 @@
 //! Builds the first layouts: places one part after the other at its lowest position in a voxel grid of bit columns, or
-//! on top of all others if there is no such position. Every placement is confirmed on the triangles.
+//! on top of the boxes of all others where that is lower or there is no such position. Every placement is confirmed on the triangles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,12 +24,12 @@ const GROWTH_VOXELS: f64 = 0.45;
 const LEAST_PITCH: (f64, f64) = (0.3, 0.15);
 /// Greatest memory for remembered lowest layers, bytes.
 const MAX_LOWEST_LAYER_BYTES: usize = 64 << 20;
-/// Number of positions that may fail the exact test before a part is placed on top of all others, which costs far more height
-/// than a test costs time.
+/// Number of positions that may fail the exact test before a part is placed on top of the boxes of the others, although
+/// other positions may be lower.
 const MAX_FAILED_PLACES: usize = 100;
-/// Number of positions that may lock the part before it is placed on top of all others.
+/// Number of positions that may lock the part before it is placed on top of the boxes.
 const MAX_LOCKED_PLACES: usize = 6;
-/// Number of raises to layers with free area before a part is placed on top of all others.
+/// Number of raises to layers with free area before a part is placed on top of the boxes.
 const MAX_LAYER_RAISES: usize = 64;
 
 /// Voxel rasters of all items at all rotations tried. They are made when first needed and kept over all runs.
@@ -211,7 +211,7 @@ impl<'t> LayoutBuilder<'t> {
             stack.add_item(self.prepared, piece);
             return true;
         }
-        let Some(piece) = self.boxes.place_on_top(copy, &mut stack.skyline, &stack.filled) else { return false };
+        let Some(piece) = self.boxes.place_on_top(copy, &stack.skyline, &stack.filled) else { return false };
         self.mark_occupied(&mut stack.occupancy, &piece);
         stack.add_item(self.prepared, piece);
         true
@@ -242,6 +242,7 @@ impl<'t> LayoutBuilder<'t> {
         });
         let mut floors =
             stack.lowest_layers.remove(&copy.0).unwrap_or_else(|| LowestLayers::new(&stack.occupancy, rasters));
+        let mut on_top = None;
         let mut found = None;
         let (mut failed, mut held, mut raises) = (0, 0, 0);
         while failed < MAX_FAILED_PLACES && held < MAX_LOCKED_PLACES && raises < MAX_LAYER_RAISES {
@@ -249,6 +250,13 @@ impl<'t> LayoutBuilder<'t> {
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
             let piece = prepared.place_item(copy, raster.rotation, stack.occupancy.center_at(raster, node));
+            // Where many positions fail, the part may stand lower on top of the boxes of the others.
+            if failed + held > 0 {
+                let on_top = on_top.get_or_insert_with(|| self.boxes.place_on_top(copy, &stack.skyline, &stack.filled));
+                if on_top.as_ref().is_some_and(|on_top| on_top.bounds.max.z <= piece.bounds.max.z) {
+                    break;
+                }
+            }
             if !(prepared.is_inside(&piece, prepared.room.z) && stack.is_clear(prepared, &piece)) {
                 floors.forbid_position(at, node);
                 failed += 1;

@@ -24,12 +24,12 @@ impl SeedSample {
         self.0.iter().sum::<f64>() / self.0.len() as f64
     }
 
-    /// The relative change of the mean against another sample, and its variance.
+    /// The relative change of the mean against another sample, and its variance; NaN where a sample has one value.
     fn change_against(&self, base: &Self) -> (f64, f64) {
         let relative = |sample: &Self| {
             let (count, mean) = (sample.0.len() as f64, sample.mean());
             let squares = sample.0.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>();
-            squares / (count - 1.0).max(1.0) / count
+            squares / (count - 1.0) / count
         };
         (self.mean() / base.mean() - 1.0, relative(self) + relative(base))
     }
@@ -168,7 +168,8 @@ pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
         found.iter().map(|r| &r.finding).collect()
     };
     let mut text = format!(
-        "Mean height at {} evaluations, and the change against the whole search with its 95 % interval; CPU seconds in\n         brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
+        "Mean height at {} evaluations, and the change against the whole search with its 95 % interval; CPU seconds in\n\
+         brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
         thousands(evaluations as f64),
         ABLATED.join(" | "),
         "---|".repeat(ABLATED.len())
@@ -196,12 +197,17 @@ pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     (text, origins)
 }
 
-/// The mean of relative changes and its 95 % interval, in percent; each with the variance of its mean.
+/// The mean of relative changes and its 95 % interval, in percent; each change with the variance of its mean, which is NaN
+/// when it is not known.
 fn told_change(changes: &[(f64, f64)]) -> String {
     let count = changes.len() as f64;
     let mean = changes.iter().map(|change| change.0).sum::<f64>() / count;
     let half = 1.96 * changes.iter().map(|change| change.1).sum::<f64>().sqrt() / count;
-    if changes.is_empty() { String::new() } else { format!("{:+.1} ± {:.1} %", 100.0 * mean, 100.0 * half) }
+    match (changes.is_empty(), half.is_nan()) {
+        (true, _) => String::new(),
+        (false, true) => format!("{:+.1} %", 100.0 * mean),
+        (false, false) => format!("{:+.1} ± {:.1} %", 100.0 * mean, 100.0 * half),
+    }
 }
 
 /// Growing piles on one machine.

@@ -1,5 +1,6 @@
 //! Builds the first layouts: places one part after the other at its lowest position in a voxel grid of bit columns, or
-//! on top of the boxes of all others where that is lower or there is no such position. Every placement is confirmed on the triangles.
+//! on top of the boxes of all others where that is lower or there is no such position. Every placement is confirmed on the
+//! triangles.
 
 use std::collections::{BTreeMap, BTreeSet};
 

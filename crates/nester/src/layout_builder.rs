@@ -208,12 +208,7 @@ impl<'t> LayoutBuilder<'t> {
         copy: (usize, u32),
         stack: &mut PartialLayout,
     ) -> bool {
-        if let Some(piece) = self.find_lowest_place(recipe, copy, stack) {
-            stack.add_item(self.prepared, piece);
-            return true;
-        }
-        let Some(piece) = self.boxes.place_on_top(copy, &stack.skyline, &stack.filled) else { return false };
-        self.mark_occupied(&mut stack.occupancy, &piece);
+        let Some(piece) = self.find_lowest_place(recipe, copy, stack) else { return false };
         stack.add_item(self.prepared, piece);
         true
     }
@@ -224,7 +219,8 @@ impl<'t> LayoutBuilder<'t> {
         occupancy.fill_solid(shape, &piece.pose, &piece.bounds, half_mm + GROWTH_VOXELS * self.pitch, half_mm);
     }
 
-    /// Returns the best lattice position that the exact test confirms.
+    /// Returns the best lattice position that the exact test confirms, or a place on top of the boxes, and marks it as
+    /// occupied.
     fn find_lowest_place(
         &mut self,
         recipe: &PlacementRecipe,
@@ -278,6 +274,10 @@ impl<'t> LayoutBuilder<'t> {
             }
         }
         stack.remember_lowest_layers(copy.0, floors);
+        if found.is_none() {
+            found = on_top.unwrap_or_else(|| self.boxes.place_on_top(copy, &stack.skyline, &stack.filled));
+            found.iter().for_each(|piece| self.mark_occupied(&mut stack.occupancy, piece));
+        }
         found
     }
 }

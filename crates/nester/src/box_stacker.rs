@@ -29,6 +29,16 @@ struct BoxOrientation {
     bounds: Bounds,
 }
 
+impl BoxOrientation {
+    /// Places a copy so that the least corner of its bounds is at `corner`.
+    fn place_copy(&self, (item, copy): (usize, u32), candidate: &OutlinedItem, corner: DVec3) -> PlacedItem {
+        let center = corner - self.bounds.min;
+        let bounds = Bounds { min: corner, max: self.bounds.max + center };
+        let pose = Pose::new(self.rotation, center - self.rotation * candidate.outline.obb.pose.translation);
+        PlacedItem { item, copy, rotation: self.rotation, center, pose, bounds }
+    }
+}
+
 /// Stacks boxes and knows the orientations of every item.
 #[derive(Debug, Clone)]
 pub(crate) struct BoxStacker<'a> {
@@ -95,31 +105,24 @@ impl<'a> BoxStacker<'a> {
         let candidate = outlined.outlined_item(copy.0);
         let orientations =
             self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, outlined.room));
-        let mut best: Option<(f64, DVec3, &BoxOrientation)> = None;
-        for orientation in orientations.iter() {
-            let size = orientation.bounds.size();
-            let Some(corner) = skyline.lowest_position(size, outlined.max_clearance_mm + CLEARANCE_SPARE_MM) else {
-                continue;
-            };
-            let top = corner.z + size.z;
-            if best.is_none_or(|(least, ..)| top < least - 1e-9) {
-                best = Some((top, corner, orientation));
+        let lowest_corner = |orientation: &BoxOrientation, floor_mm: f64| {
+            let spacing_mm = outlined.max_clearance_mm + CLEARANCE_SPARE_MM;
+            skyline.lowest_position(orientation.bounds.size(), spacing_mm, floor_mm)
+        };
+        let with_corner = |orientation| Some((lowest_corner(orientation, 0.0)?, orientation));
+        let mut corners: Vec<(DVec3, &BoxOrientation)> = orientations.iter().filter_map(with_corner).collect();
+        // Tops that differ by rounding only are the same.
+        corners.sort_by_key(|(corner, orientation)| ((corner.z + orientation.bounds.size().z) * 1e9).round() as i64);
+        corners.into_iter().find_map(|(mut corner, orientation)| {
+            loop {
+                let piece = orientation.place_copy(copy, candidate, corner);
+                let raise_mm = if filled.is_capped() { filled.raise_mm(&candidate.mesh, &piece.pose)? } else { 0.0 };
+                if raise_mm == 0.0 {
+                    return Some(piece);
+                }
+                corner = lowest_corner(orientation, corner.z - WALL_SPARE_MM + raise_mm)?;
             }
-        }
-        let (_, corner, orientation) = best?;
-        let place = corner - orientation.bounds.min;
-        let bounds = Bounds { min: corner, max: orientation.bounds.max + place };
-        let turn = orientation.rotation;
-        let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
-        let mut piece = PlacedItem { item: copy.0, copy: copy.1, rotation: turn, center: place, pose, bounds };
-        if filled.is_capped() {
-            // The space above the box is free.
-            piece = piece.moved_by(DVec3::Z * filled.raise_mm(&candidate.mesh, &pose)?);
-            if piece.bounds.max.z > outlined.room.z - WALL_SPARE_MM {
-                return None;
-            }
-        }
-        Some(piece)
+        })
     }
 }
 

@@ -235,7 +235,8 @@ proptest! {
         prop_assert!(warm.sweeps <= cold.sweeps && (cold.sweeps == 0 || !warm.locked.is_empty() || warm.sweeps == 0));
         prop_assert_eq!(&known.removals, &removals);
         let moved = number_moved % pieces.len();
-        pieces[moved] = pieces[moved].clone().moved_by(DVec3::from_array(shift));
+        let PlacedItem { item, copy, rotation, center, .. } = pieces[moved];
+        pieces[moved] = task.place_item((item, copy), rotation, center + DVec3::from_array(shift));
         move_counts[moved] += 1;
         let after = plan_disassembly(&task, &pieces, &move_counts, &mut known);
         let anew = plan_disassembly(&task, &pieces, &move_counts, &mut KnownDisassembly::default());

@@ -10,8 +10,8 @@ use glam::DVec3;
 use solids::{Bounds, Mesh, fixtures::star};
 
 use super::{
-    InstanceError, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution, OrientationRule,
-    PreparedMeshCache, PreparedMeshes, insert_copies, nest, nest_with_cache,
+    InstanceError, ItemPlacement, LayerAreaCap, NestingConfig, NestingInstance, NestingItem, NestingSolution,
+    OrientationRule, PreparedMeshCache, PreparedMeshes, insert_copies, nest, nest_with_cache,
     nester_tests::{NesterTestBudget, asked, assert_good, item, nested},
     prove_with_keep_out,
     testing::{block, each_method, tetrahedron},
@@ -149,6 +149,22 @@ fn nothing_stands_in_a_keep_out_box_by_either_method() {
         let solution = nested(&reserved, &config, &[], evaluations);
         assert_good(&reserved, &solution);
         assert!(solution.placements.len() >= 25, "{:?} {}", config.method, solution.placements.len());
+    }
+}
+
+#[test]
+fn a_part_raised_for_full_layers_is_not_raised_into_a_zone() {
+    let (cubes, size) =
+        (vec![item(block(DVec3::splat(10.0)), 4, OrientationRule::Upright)], DVec3::new(30.0, 30.0, 60.0));
+    let zone = Bounds { min: DVec3::new(0.0, 0.0, 15.0), max: DVec3::new(14.0, 30.0, 40.0) };
+    // A layer takes one cube. There is room under the zone for the first one only.
+    let cap = LayerAreaCap { layer_mm: 0.1, area_mm2: 150.0 };
+    let instance =
+        asked(size, 1.0, cubes).with_layer_cap(cap).expect("is a cap").with_keep_out(&[zone]).expect("a box");
+    for evaluations in [1, 3000] {
+        let solution = nested(&instance, &NestingConfig::default(), &[], evaluations);
+        assert_good(&instance, &solution);
+        assert!(solution.unplaced.is_empty(), "{evaluations}: {:?}", solution.unplaced);
     }
 }
 

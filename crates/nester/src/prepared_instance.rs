@@ -232,16 +232,6 @@ pub(crate) struct PlacedItem {
     pub(crate) bounds: Bounds,
 }
 
-impl PlacedItem {
-    /// Returns the piece moved by `shift`.
-    pub(crate) fn moved_by(mut self, shift: DVec3) -> Self {
-        self.center += shift;
-        self.pose.translation += shift;
-        self.bounds = Bounds { min: self.bounds.min + shift, max: self.bounds.max + shift };
-        self
-    }
-}
-
 /// Bounds extended upwards by the height that is kept free above them.
 pub(crate) fn raised_bounds(bounds: &Bounds, extra_mm: f64) -> Bounds {
     Bounds { min: bounds.min, max: bounds.max + DVec3::Z * extra_mm }

@@ -38,9 +38,9 @@ impl SkylineGrid {
         (first, ((high / pitch - 1e-9).ceil() as i32 - 1).clamp(first, count - 1))
     }
 
-    /// The lowest position for a box inside the room, as its least corner. Boxes keep `clearance_mm` from the boxes
-    /// below them and sideways.
-    pub(crate) fn lowest_position(&self, size: DVec3, clearance_mm: f64) -> Option<DVec3> {
+    /// The lowest position for a box inside the room, at least `floor_mm` above the lowest in an empty room, as its least
+    /// corner. Boxes keep `clearance_mm` from the boxes below them and sideways.
+    pub(crate) fn lowest_position(&self, size: DVec3, clearance_mm: f64, floor_mm: f64) -> Option<DVec3> {
         let room = self.room - 2.0 * WALL_SPARE_MM;
         if size.cmpgt(room).any() {
             return None;
@@ -65,7 +65,7 @@ impl SkylineGrid {
             let (mut window, mut above) = (SlidingMaximum::default(), SlidingMaximum::default());
             for (at_y, &y) in ys.iter().enumerate() {
                 let top = window.maximum_in(column, deep[at_y].0 as usize, deep[at_y].1 as usize);
-                let z = if top > 0.0 { top + clearance_mm } else { 0.0 };
+                let z = if top > 0.0 { (top + clearance_mm).max(floor_mm) } else { floor_mm };
                 let lowest = ceiling.map(|line| -above.maximum_in(line, deep[at_y].0 as usize, deep[at_y].1 as usize));
                 let fits_below = lowest.is_none_or(|lowest| z + size.z + ZONE_SPARE_MM <= lowest);
                 if fits_below && best.is_none_or(|(least, _)| z < least) {

@@ -2,10 +2,13 @@
 //! search only; validity is decided by the exact box tree.
 
 mod block_lookup;
+mod closest_points;
+mod grid_geometry;
 
 use glam::{DVec3, Vec3};
-use solids::{Mesh, closest_point};
+use solids::Mesh;
 
+use self::{closest_points::ClosestPoints, grid_geometry::GridGeometry};
 use super::{
     byte_codec::{ByteReader, ByteWriter},
     point_block::EXACT_INTEGERS,
@@ -30,37 +33,6 @@ pub(crate) struct DistanceField {
     edge_distance: f32,
 }
 
-/// The lattice while the grid is filled.
-struct GridGeometry {
-    origin: DVec3,
-    step: f64,
-    dims: [usize; 3],
-}
-
-impl GridGeometry {
-    fn node_index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.dims[1] + y) * self.dims[0] + x
-    }
-
-    fn node_position(&self, node: [usize; 3]) -> DVec3 {
-        self.origin + DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) * self.step
-    }
-
-    fn node_count(&self) -> usize {
-        self.dims.iter().product()
-    }
-
-    /// Ranges of the nodes in a box, clamped to the lattice, inclusive.
-    fn node_ranges(&self, min: DVec3, max: DVec3) -> [(usize, usize); 3] {
-        let (low, high) = (((min - self.origin) / self.step).to_array(), ((max - self.origin) / self.step).to_array());
-        [0, 1, 2].map(|axis| {
-            let last = self.dims[axis] - 1;
-            let clamp = |v: f64| v.clamp(0.0, last as f64) as usize;
-            (clamp(low[axis].ceil()), clamp(high[axis].floor()))
-        })
-    }
-}
-
 impl DistanceField {
     /// Fills a grid of about `node_target` nodes that reaches `reach_mm` beyond the mesh; `None` when the time runs out
     /// first.
@@ -71,7 +43,7 @@ impl DistanceField {
         node_target: usize,
         is_over: &dyn Fn() -> bool,
     ) -> Option<Self> {
-        let lattice = lattice_around(mesh, center, reach_mm, node_target);
+        let lattice = GridGeometry::around(mesh, center, reach_mm, node_target);
         let triangles = || (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|c| c - center));
         let distances = node_distances(&lattice, triangles(), is_over)?;
         let inside = super::solid_nodes::solid_nodes(lattice.dims, lattice.origin, lattice.step, triangles());
@@ -164,18 +136,6 @@ impl DistanceField {
     }
 }
 
-fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, node_target: usize) -> GridGeometry {
-    let bounds = mesh.bounds();
-    let step_for = |pad: f64| ((bounds.size() + 2.0 * pad).element_product() / node_target as f64).cbrt().max(0.2);
-    let step = step_for(reach_mm + step_for(reach_mm));
-    let pad = reach_mm + 1.5 * step;
-    let size = bounds.size() + 2.0 * pad;
-    // Nodes are placed off round coordinates, where faces and edges often lie.
-    let off = DVec3::new(0.0131, 0.0173, 0.0117) * step;
-    let dims = (size / step).ceil().to_array().map(|n| n as usize + 2);
-    GridGeometry { origin: bounds.min - center - pad + off, step, dims }
-}
-
 /// Distance of every node to the surface, mm: exact near the surface, propagated outwards by closest points. Of a mesh with
 /// very many triangles, one of those that are small beside the lattice stands for its neighbours.
 fn node_distances(
@@ -183,52 +143,23 @@ fn node_distances(
     triangles: impl ExactSizeIterator<Item = [DVec3; 3]>,
     is_over: &dyn Fn() -> bool,
 ) -> Option<Vec<f32>> {
-    let mut nearest = vec![(Vec3::ZERO, f32::INFINITY); lattice.node_count()];
+    let mut closest = ClosestPoints::new(lattice);
     let mut thinned = (triangles.len() > MAX_TESTED_TRIANGLES).then(|| ThinnedTriangles::new(lattice));
     for (at, triangle) in triangles.enumerate() {
         if at % TRIANGLES_PER_CHECK == 0 && is_over() {
             return None;
         }
         if thinned.as_mut().is_none_or(|thinned| thinned.takes_triangle(&triangle)) {
-            note_triangle(lattice, &mut nearest, &triangle);
+            closest.note_triangle(&triangle);
         }
     }
     for backwards in [[false, false, false], [true, true, true], [true, false, true], [false, true, false]] {
-        propagate_nearest(lattice, &mut nearest, backwards);
+        closest.propagate(backwards);
     }
     for backwards in [[false, false, true], [true, true, false], [true, false, false], [false, true, true]] {
-        propagate_nearest(lattice, &mut nearest, backwards);
+        closest.propagate(backwards);
     }
-    Some(nearest.into_iter().map(|(_, distance)| distance).collect())
-}
-
-/// Takes a triangle into account for the nodes near it.
-fn note_triangle(lattice: &GridGeometry, nearest: &mut [(Vec3, f32)], triangle: &[DVec3; 3]) {
-    let band = 1.2 * lattice.step;
-    let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
-    let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
-    let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
-    // Of many small triangles in a cell, most are farther away than one that was already tested.
-    let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-    let radius = triangle.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
-    let [xs, ys, zs] = lattice.node_ranges(min, max);
-    for z in zs.0..=zs.1 {
-        for y in ys.0..=ys.1 {
-            for x in xs.0..=xs.1 {
-                let place = lattice.node_position([x, y, z]);
-                let known = f64::from(nearest[lattice.node_index([x, y, z])].1);
-                if normal.dot(place - triangle[0]).abs() > band || place.distance(middle) - radius > known + 1e-6 {
-                    continue;
-                }
-                let closest = closest_point(place, triangle);
-                let distance = closest.distance(place) as f32;
-                let node = &mut nearest[lattice.node_index([x, y, z])];
-                if distance < node.1 {
-                    *node = (closest.as_vec3(), distance);
-                }
-            }
-        }
-    }
+    Some(closest.distances())
 }
 
 /// Of many triangles that are small beside the lattice, the first in each small cell: the others are no farther from it than
@@ -268,38 +199,11 @@ impl ThinnedTriangles {
     }
 }
 
-/// One pass in which every node tries the closest points of the three nodes before it.
-fn propagate_nearest(lattice: &GridGeometry, nearest: &mut [(Vec3, f32)], backwards: [bool; 3]) {
-    let [nx, ny, nz] = lattice.dims;
-    let strides = [1, nx, nx * ny];
-    let turn = |at: usize, n: usize, back: bool| if back { n - 1 - at } else { at };
-    let (origin, step) = (lattice.origin.as_vec3(), lattice.step as f32);
-    for z in 0..nz {
-        for y in 0..ny {
-            for x in 0..nx {
-                let node = [turn(x, nx, backwards[0]), turn(y, ny, backwards[1]), turn(z, nz, backwards[2])];
-                let at = lattice.node_index(node);
-                let place = origin + Vec3::new(node[0] as f32, node[1] as f32, node[2] as f32) * step;
-                for axis in 0..3 {
-                    if [x, y, z][axis] == 0 {
-                        continue;
-                    }
-                    let before = if backwards[axis] { at + strides[axis] } else { at - strides[axis] };
-                    let (closest, known) = nearest[before];
-                    if known.is_finite() {
-                        let distance = closest.distance(place);
-                        if distance < nearest[at].1 {
-                            nearest[at] = (closest, distance);
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+    use solids::{closest_point, fixtures::star};
+
     use super::*;
     use crate::testing::{block, hollow};
 
@@ -326,5 +230,34 @@ mod tests {
         let field = DistanceField::new(&hollow(30.0, 1.0), DVec3::splat(15.0), 2.0, 20_000, &|| false).unwrap();
         assert!(field.distance(Vec3::ZERO) < 0.0);
         assert!(field.distance(Vec3::new(16.5, 0.0, 0.0)) > 0.0);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn every_node_gets_about_its_distance_and_never_less(
+            size in proptest::array::uniform3(3.0..12.0f64), seed in 0.0..6.0f64, nx in 15..31usize, detail in 1..4u32,
+        ) {
+            let shape = DVec3::from_array(size);
+            let mesh = star(detail, move |d| (shape * d).length() * (1.0 + 0.3 * (4.0 * d.y + seed).sin()));
+            let bounds = mesh.bounds();
+            let step = bounds.size().max_element() * 1.4 / nx as f64;
+            let lattice = GridGeometry { origin: bounds.min - 0.2 * bounds.size(), step, dims: [nx, nx - 3, nx + 2] };
+            let corners: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
+            let found = node_distances(&lattice, corners.iter().copied(), &|| false).expect("is never over");
+            prop_assert_eq!(found.len(), nx * (nx - 3) * (nx + 2));
+            let mut off = 0.0;
+            for (number, &distance) in found.iter().enumerate() {
+                let node = [number % nx, number / nx % (nx - 3), number / nx / (nx - 3)];
+                let place = lattice.node_position(node);
+                let exact = corners.iter().map(|t| closest_point(place, t).distance(place)).fold(f64::INFINITY, f64::min);
+                let more = (f64::from(distance) - exact) / step;
+                prop_assert!(more > -1e-4, "{node:?}: {distance} instead of {exact}");
+                prop_assert!(more < 1e-4 || exact > 1.19 * step, "{node:?}: {distance} instead of {exact}, although it is near");
+                off += more;
+            }
+            prop_assert!(off / (found.len() as f64) < 0.06, "{off}");
+        }
     }
 }

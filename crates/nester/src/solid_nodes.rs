@@ -82,10 +82,8 @@ impl AxisCrossings {
     /// Sums crossings to winding numbers, from each line's start to its end.
     fn accumulate_windings(&mut self) {
         let (length, stride) = (self.dims[self.axis], self.strides[self.axis]);
-        for at in 0..self.winding.len() {
-            if !(at / stride).is_multiple_of(length) {
-                self.winding[at] += self.winding[at - stride];
-            }
+        for lines in self.winding.chunks_exact_mut(length * stride) {
+            (stride..lines.len()).for_each(|at| lines[at] += lines[at - stride]);
         }
     }
 }
@@ -107,8 +105,10 @@ fn reachable_from_border(dims: [usize; 3], rays: &[AxisCrossings; 3], solid: &[b
     let mut open = vec![0];
     reached[0] = true;
     while let Some(node) = open.pop() {
+        let row = node / dims[0];
+        let place = [node - row * dims[0], row % dims[1], row / dims[1]];
         for axis in 0..3 {
-            let at = (node / strides[axis]) % dims[axis];
+            let at = place[axis];
             let mut visit = |next: usize, border: usize| {
                 if !reached[next] && !solid[next] && !rays[axis].crossed[border] {
                     reached[next] = true;

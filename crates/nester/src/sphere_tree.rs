@@ -191,9 +191,10 @@ struct PoissonDiskSampler {
 impl PoissonDiskSampler {
     fn add_if_spaced(&mut self, point: DVec3) {
         let [x, y, z] = (point / self.spacing).floor().to_array().map(|v| v as i32);
-        for dx in -1..=1 {
-            for dy in -1..=1 {
-                for dz in -1..=1 {
+        // The point's own cell comes first: most of what is too near is in it.
+        for dx in [0, -1, 1] {
+            for dy in [0, -1, 1] {
+                for dz in [0, -1, 1] {
                     let near = self.cells.get(&[x + dx, y + dy, z + dz]).map_or(&[][..], Vec::as_slice);
                     if near.iter().any(|&p| self.points[p as usize].distance(point) < self.spacing) {
                         return;

@@ -94,7 +94,8 @@ impl<'a> BoxStacker<'a> {
         }
     }
 
-    /// The lowest place of a copy on top of the boxes below it, higher where its layers are full.
+    /// The lowest place of a copy on top of the boxes below it, higher where its layers are full: in the orientation that is
+    /// the lowest before it is raised, or in the next one that has a place.
     pub(crate) fn place_on_top(
         &mut self,
         copy: (usize, u32),

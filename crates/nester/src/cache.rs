@@ -43,7 +43,7 @@ pub trait PreparedMeshCache: Sync {
 }
 
 /// Version in every key. It changes with the format of the bytes or the method that computes them.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The content hash of a mesh: equal meshes have equal hashes, wherever they come from.
 pub(crate) fn mesh_content_hash(mesh: &Mesh) -> String {

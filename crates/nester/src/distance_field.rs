@@ -242,7 +242,7 @@ mod tests {
             let shape = DVec3::from_array(size);
             let mesh = star(detail, move |d| (shape * d).length() * (1.0 + 0.3 * (4.0 * d.y + seed).sin()));
             let bounds = mesh.bounds();
-            let step = bounds.size().max_element() * 1.4 / nx as f64;
+            let step = bounds.size().max_element() * 1.8 / nx as f64;
             let lattice = GridGeometry { origin: bounds.min - 0.2 * bounds.size(), step, dims: [nx, nx - 3, nx + 2] };
             let corners: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
             let found = node_distances(&lattice, corners.iter().copied(), &|| false).expect("is never over");

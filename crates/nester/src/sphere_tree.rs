@@ -191,7 +191,7 @@ struct PoissonDiskSampler {
 impl PoissonDiskSampler {
     fn add_if_spaced(&mut self, point: DVec3) {
         let [x, y, z] = (point / self.spacing).floor().to_array().map(|v| v as i32);
-        // The point's own cell comes first: most of what is too near is in it.
+        // The point's own cell comes first: no other one holds as much of what is too near.
         for dx in [0, -1, 1] {
             for dy in [0, -1, 1] {
                 for dz in [0, -1, 1] {

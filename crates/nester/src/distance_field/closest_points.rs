@@ -24,7 +24,7 @@ struct NodeBlock {
 /// The closest surface point known of each node.
 pub(super) struct ClosestPoints<'a> {
     lattice: &'a GridGeometry,
-    /// Rows of nodes along x; the last block of a row has nodes beyond the lattice.
+    /// Rows of nodes along x. What the last block of a row holds beyond the lattice knows no surface.
     blocks: Vec<NodeBlock>,
     blocks_per_row: usize,
 }
@@ -88,7 +88,7 @@ impl<'a> ClosestPoints<'a> {
 
     /// One pass in which every node tries the closest points of the three nodes before it.
     pub(super) fn propagate(&mut self, backwards: [bool; 3]) {
-        let [_, ny, nz] = self.lattice.dims;
+        let [nx, ny, nz] = self.lattice.dims;
         let length = self.blocks_per_row;
         let (origin, step) = (self.lattice.origin.as_vec3(), self.lattice.step as f32);
         let turn = |at: usize, n: usize, back: bool| if back { n - 1 - at } else { at };
@@ -96,7 +96,7 @@ impl<'a> ClosestPoints<'a> {
             for at_y in 0..ny {
                 let (y, z) = (turn(at_y, ny, backwards[1]), turn(at_z, nz, backwards[2]));
                 let start = length * (z * ny + y);
-                let place = NodePlaces { origin: origin + Vec3::new(0.0, y as f32, z as f32) * step, step };
+                let place = NodePlaces { origin: origin + Vec3::new(0.0, y as f32, z as f32) * step, step, count: nx };
                 for (at, stride, back) in [(at_y, length, backwards[1]), (at_z, length * ny, backwards[2])] {
                     if at > 0 {
                         let before = if back { start + stride } else { start - stride };
@@ -128,8 +128,9 @@ impl NodeBlock {
 struct NodePlaces {
     /// The first node, mm.
     origin: Vec3,
-    /// The distance of two nodes, mm.
+    /// Distance of neighbouring nodes, mm.
     step: f32,
+    count: usize,
 }
 
 impl NodePlaces {
@@ -151,11 +152,11 @@ impl NodePlaces {
 
     /// Every node of a row, in order, takes the closest point of the node before it if that is closer.
     fn sweep_row(&self, row: &mut [NodeBlock], backwards: bool) {
-        let count = row.len();
         let mut before = Vec3::splat(FAR_AWAY_MM);
-        for step in 0..count {
-            let number = if backwards { count - 1 - step } else { step };
+        for at in 0..row.len() {
+            let number = if backwards { row.len() - 1 - at } else { at };
             let block = &mut row[number];
+            let lanes = BLOCK_NODES.min(self.count - number * BLOCK_NODES);
             let mut visit = |lane: usize| {
                 let x = self.origin.x + (number * BLOCK_NODES + lane) as f32 * self.step;
                 let square = before.distance_squared(self.origin.with_x(x));
@@ -166,9 +167,9 @@ impl NodePlaces {
                 }
             };
             if backwards {
-                (0..BLOCK_NODES).rev().for_each(&mut visit);
+                (0..lanes).rev().for_each(&mut visit);
             } else {
-                (0..BLOCK_NODES).for_each(&mut visit);
+                (0..lanes).for_each(&mut visit);
             }
         }
     }

@@ -7,7 +7,7 @@ use solids::Mesh;
 pub(super) struct GridGeometry {
     /// The first node, mm.
     pub(super) origin: DVec3,
-    /// Distance of two nodes, mm.
+    /// Distance of neighbouring nodes, mm.
     pub(super) step: f64,
     /// Number of nodes along each axis.
     pub(super) dims: [usize; 3],

@@ -157,3 +157,26 @@ pub(crate) fn rotations_to_try(candidate: &OutlinedItem, room: DVec3, most: usiz
     }
     turns
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        BuildVolume, LayerAreaCap, NestingInstance, NestingItem,
+        testing::{block, coarsely_prepared},
+    };
+
+    #[test]
+    fn a_part_that_lies_flat_in_no_layer_is_stacked_on_its_edge() {
+        // Flat, one plate alone fills more of a layer than is allowed.
+        let plates = vec![NestingItem::new("plate", block(DVec3::new(20.0, 20.0, 5.0)), 3)];
+        let volume = BuildVolume { size_mm: DVec3::new(30.0, 30.0, 80.0) };
+        let cap = LayerAreaCap { layer_mm: 0.1, area_mm2: 150.0 };
+        let instance =
+            NestingInstance::new(volume, 1.0, plates).expect("makes sense").with_layer_cap(cap).expect("a cap");
+        let prepared = coarsely_prepared(&instance);
+        let stacked = BoxStacker::new(&prepared.outlined).stack_copies(&[], &prepared.copies);
+        assert!(stacked.len() == 3 && prepared.keeps_cap(&stacked), "{stacked:?}");
+        assert!(stacked.iter().all(|plate| plate.bounds.size().z > 19.0), "{stacked:?}");
+    }
+}

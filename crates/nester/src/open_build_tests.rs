@@ -169,22 +169,6 @@ fn a_part_raised_for_full_layers_is_not_raised_into_a_zone() {
 }
 
 #[test]
-fn a_part_that_lies_flat_in_no_layer_is_stacked_on_its_edge() {
-    // Flat, one plate alone fills more of a layer than is allowed.
-    let plates = vec![item(block(DVec3::new(20.0, 20.0, 5.0)), 3, OrientationRule::Free)];
-    let cap = LayerAreaCap { layer_mm: 0.1, area_mm2: 150.0 };
-    let instance = asked(DVec3::new(30.0, 30.0, 80.0), 1.0, plates).with_layer_cap(cap).expect("is a cap");
-    let solution = nested(&instance, &NestingConfig::default(), &[], 1);
-    assert_good(&instance, &solution);
-    assert!(
-        solution.unplaced.is_empty() && solution.height_mm < 65.0,
-        "{} {:?}",
-        solution.height_mm,
-        solution.unplaced
-    );
-}
-
-#[test]
 fn the_judge_sees_who_stands_in_a_zone_and_who_only_touches_it() {
     let body = |x: f64| super::PlacedSolid {
         name: "cube".to_owned(),

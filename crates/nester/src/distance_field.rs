@@ -153,11 +153,10 @@ fn node_distances(
             closest.note_triangle(&triangle);
         }
     }
-    for backwards in [[false, false, false], [true, true, true], [true, false, true], [false, true, false]] {
+    // Opposite directions follow each other.
+    for backwards in [[false, false, false], [true, false, true], [false, false, true], [true, false, false]] {
         closest.propagate(backwards);
-    }
-    for backwards in [[false, false, true], [true, true, false], [true, false, false], [false, true, true]] {
-        closest.propagate(backwards);
+        closest.propagate(backwards.map(|back| !back));
     }
     Some(closest.distances())
 }

@@ -130,6 +130,7 @@ struct NodePlaces {
     origin: Vec3,
     /// Distance of neighbouring nodes, mm.
     step: f32,
+    /// Number of nodes.
     count: usize,
 }
 

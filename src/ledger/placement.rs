@@ -103,10 +103,10 @@ pub struct RemovalColumns {
 sql_row!(RemovalColumns { position = "drawn", direction_x = "way_x", direction_y = "way_y", direction_z = "way_z" });
 
 impl PlacementRow {
-    /// Pose of the copy, mesh frame -> machine frame; `None` until the build is verified.
+    /// Pose of the copy, mesh frame -> machine frame; `None` until the build is verified, or if the row is damaged.
     pub fn pose(&self) -> Option<Pose> {
         let PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm } = self.pose_columns;
-        Some(Pose::new(DQuat::from_xyzw(qx?, qy?, qz?, qw?), DVec3::new(tx_mm?, ty_mm?, tz_mm?)))
+        Pose::from_stored(DQuat::from_xyzw(qx?, qy?, qz?, qw?), DVec3::new(tx_mm?, ty_mm?, tz_mm?)).ok()
     }
 
     /// How the copy is removed from the cake; `None` = not proved.

@@ -34,6 +34,21 @@ impl Pose {
         Self { rotation: rotation.normalize(), translation }
     }
 
+    /// A pose from numbers that were stored. A unit quaternion (up to arithmetic rounding) stays unchanged to the last
+    /// bit. One that was rounded when it was written is normalised.
+    ///
+    /// # Errors
+    /// The numbers do not form a valid pose.
+    pub fn from_stored(rotation: DQuat, translation: DVec3) -> Result<Self, PoseError> {
+        let off = (rotation.length() - 1.0).abs();
+        match translation.is_finite() {
+            false => Err(PoseError::NoTranslation(translation)),
+            true if off < EXACT => Ok(Self { rotation, translation }),
+            true if off < ROUNDED => Ok(Self::new(rotation, translation)),
+            true => Err(PoseError::NoRotation(rotation.length())),
+        }
+    }
+
     /// Moves a point.
     pub fn transform_point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
@@ -89,17 +104,8 @@ struct RawPose {
 impl TryFrom<RawPose> for Pose {
     type Error = PoseError;
 
-    /// A unit quaternion (up to arithmetic rounding) stays unchanged. One that was rounded when it was written is
-    /// normalised.
     fn try_from(raw: RawPose) -> Result<Self, PoseError> {
-        let RawPose { rotation, translation } = raw;
-        let off = (rotation.length() - 1.0).abs();
-        match translation.is_finite() {
-            false => Err(PoseError::NoTranslation(translation)),
-            true if off < EXACT => Ok(Self { rotation, translation }),
-            true if off < ROUNDED => Ok(Self::new(rotation, translation)),
-            true => Err(PoseError::NoRotation(rotation.length())),
-        }
+        Self::from_stored(raw.rotation, raw.translation)
     }
 }
 

@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn no_pose_of_a_stored_layout_differs_in_a_single_bit() {
-        // Steps that no short decimal number has.
+        // Numbers with as many digits as a pose of a search has.
         let number = |step: u32| (f64::from(step) * 0.754_877_666_246_692_8).fract() * 300.0;
         let place = |step: u32| LayoutPlacement {
             copy: (PartId(1), step),

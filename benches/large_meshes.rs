@@ -5,6 +5,11 @@
 //! the proof of the written build; `-- --file part.stl` takes a file. `--copies` is the number of copies in the build.
 #![allow(clippy::print_stdout)] // a bench prints its measurements
 
+#[path = "common/cpu_time.rs"]
+mod cpu_time;
+#[path = "common/memory.rs"]
+mod memory;
+
 use std::{
     fs::File,
     io::{BufWriter, Write},
@@ -29,6 +34,9 @@ use rand_chacha::{
     rand_core::{Rng, SeedableRng},
 };
 use solids::{ClearanceTree, Mesh, Pose};
+
+use cpu_time::cpu_secs;
+use memory::status_mib;
 
 /// Least distance of two copies, mm.
 const CLEARANCE_MM: f64 = 3.0;
@@ -238,17 +246,4 @@ impl StepClock {
         let (peak, end) = (status_mib("VmHWM:"), status_mib("VmRSS:"));
         println!("{name:<40} {cpu_secs:>8.3} {wall_secs:>8.3} {peak:>9.0} {end:>9.0}");
     }
-}
-
-/// CPU seconds of this process, all threads together.
-fn cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
-/// A line of `/proc/self/status` in MiB; 0 if unknown.
-fn status_mib(key: &str) -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix(key));
-    line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok()).map_or(0.0, |kb| kb / 1024.0)
 }

@@ -8,6 +8,10 @@
 #[allow(dead_code)] // the heights bench needs more of it
 #[path = "heights/cases.rs"]
 mod cases;
+#[path = "common/cpu_time.rs"]
+mod cpu_time;
+#[path = "common/statistics.rs"]
+mod statistics;
 
 use std::{
     fs,
@@ -19,7 +23,9 @@ use clap::Parser;
 use nester::{
     ItemPlacement, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes, SearchBudget, nest, nest_with_cache,
 };
-use rustix::time::{ClockId, clock_gettime};
+
+use cpu_time::cpu_secs;
+use statistics::{HALF_INTERVAL, mean_and_variance};
 
 /// Measures the evaluations per lid that is reached, from saved layouts.
 #[derive(Debug, Parser)]
@@ -83,7 +89,11 @@ fn probe_layout(args: &ProbeArgs, case: &str, instance: &NestingInstance, effort
     let reached = tries.iter().filter(|one| one.is_reached).count();
     let evaluations: Vec<f64> = tries.iter().map(|one| one.evaluations / copies as f64).collect();
     let heights: Vec<f64> = tries.iter().map(|one| one.height_mm).collect();
-    let ((spent, off), (height, height_off)) = (mean_and_interval(&evaluations), mean_and_interval(&heights));
+    let interval = |values: &[f64]| {
+        let (mean, variance) = mean_and_variance(values);
+        (mean, HALF_INTERVAL * variance.sqrt())
+    };
+    let ((spent, off), (height, height_off)) = (interval(&evaluations), interval(&heights));
     let each = args.tries as f64 / reached as f64;
     println!(
         "{case}, {effort}, {height_mm:.2}: {reached} of {}, {:.0} +- {:.0}, {height:.2} +- {height_off:.2}, {:.1}",
@@ -124,18 +134,4 @@ fn try_lid(
             }
         });
     LidTry { is_reached: found.height_mm <= lid_mm, evaluations: found.evaluations as f64, height_mm: found.height_mm }
-}
-
-/// The mean, and half of its 95 % interval by the normal distribution.
-fn mean_and_interval(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    (mean, 1.96 * (variance / count).sqrt())
-}
-
-/// CPU seconds of this process so far, which other work on the machine changes little.
-fn cpu_secs() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -7,9 +7,9 @@ use parry3d_f64::{
 };
 
 use super::{
+    cpu_time::cpu_secs,
     pairs::{self, PartPairs},
     record_book::{KernelRecord, MeasurementOrigin},
-    trial::cpu_secs,
 };
 
 /// Pairs of each set.

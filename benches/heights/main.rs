@@ -6,8 +6,12 @@
 #![allow(clippy::print_stdout)] // a bench prints its measurements
 
 mod cases;
+#[path = "../common/cpu_time.rs"]
+mod cpu_time;
 mod gate;
 mod kernel;
+#[path = "../common/memory.rs"]
+mod memory;
 mod page;
 #[path = "../common/pairs.rs"]
 mod pairs;
@@ -15,6 +19,8 @@ mod plan;
 mod plot;
 mod record_book;
 mod runner;
+#[path = "../common/statistics.rs"]
+mod statistics;
 mod tables;
 mod trial;
 

@@ -1,4 +1,4 @@
-//! Height over time as an SVG drawing: a line per seed, for our own method and the published one.
+//! Height over time as an SVG drawing: a line per seed, for our own method and, where it was measured, the published one.
 
 use std::fmt::Write;
 
@@ -62,9 +62,9 @@ pub fn drawing(title: &str, records: &[&SearchRecord], last_secs: f64) -> String
             "<path d=\"{way}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.6\" stroke-opacity=\"0.8\"/>"
         );
     }
-    for (at, (method, name)) in
-        [(NestingMethod::Nestd, "nestd"), (NestingMethod::Paper, "published method")].into_iter().enumerate()
-    {
+    let methods = [(NestingMethod::Nestd, "nestd"), (NestingMethod::Paper, "published method")];
+    let is_drawn = |method: NestingMethod| records.iter().any(|r| r.finding.trial.method == method);
+    for (at, (method, name)) in methods.into_iter().filter(|(method, _)| is_drawn(*method)).enumerate() {
         let (x, y) = (WIDTH - 270.0 + 90.0 * at as f64, 22.0);
         line(&mut svg, [x, y - 4.0, x + 24.0, y - 4.0], colour(method));
         text(&mut svg, x + 30.0, y, "start", name);

@@ -9,6 +9,7 @@ use super::{
     plan::{self, ABLATED, FIRST, FIRST_BUDGET},
     record_book::{KernelRecord, MeasurementOrigin, SearchRecord},
     repository,
+    statistics::{HALF_INTERVAL, mean_and_variance},
     trial::{SearchFinding, TrialBudget},
 };
 
@@ -21,17 +22,13 @@ impl SeedSample {
     }
 
     fn mean(&self) -> f64 {
-        self.0.iter().sum::<f64>() / self.0.len() as f64
+        mean_and_variance(&self.0).0
     }
 
     /// The relative change of the mean against another sample, and its variance; NaN where a sample has one value.
     fn change_against(&self, base: &Self) -> (f64, f64) {
-        let relative = |sample: &Self| {
-            let (count, mean) = (sample.0.len() as f64, sample.mean());
-            let squares = sample.0.iter().map(|v| (v / mean - 1.0).powi(2)).sum::<f64>();
-            squares / (count - 1.0) / count
-        };
-        (self.mean() / base.mean() - 1.0, relative(self) + relative(base))
+        let ((mean, variance), (base_mean, base_variance)) = (mean_and_variance(&self.0), mean_and_variance(&base.0));
+        (mean / base_mean - 1.0, variance / mean.powi(2) + base_variance / base_mean.powi(2))
     }
 
     /// `mean (least - greatest)`; only the mean where there is one value.
@@ -202,7 +199,7 @@ pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
 fn told_change(changes: &[(f64, f64)]) -> String {
     let count = changes.len() as f64;
     let mean = changes.iter().map(|change| change.0).sum::<f64>() / count;
-    let half = 1.96 * changes.iter().map(|change| change.1).sum::<f64>().sqrt() / count;
+    let half = HALF_INTERVAL * changes.iter().map(|change| change.1).sum::<f64>().sqrt() / count;
     match (changes.is_empty(), half.is_nan()) {
         (true, _) => String::new(),
         (false, true) => format!("{:+.1} %", 100.0 * mean),
@@ -215,7 +212,7 @@ pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut text = format!(
         "Small parts of the project's own on a base of {}, {} evaluations per copy.\n\n| copies (meshes) | triangles \
          | first layout, s | s per copy | first height | height | lower bound | CPU s | CPU s per copy | evaluations per s \
-         | memory, MB |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+         | memory, MiB |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
         machine("scale-20"),
         plan::SCALE_EVALUATIONS
     );
@@ -250,7 +247,7 @@ pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
 /// The time to the first layout.
 pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut text = "CPU seconds of one core from the meshes in memory to the first layout of all copies, nothing prepared before.\n\n\
-                    | workload | copies (meshes) | first layout, s | its height | height at the end | lower bound | memory, MB |\n\
+                    | workload | copies (meshes) | first layout, s | its height | height at the end | lower bound | memory, MiB |\n\
                     |---|---|---|---|---|---|---|\n"
         .to_owned();
     let mut origins = Vec::new();

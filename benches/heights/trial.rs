@@ -10,7 +10,7 @@ use nester::{
 use serde::{Deserialize, Serialize};
 use solids::Pose;
 
-use super::cases;
+use super::{cases, cpu_time::cpu_secs, memory::status_mib};
 
 /// What ends a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ pub struct SearchFinding {
     pub evaluations: u64,
     /// CPU seconds of all threads.
     pub cpu_secs: f64,
-    /// Peak memory of the process, MB.
+    /// Peak memory of the process, MiB.
     pub peak_mb: f64,
     /// Every lower layout of all copies; the first one is the first valid build.
     pub curve: Vec<CurveStep>,
@@ -83,7 +83,7 @@ impl SearchFinding {
         let without = without.as_ref().map_or_else(String::new, |component| format!(" without {component}"));
         let first = self.first_secs().map_or_else(|| "no whole layout".to_owned(), |s| format!("first at {s:.2} s"));
         format!(
-            "{case} {method:?}{without} {budget:?} seed {seed}: {:.2} mm, {} unplaced, {first}, {} evaluations in {:.1} s, {:.0} MB",
+            "{case} {method:?}{without} {budget:?} seed {seed}: {:.2} mm, {} unplaced, {first}, {} evaluations in {:.1} s, {:.0} MiB",
             self.height_mm, self.unplaced, self.evaluations, self.cpu_secs, self.peak_mb
         )
     }
@@ -121,7 +121,7 @@ impl SearchTrial {
             triangles: meshes.iter().map(|mesh| mesh.triangles().len()).sum(),
             evaluations: solution.evaluations,
             cpu_secs,
-            peak_mb: peak_mb().round(),
+            peak_mb: status_mib("VmHWM:").round(),
             curve: thinned(curve.into_inner().expect("nobody panics with it")),
         })
     }
@@ -154,19 +154,6 @@ impl StopCondition for BudgetMeter {
             TrialBudget::Evaluations(limit) => evaluations as f64 / limit as f64,
         }
     }
-}
-
-/// CPU seconds of this process so far, which other work on the machine does not change.
-pub fn cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
-/// Peak resident memory of this process so far, MB; 0 if unknown.
-fn peak_mb() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok()).map_or(0.0, |kb| kb / 1024.0)
 }
 
 /// Rounds to hundredths, which is precise enough for a record.

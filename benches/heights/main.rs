@@ -39,7 +39,7 @@ struct BenchArgs {
     /// What to measure, e.g. heights,ablation; `data` needs NESTD_DATA [default: everything but data]
     #[arg(long, value_delimiter = ',', value_enum)]
     only: Vec<BenchSection>,
-    /// Only these workloads, e.g. fans20,engine30
+    /// Only these workloads, e.g. fans20,engine30, or data/fan20 with `--only data`
     #[arg(long, value_delimiter = ',')]
     cases: Vec<String>,
     /// CPU seconds of each search

@@ -38,11 +38,15 @@ pub fn asks_for(args: &BenchArgs, section: BenchSection) -> bool {
     if args.only.is_empty() { section != BenchSection::Data } else { args.only.contains(&section) }
 }
 
+/// The name of a list as its file has it; the page adds a prefix.
+fn bare_name(case: &str) -> &str {
+    case.trim_start_matches(cases::LISTED)
+}
+
 /// All searches that the arguments select; the longest first, so that no core is idle at the end.
 pub fn plan(args: &BenchArgs) -> Result<Vec<SearchTrial>> {
     let mut plan = Vec::new();
-    let wanted =
-        |case: &&str| args.cases.is_empty() || args.cases.iter().any(|c| c == case.trim_start_matches(cases::LISTED));
+    let wanted = |case: &&str| args.cases.is_empty() || args.cases.iter().any(|c| bare_name(c) == bare_name(case));
     if asks_for(args, BenchSection::Heights) {
         plan.extend(cases::COMPARED.iter().filter(|c| wanted(c)).flat_map(|case| compared(args, case)));
     }
@@ -61,7 +65,11 @@ pub fn plan(args: &BenchArgs) -> Result<Vec<SearchTrial>> {
     if asks_for(args, BenchSection::First) {
         plan.extend(FIRST.iter().filter(|c| wanted(c)).map(|case| ours(case, FIRST_BUDGET)));
     }
-    ensure!(!plan.is_empty() || asks_for(args, BenchSection::Kernel), "there is nothing to measure");
+    ensure!(
+        !plan.is_empty() || asks_for(args, BenchSection::Kernel),
+        "there is nothing to measure: no section of --only has a workload {}",
+        args.cases.join(" or ")
+    );
     plan.sort_by_key(|t: &SearchTrial| match t.budget {
         TrialBudget::CpuSecs(secs) => std::cmp::Reverse(secs),
         TrialBudget::Evaluations(count) => std::cmp::Reverse(count / 30_000),

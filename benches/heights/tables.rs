@@ -237,7 +237,7 @@ pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
             f.cpu_secs,
             per_copy(f.cpu_secs),
             thousands(f.evaluations as f64 / f.cpu_secs.max(1e-9)),
-            f.peak_mb
+            f.peak_mib
         ));
         origins.push(record.origin.clone());
     }
@@ -262,7 +262,7 @@ pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigi
                 f.meshes,
                 height(&[f]),
                 f.lower_bound_mm,
-                f.peak_mb
+                f.peak_mib
             ));
             origins.push(record.origin.clone());
         }

@@ -66,7 +66,7 @@ pub struct SearchFinding {
     /// CPU seconds of all threads.
     pub cpu_secs: f64,
     /// Peak memory of the process, MiB.
-    pub peak_mb: f64,
+    pub peak_mib: f64,
     /// Every lower layout of all copies; the first one is the first valid build.
     pub curve: Vec<CurveStep>,
 }
@@ -84,7 +84,7 @@ impl SearchFinding {
         let first = self.first_secs().map_or_else(|| "no whole layout".to_owned(), |s| format!("first at {s:.2} s"));
         format!(
             "{case} {method:?}{without} {budget:?} seed {seed}: {:.2} mm, {} unplaced, {first}, {} evaluations in {:.1} s, {:.0} MiB",
-            self.height_mm, self.unplaced, self.evaluations, self.cpu_secs, self.peak_mb
+            self.height_mm, self.unplaced, self.evaluations, self.cpu_secs, self.peak_mib
         )
     }
 }
@@ -121,7 +121,7 @@ impl SearchTrial {
             triangles: meshes.iter().map(|mesh| mesh.triangles().len()).sum(),
             evaluations: solution.evaluations,
             cpu_secs,
-            peak_mb: status_mib("VmHWM:").round(),
+            peak_mib: status_mib("VmHWM:").round(),
             curve: thinned(curve.into_inner().expect("nobody panics with it")),
         })
     }

@@ -16,6 +16,7 @@ use super::{
     farm::Farm,
     fetch_originals,
     jobs::BackgroundJob,
+    kept_layouts::find_kept_layout,
     layout::{BatchLayout, CopyId, waiting_copy_ids},
     left_out::{LeftOutNotice, find_cut_off, find_left_out},
     machine_state::RunningSearch,
@@ -58,19 +59,32 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     }
 
     async fn on_done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
-        on_layout_improved(farm, &self.profile, self.round, nested).await
+        let taken = on_layout_improved(farm, &self.profile, self.round, nested).await;
+        self.search_again_unless(taken, farm)
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        let build = farm.ledger.open_build(&self.profile).await?;
-        crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
-        on_search_panicked(farm, &self.profile, message).await
+        let taken = on_search_panicked(farm, &self.profile, message).await;
+        self.search_again_unless(taken, farm)
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
         if let Some(machine) = farm.machines.get_mut(&self.profile) {
             machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
         }
+    }
+}
+
+impl ImproveLayoutJob {
+    /// If its end could not be taken in, because the ledger cannot be reached, the same copies are searched again after a
+    /// while.
+    fn search_again_unless(&self, taken: Result<()>, farm: &mut Farm) -> Result<()> {
+        if let (Err(_), Some(machine)) = (&taken, farm.machines.get_mut(&self.profile)) {
+            let now = farm.schedule.time.instant();
+            machine.open.take_search_result(self.round, None, now);
+            machine.open.retry_tried_later(now);
+        }
+        taken
     }
 }
 
@@ -187,6 +201,12 @@ async fn start_layout_search(
     if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts) {
         return Ok(());
     }
+    let parts: Vec<(PartRow, Vec<u32>)> = head.into_iter().map(|w| (w.part, w.copies)).collect();
+    let machine = &farm.machines[name];
+    let kept = match machine.open.stands_for(&wanted) {
+        true => None,
+        false => find_kept_layout(&farm.ledger, build.id, &machine.profile, &parts).await?,
+    };
     farm.ledger.begin_search(build.id).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open = &mut machine.open;
@@ -196,8 +216,8 @@ async fn start_layout_search(
     let budget = SearchBudget::of_secs(secs);
     let request = NestingRequest {
         profile: machine.profile.clone(),
-        wanted: head.into_iter().map(|w| (w.part, w.copies)).collect(),
-        start_placements: open.layout.placed.clone(),
+        wanted: parts,
+        start_placements: kept.unwrap_or_else(|| open.layout.placed.clone()),
         budget: budget.clone(),
         seed: machine.profile.search.nest.seed.wrapping_add(round),
         best_layout: best.clone(),
@@ -280,6 +300,8 @@ async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayo
 /// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
 /// panics alone is refused.
 async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Result<()> {
+    let build = farm.ledger.open_build(name).await?;
+    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let copies = machine.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
     machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());

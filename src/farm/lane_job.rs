@@ -11,11 +11,11 @@ use tracing::{debug, info, warn};
 
 use super::{
     batch::ImproveLayoutJob,
+    cpu_meter::CpuMeter,
     farm::Farm,
     jobs::BackgroundJob,
     lane_problem::{LaneProblem, SharedLaneProblem, mesh_files},
     lane_search::LaneResult,
-    nesting_search::cpu_secs,
     node_content::{OtherNodes, remove_unneeded},
     state::{NestingState, RunningFinalSearch},
 };
@@ -188,8 +188,8 @@ fn search_lane(
     prepared: &PreparedMeshes,
     budget: &SearchBudget,
 ) -> Result<String> {
-    let before = cpu_secs(true);
-    let end = run_lane(instance, config, prepared, task, budget);
+    let meter = CpuMeter::begin(budget, f64::INFINITY);
+    let end = run_lane(instance, config, prepared, task, &meter);
     ensure!(!budget.is_cancelled(), "its search has ended");
-    Ok(serde_json::to_string(&LaneResult { end, cpu_secs: cpu_secs(true) - before })?)
+    Ok(serde_json::to_string(&LaneResult { end, cpu_secs: meter.spent_secs() })?)
 }

@@ -2,7 +2,7 @@
 //! parts; this file converts between them.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     sync::Arc,
 };
 
@@ -61,6 +61,13 @@ pub struct BatchLayout {
     pub part_volume_mm3: f64,
     /// Evaluations of the search.
     pub evaluations: u64,
+}
+
+impl BatchLayout {
+    /// The placed copies.
+    pub fn copies(&self) -> BTreeSet<CopyId> {
+        self.placed.iter().map(|placed| placed.copy).collect()
+    }
 }
 
 /// Parts with their meshes and the copies of them that are to be nested, in order of precedence. A part may be there

@@ -8,7 +8,7 @@ use tracing::info;
 
 use super::{
     alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, folder_comparison, folder_lease::FolderLease,
-    machine_state::MachineState, printer_state::alert_subject, status, systemd, watching,
+    kept_layouts::keeps_layouts, machine_state::MachineState, printer_state::alert_subject, status, systemd, watching,
 };
 use crate::settings::Settings;
 
@@ -32,8 +32,10 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
         match farm.machines.get_mut(&name) {
             Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_claim) = (None, false),
             Some(machine) => {
-                // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
-                // scanner.
+                // A new volume or clearance makes the layout invalid; other rules leave it as it is. A new hot folder
+                // needs a new hot folder scanner.
+                machine.open.end_night();
+                let keeps_layout = keeps_layouts(&machine.profile, &profile);
                 let row = farm.ledger.open_build(&name).await?;
                 let mut fresh = MachineState::new(
                     Arc::new(profile),
@@ -42,7 +44,8 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
                     &row,
                     &farm.schedule.time,
                 );
-                fresh.open.layout = Default::default();
+                let layout = std::mem::take(&mut machine.open.layout);
+                fresh.open.layout = if keeps_layout { layout } else { Default::default() };
                 machine.open.reset();
                 fresh.paused = machine.paused;
                 fresh.pending_flushes = std::mem::take(&mut machine.pending_flushes);

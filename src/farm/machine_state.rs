@@ -149,6 +149,7 @@ impl MachineState {
         time: &TimeSource,
     ) -> Self {
         let placed = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
+        let layout = BatchLayout { placed, ..BatchLayout::default() };
         let now = time.instant();
         Self {
             inbox: InboxState {
@@ -165,11 +166,7 @@ impl MachineState {
             profile,
             agreed_folders: None,
             may_claim: false,
-            open: OpenBuildState {
-                standing: placed.iter().map(|placed| placed.copy).collect(),
-                layout: BatchLayout { placed, ..BatchLayout::default() },
-                ..OpenBuildState::default()
-            },
+            open: OpenBuildState { standing: layout.copies(), layout, ..OpenBuildState::default() },
             pending_flushes: Vec::new(),
             pacing: BatchPacing { is_idle: false, is_held: false, next_batch_at: now },
             paused: false,
@@ -247,6 +244,11 @@ impl OpenBuildState {
         self.search.is_none() && self.tried == *wanted
     }
 
+    /// Whether the layout is one of exactly these copies that this run of the daemon has found: none that is kept is lower.
+    pub fn stands_for(&self, wanted: &BTreeSet<CopyId>) -> bool {
+        self.layout.height_mm > 0.0 && self.layout.copies() == *wanted
+    }
+
     /// Whether a search for exactly these copies should start now: they are not covered, the set has not changed for a
     /// moment, and no search runs. Cancels a search for other copies.
     pub fn wants_search(&mut self, wanted: &BTreeSet<CopyId>, now: Instant) -> bool {
@@ -285,7 +287,7 @@ impl OpenBuildState {
             Some(layout) => {
                 self.tried.clear();
                 if !search.is_cancelled {
-                    self.standing = layout.placed.iter().map(|placed| placed.copy).collect();
+                    self.standing = layout.copies();
                     self.tried = search.copies;
                 }
                 self.layout = layout;
@@ -313,8 +315,7 @@ impl OpenBuildState {
 
     /// Takes a layout if it places the same copies and is lower. Returns whether it does.
     pub fn take_lower_layout(&mut self, found: BatchLayout) -> bool {
-        let copies = |layout: &BatchLayout| layout.placed.iter().map(|placed| placed.copy).collect::<BTreeSet<_>>();
-        let is_lower = found.height_mm < self.layout.height_mm && copies(&found) == copies(&self.layout);
+        let is_lower = found.height_mm < self.layout.height_mm && found.copies() == self.layout.copies();
         if is_lower {
             let unplaced = std::mem::take(&mut self.layout.unplaced);
             self.layout = BatchLayout { unplaced, ..found };

@@ -9,6 +9,7 @@ use anyhow::Result;
 use nester::{NestingSolution, SearchBudget};
 
 use super::{
+    cpu_meter::CpuMeter,
     lane_search::{LaneSearch, NestingProblem},
     layout::{BatchLayout, LayoutPlacement, NestingBatch, NestingPart},
     mesh_source::MeshSource,
@@ -77,8 +78,7 @@ impl NestingRequest {
         let mut config = self.profile.search.nest.clone();
         config.seed = self.seed;
         let start = batch.matching_placements(&self.start_placements);
-        let alone = lanes.is_some() || config.threads == 1 && config.lane_count() == 1;
-        let cpu = cpu_secs(alone);
+        let meter = CpuMeter::begin(&self.budget, f64::INFINITY);
         let mut curve = Vec::new();
         let mut listener = |solution: &NestingSolution, _evaluations: u64| {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
@@ -87,7 +87,7 @@ impl NestingRequest {
         };
         let prepared = &meshes.prepared;
         let (solution, lane_cpu_secs) = match lanes {
-            None => (nester::nest_with_cache(&instance, &config, &start, prepared, &self.budget, &mut listener), 0.0),
+            None => (nester::nest_with_cache(&instance, &config, &start, prepared, &meter, &mut listener), 0.0),
             Some(lanes) => {
                 let problem = NestingProblem { instance: &instance, config: &config, prepared, start: &start };
                 let found = lanes.run(&problem, &self.budget, &mut listener)?;
@@ -103,7 +103,7 @@ impl NestingRequest {
             batch,
             layout,
             lower_bound_mm,
-            cpu_secs: cpu_secs(alone) - cpu + lane_cpu_secs,
+            cpu_secs: meter.spent_secs() + lane_cpu_secs,
             wall_secs,
             curve,
         })
@@ -117,12 +117,4 @@ impl NestingRequest {
         };
         Ok(NestingBatch { parts: self.wanted.iter().map(part).collect::<Result<_>>()? })
     }
-}
-
-/// CPU seconds used so far: by this thread if it searches alone, otherwise by the process. Other searches count as well
-/// then, if a profile asks for more lanes than threads.
-pub(super) fn cpu_secs(alone: bool) -> f64 {
-    use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(if alone { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

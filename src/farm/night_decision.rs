@@ -8,9 +8,11 @@ const LEAST_GAIN: f64 = 0.003;
 /// Maximum time of one search, CPU seconds: if the daemon is killed, that is what is lost.
 const MAX_SEARCH_SECS: f64 = 300.0;
 /// After this many searches without an end they may be what ends the daemon.
-const MAX_STARTS: u32 = 3;
+pub(super) const MAX_STARTS: u32 = 3;
 /// A search that takes less than this share of its time knows that no lower layout exists.
 const EARLY_END_SHARE: f64 = 0.5;
+/// No search takes less than this share of the time of the first round: it must end with something.
+const LEAST_SEARCH_SHARE: f64 = 0.1;
 /// Most doublings of the time of a round.
 const MAX_DOUBLINGS: u32 = 30;
 
@@ -42,7 +44,8 @@ pub(super) fn begin_night(problem: String, height_mm: f64) -> NightSearchRow {
     }
 }
 
-/// Time that is left of the round, CPU seconds. The first round takes `first_secs`.
+/// Time that is left of the round, CPU seconds; negative where the round has taken more than its time. The first round
+/// takes `first_secs`.
 fn round_secs_left(row: &NightSearchRow, first_secs: f64) -> f64 {
     first_secs * f64::from(1_u32 << row.round.min(MAX_DOUBLINGS)) - row.round_cpu_secs
 }
@@ -55,7 +58,10 @@ pub(super) fn decide_search(row: &NightSearchRow, first_secs: f64, improve_secs:
         NightState::StandsStill | NightState::GivenUp => Err(row.state),
         _ if row.starts >= MAX_STARTS => Err(NightState::GivenUp),
         _ if left_secs <= 0.0 => Err(NightState::UsedUp),
-        _ => Ok(round_secs_left(row, first_secs).min(left_secs).min(MAX_SEARCH_SECS)),
+        _ => {
+            let secs = round_secs_left(row, first_secs).max(LEAST_SEARCH_SHARE * first_secs);
+            Ok(secs.min(left_secs).min(MAX_SEARCH_SECS))
+        }
     }
 }
 
@@ -125,6 +131,13 @@ mod tests {
         assert_eq!((row.state, row.round, row.cpu_secs), (NightState::GoesOn, 0, 15.0));
         assert_eq!(decide_search(&row, 20.0, 3600.0), Ok(5.0));
         assert_eq!(searched(row, 100.0).state, NightState::StandsStill);
+    }
+
+    #[test]
+    fn a_round_that_has_taken_more_than_its_time_ends_with_a_short_search() {
+        // It was stopped late, or `arrival_secs` is shorter since.
+        let row = searched(NightSearchRow { round: 5, round_cpu_secs: 900.0, cpu_secs: 900.0, ..fresh() }, 98.0);
+        assert_eq!((row.state, row.round, row.round_cpu_secs, row.cpu_secs), (NightState::GoesOn, 6, 0.0, 902.0));
     }
 
     #[test]

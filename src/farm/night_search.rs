@@ -4,27 +4,26 @@
 use std::{collections::BTreeSet, sync::PoisonError};
 
 use anyhow::Result;
-use nester::{NestingMethod, NestingSolution, SearchBudget, StopCondition, improve_layouts};
+use nester::{NestingMethod, NestingSolution, SearchBudget, improve_layouts};
 use tracing::{debug, info, warn};
 
 use super::{
     batch::{arrival_search_secs, count_searches, save_layout},
+    cpu_meter::CpuMeter,
     damaged_files,
     failure::LostFileError,
     farm::Farm,
     jobs::BackgroundJob,
+    kept_layouts::{find_row, hash_problem},
     layout::{BatchLayout, CopyId, LayoutPlacement, layouts_from_json, layouts_to_json},
     machine_state::{MachineState, MachineStates},
     mesh_source::MeshSource,
-    nesting_search::{NestingRequest, SharedBestLayout, cpu_secs},
-    night_decision::{NightSearchEnd, begin_night, count_search, decide_search},
+    nesting_search::{NestingRequest, SharedBestLayout},
+    night_decision::{MAX_STARTS, NightSearchEnd, begin_night, count_search, decide_search},
     open_night::RunningNight,
     thread_priority::{NIGHT_NICENESS, lower_thread_priority},
 };
-use crate::{
-    ledger::{BuildId, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart},
-    settings::MachineProfile,
-};
+use crate::ledger::{BuildId, Ledger, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart};
 
 /// Height differences up to this count as equal, mm.
 const SAME_MM: f64 = 1e-6;
@@ -37,6 +36,8 @@ pub(super) struct NightSearchJob {
     profile: String,
     build: BuildId,
     number: u64,
+    /// The copies and rules that it is for.
+    problem: String,
 }
 
 /// What a search has found.
@@ -92,12 +93,9 @@ impl NightSearchJob {
     }
 
     async fn take_result(self, farm: &mut Farm, found: NightSearchResult) -> Result<()> {
-        match farm.ledger.add_cpu_secs(self.build, found.cpu_secs).await {
-            // Its copies were built meanwhile.
-            Ok(()) | Err(LedgerError::WrongState { .. }) => {}
-            Err(error) => return Err(error.into()),
-        }
-        let Some((machine, search, row)) = self.take_search(&mut farm.machines) else { return Ok(()) };
+        let Some((machine, search, row)) = self.take_search(&mut farm.machines) else {
+            return self.count_ended(&farm.ledger, found.cpu_secs).await;
+        };
         let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
         // A search that was stopped before it had looked at its pool has found nothing.
         let is_of_use = found.layout.height_mm <= machine.open.layout.height_mm + SAME_MM;
@@ -116,12 +114,28 @@ impl NightSearchJob {
         }
         farm.ledger.save_night_search(self.build, &row).await?;
         machine.open.night.row = Some(row);
-        Ok(())
+        Ok(farm.ledger.add_cpu_secs(self.build, found.cpu_secs).await?)
+    }
+
+    /// Counts a search of which nothing is taken, because something else is wanted of the open build by now: its time was spent,
+    /// and it did not end the daemon.
+    async fn count_ended(&self, ledger: &Ledger, cpu_secs: f64) -> Result<()> {
+        match ledger.add_cpu_secs(self.build, cpu_secs).await {
+            // Its copies were built meanwhile.
+            Err(LedgerError::WrongState { .. }) => return Ok(()),
+            counted => counted?,
+        }
+        let Some(row) = find_row(ledger, self.build, &self.problem).await? else { return Ok(()) };
+        let (spent_secs, round_cpu_secs) = (row.cpu_secs + cpu_secs, row.round_cpu_secs + cpu_secs);
+        let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, starts: 0, ..row };
+        Ok(ledger.save_night_search(self.build, &row).await?)
     }
 
     /// What failed would fail again: these copies are not searched further.
     async fn give_up(&self, farm: &mut Farm, why: &str) -> Result<()> {
-        let Some((machine, _, row)) = self.take_search(&mut farm.machines) else { return Ok(()) };
+        let Some((machine, _, row)) = self.take_search(&mut farm.machines) else {
+            return self.count_ended(&farm.ledger, 0.0).await;
+        };
         warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
         let row = NightSearchRow { state: NightState::GivenUp, ..row };
         machine.open.night.row = Some(row.clone());
@@ -163,12 +177,11 @@ fn stop_surplus(farm: &Farm) {
 
 /// Whether the open build of a machine waits for something else than a search, and its search is not known to have ended.
 fn may_go_on(machine: &MachineState) -> bool {
-    let (open, config) = (&machine.open, &machine.profile.search.nest);
+    let open = &machine.open;
     machine.leases.are_fresh()
         && machine.agreed_folders.is_some()
         && machine.pacing.is_idle
         && machine.pending_flushes.is_empty()
-        && config.method == NestingMethod::Nestd
         && !open.layout.placed.is_empty()
         && open.search.is_none()
         && open.night.search.is_none()
@@ -181,14 +194,14 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
     let known = farm.ledger.find_night_search(build).await?;
     let profile = farm.machines[name].profile.clone();
     let improve_secs = profile.search.improve_secs;
-    if improve_secs <= 0.0 {
+    if improve_secs <= 0.0 || profile.search.nest.method == NestingMethod::Paper {
         if known.is_some() {
             farm.ledger.delete_night_search(build).await?;
         }
         farm.machines.get_mut(name).into_iter().for_each(|machine| machine.open.night.is_known = true);
         return Ok(());
     }
-    let placed: BTreeSet<CopyId> = farm.machines[name].open.layout.placed.iter().map(|placed| placed.copy).collect();
+    let placed = farm.machines[name].open.layout.copies();
     let wanted = keep_copies(farm.ledger.waiting_copies(name).await?, &placed);
     if wanted.iter().map(|(_, copies)| copies.len()).sum::<usize>() != placed.len() {
         // Copies are gone since: the next look at the open build finds that.
@@ -211,13 +224,17 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         farm.ledger.save_night_search(build, &row).await?;
     }
     if row.state != NightState::GoesOn {
-        info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}.", row.state);
+        let why = if row.starts >= MAX_STARTS { ", because the daemon ended during its last searches" } else { "" };
+        info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
     }
     let seed = profile.search.nest.seed.wrapping_add(FIRST_SEED).wrapping_add((1e3 * row.cpu_secs) as u64);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    (machine.open.night.row, machine.open.night.is_known) = (Some(row), true);
+    (machine.open.night.row, machine.open.night.is_known) = (Some(row.clone()), true);
     if let Some(secs) = secs {
-        start_search(farm, name, (build, wanted), &pool, (secs, seed));
+        machine.open.rounds += 1;
+        let (number, problem) = (machine.open.rounds, row.problem);
+        let job = NightSearchJob { profile: name.to_owned(), build, number, problem };
+        start_search(farm, job, wanted, &pool, (secs, seed));
     }
     Ok(())
 }
@@ -225,21 +242,20 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
 /// Starts a search of `secs` CPU seconds for what waits, from the layout that is there and the pool.
 fn start_search(
     farm: &mut Farm,
-    name: &str,
-    (build, wanted): (BuildId, Vec<(PartRow, Vec<u32>)>),
+    job: NightSearchJob,
+    wanted: Vec<(PartRow, Vec<u32>)>,
     pool: &[Vec<LayoutPlacement>],
     (secs, seed): (f64, u64),
 ) {
-    let Some(machine) = farm.machines.get_mut(name) else { return };
-    let profile = machine.profile.clone();
-    machine.open.rounds += 1;
-    let (number, stop, best) = (machine.open.rounds, SearchBudget::until_cancelled(), SharedBestLayout::default());
-    machine.open.night.search = Some(RunningNight { number, stop: stop.clone(), asked_secs: secs, best: best.clone() });
+    let Some(machine) = farm.machines.get_mut(&job.profile) else { return };
+    let (profile, stop, best) = (machine.profile.clone(), SearchBudget::until_cancelled(), SharedBestLayout::default());
+    let running = RunningNight { number: job.number, stop: stop.clone(), asked_secs: secs, best: best.clone() };
+    machine.open.night.search = Some(running);
     let pool: Vec<_> = std::iter::once(&machine.open.layout.placed).chain(pool).cloned().collect();
     let request =
         NestingRequest { profile, wanted, start_placements: Vec::new(), budget: stop, seed, best_layout: best };
     let meshes = farm.meshes.clone();
-    farm.jobs.start(NightSearchJob { profile: name.to_owned(), build, number }, move || {
+    farm.jobs.start(job, move || {
         lower_thread_priority(NIGHT_NICENESS);
         lower_layouts(&request, &pool, secs, &meshes)
     });
@@ -254,34 +270,6 @@ fn keep_copies(waiting: Vec<WaitingPart>, placed: &BTreeSet<CopyId>) -> Vec<(Par
     waiting.into_iter().filter_map(kept).collect()
 }
 
-/// BLAKE3 of everything that a layout depends on: the machine, the meshes, the copies and the rules for them.
-fn hash_problem(profile: &MachineProfile, wanted: &[(PartRow, Vec<u32>)]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(format!("{:?} {:?}", profile.to_machine(), profile.intake.unit).as_bytes());
-    for (part, copies) in wanted {
-        let (file, limits) = ((&part.file.content_hash, part.solid.object_index), part.orientation_limits());
-        let rules = (part.terms.unit, part.terms.clearance_mm, limits, copies);
-        hasher.update(format!("{} {file:?} {rules:?}", part.id).as_bytes());
-    }
-    hasher.finalize().to_string()
-}
-
-/// A limit of CPU seconds.
-struct CpuBudget<'a> {
-    stop: &'a SearchBudget,
-    limit_secs: f64,
-    began_secs: f64,
-    /// Whether the thread searches alone.
-    alone: bool,
-}
-
-impl StopCondition for CpuBudget<'_> {
-    fn spent_share_at(&self, evaluations: u64) -> f64 {
-        let of_time = (cpu_secs(self.alone) - self.began_secs) / self.limit_secs;
-        self.stop.spent_share_at(evaluations).max(of_time)
-    }
-}
-
 /// Lowers the layouts of a pool for `limit_secs` CPU seconds. Runs on the job's thread.
 fn lower_layouts(
     request: &NestingRequest,
@@ -293,18 +281,16 @@ fn lower_layouts(
     let instance = batch.create_instance(&request.profile)?;
     let mut config = request.profile.search.nest.clone();
     config.seed = request.seed;
-    let alone = config.threads == 1 && config.lane_count() == 1;
-    let began_secs = cpu_secs(alone);
-    let budget = CpuBudget { stop: &request.budget, limit_secs, began_secs, alone };
+    let meter = CpuMeter::begin(&request.budget, limit_secs);
     let pool: Vec<_> = pool.iter().map(|placed| batch.matching_placements(placed)).collect();
     let mut listener = |solution: &NestingSolution, _evaluations: u64| {
         *request.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
             Some(batch.layout_from_solution(&instance, solution));
     };
-    let found = improve_layouts(&instance, &config, &pool, &meshes.prepared, &budget, &mut listener);
+    let found = improve_layouts(&instance, &config, &pool, &meshes.prepared, &meter, &mut listener);
     Ok(NightSearchResult {
         layout: batch.layout_from_solution(&instance, &found.best),
         pool: found.pool.iter().map(|placements| batch.layout_placements(placements)).collect(),
-        cpu_secs: cpu_secs(alone) - began_secs,
+        cpu_secs: meter.spent_secs(),
     })
 }

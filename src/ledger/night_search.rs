@@ -20,7 +20,7 @@ pub enum NightState {
     StandsStill,
     /// It has taken the CPU time that it may take.
     UsedUp,
-    /// It failed, or ended the daemon more than once.
+    /// It failed, or the daemon ended during three searches in a row.
     GivenUp,
 }
 

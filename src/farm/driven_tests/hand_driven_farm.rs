@@ -322,6 +322,11 @@ impl HandDrivenFarm {
         self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
     }
 
+    /// The farm knows no layout of an open build any more, and searches its copies again.
+    pub fn forget_layout(&mut self, profile: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.reset();
+    }
+
     /// What `STATUS.txt` says next.
     pub fn status_text(&self) -> String {
         self.farm.as_ref().unwrap().machines[PROFILE].status.0.clone()

@@ -258,3 +258,138 @@ fn the_searches_of_other_machines_come_first() {
     assert!(row.round == 12 && row.round_cpu_secs > 0.0, "the time before counts: {row:?}");
     farm.stop();
 }
+
+/// Other settings of the machine, which change nothing about its layouts.
+fn with_other_attempts(profile: &str, attempts: u32) -> String {
+    profile.replace("max_attempts = 50", &format!("max_attempts = {attempts}"))
+}
+
+/// A farm whose open build was lowered by a round of some length, and rests.
+fn lowered() -> (HandDrivenFarm, NightSearchRow, f64) {
+    let mut farm = HandDrivenFarm::open(&lowering(8.0));
+    drop_mixed(&mut farm, 12);
+    go_on_with_round(&mut farm, PROFILE, 3);
+    let row = rest(&mut farm);
+    let height_mm = open_height_mm(&farm);
+    assert!(height_mm < row.first_height_mm, "{height_mm} of {}", row.first_height_mm);
+    (farm, row, height_mm)
+}
+
+#[test]
+fn other_settings_of_the_machine_leave_the_layout_as_low_as_it_is() {
+    let (mut farm, row, height_mm) = lowered();
+    farm.write_profile(PROFILE, &with_other_attempts(&lowering(8.0), 40));
+    farm.reload();
+    farm.pass_secs(5.0);
+    assert!(open_height_mm(&farm) <= height_mm, "{} of {height_mm}", open_height_mm(&farm));
+    assert_eq!(night(&farm), row, "it rests");
+}
+
+#[test]
+fn a_kept_layout_of_the_same_copies_is_taken_back() {
+    let (mut farm, row, height_mm) = lowered();
+    farm.stop();
+    farm.start();
+    // As if other copies had been searched last.
+    farm.forget_layout(PROFILE);
+    farm.pass_secs(5.0);
+    assert!(open_height_mm(&farm) <= height_mm, "{} of {height_mm}", open_height_mm(&farm));
+    assert_eq!(night(&farm), row, "it rests");
+}
+
+#[test]
+fn another_order_of_precedence_is_no_arrival() {
+    let (mut farm, row, _) = lowered();
+    let last = farm.parts(PartState::Waiting).last().unwrap().id;
+    let edit = Some(PartEdit { priority: Some(90), ..PartEdit::default() });
+    farm.submit_command(&NewCommand {
+        kind: CommandKind::Edit,
+        profile: String::new(),
+        part: Some(last),
+        argument: CommandArgument { edit, ..CommandArgument::default() },
+        asked_by: "a@test".to_owned(),
+    });
+    farm.pass_secs(3.0);
+    farm.stop();
+    farm.start();
+    farm.pass_secs(5.0);
+    assert_eq!(night(&farm), row, "it rests");
+}
+
+#[test]
+fn searches_that_are_ended_count_and_are_no_crashes() {
+    let (mut farm, row) = searching_long();
+    for attempts in 10..15 {
+        farm.write_profile(PROFILE, &with_other_attempts(&lowering(3600.0), attempts));
+        farm.reload();
+        farm.pass_moments_until("it is searched again", |farm| farm.is_lowering(PROFILE));
+    }
+    let now = night(&farm);
+    assert_eq!((now.state, now.starts, now.round), (NightState::GoesOn, 1, 12));
+    assert!(now.cpu_secs > row.cpu_secs && now.round_cpu_secs > 0.0, "{now:?}");
+    farm.stop();
+}
+
+#[test]
+fn the_published_method_is_not_searched_further() {
+    let (mut farm, ..) = lowered();
+    farm.write_profile(PROFILE, &format!("{}[nest]\nmethod = \"paper\"\n", lowering(8.0)));
+    farm.reload();
+    farm.pass_until("it is forgotten", |farm| night_of(farm, PROFILE).is_none());
+}
+
+/// A ledger in which certain changes fail until they are allowed again.
+struct RefusedChanges(sqlx::SqlitePool);
+
+impl RefusedChanges {
+    fn of(farm: &HandDrivenFarm, columns: &str, when: &str) -> Self {
+        let pool = farm.ask(async |ledger| {
+            let file = ledger.file().unwrap().display().to_string();
+            let pool = sqlx::SqlitePool::connect(&format!("sqlite://{file}")).await.unwrap();
+            let trigger = format!(
+                "CREATE TRIGGER refused BEFORE UPDATE OF {columns} ON build WHEN {when} \
+                 BEGIN SELECT RAISE(ABORT, 'refused'); END"
+            );
+            sqlx::query(sqlx::AssertSqlSafe(trigger)).execute(&pool).await.unwrap();
+            pool
+        });
+        Self(pool)
+    }
+
+    fn allow(self, farm: &HandDrivenFarm) {
+        farm.ask(async |_| {
+            sqlx::query("DROP TRIGGER refused").execute(&self.0).await.unwrap();
+            self.0.close().await;
+        });
+    }
+}
+
+#[test]
+fn a_search_whose_end_the_ledger_refuses_goes_on_later() {
+    let mut farm = HandDrivenFarm::open(&lowering(60.0));
+    drop_mixed(&mut farm, 6);
+    rest(&mut farm);
+    go_on_with_round(&mut farm, PROFILE, 0);
+    let refused = RefusedChanges::of(&farm, "cpu_secs", "true");
+    farm.pass_secs(2.0);
+    refused.allow(&farm);
+    rest(&mut farm);
+}
+
+#[test]
+fn an_arrival_whose_layout_the_ledger_refuses_is_searched_again() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a_x6.stl", &block(50.0, 22.0, 13.0));
+    farm.pass_until("the first stand in the open build", |farm| farm.open_copies().len() == 6);
+    let kept =
+        |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.open_build(PROFILE).await.unwrap().measures.copies);
+    for (columns, when, copies) in [("layout", "true", 7), ("searches", "NEW.searches = 0", 8)] {
+        let refused = RefusedChanges::of(&farm, columns, when);
+        farm.drop_part(&format!("late{copies}.stl"), &block(20.0, 15.0, 8.0));
+        farm.wait_for_parts(PartState::Waiting, copies - 5);
+        farm.pass_secs(3.0);
+        assert_eq!(kept(&farm), Some(copies as u32 - 1));
+        refused.allow(&farm);
+        farm.pass_until("the arrival is in the kept layout", |farm| kept(farm) == Some(copies as u32));
+    }
+}

@@ -41,7 +41,8 @@ inside nestd --version | grep -q '^nestd ' || fail "nestd does not run"
 inside getent passwd nestd >/dev/null || fail "there is no user nestd"
 [ "$(inside stat -c '%U:%G %a' /srv/nestd/inbox)" = "nestd:nestd 2770" ] || fail "the inbox is not the group's"
 for file in usr/lib/systemd/system/nestd.service usr/share/man/man1/nestd-status.1.gz usr/share/bash-completion/completions/nestd \
-    usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/examples/profiles/mjf-5200.toml; do
+    usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/examples/profiles/mjf-5200.toml \
+    usr/share/doc/nestd/docs/servers.md; do
     [ -s "$ROOT/$file" ] || fail "$file is missing"
 done
 inside nestd -c /etc/nestd/nestd.toml machine new hp --model mjf-5200 >/dev/null || fail "a machine cannot be added"

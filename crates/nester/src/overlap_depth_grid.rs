@@ -8,7 +8,7 @@ use super::{
     working_layout::WorkingLayout,
 };
 
-/// Approximate number of cells of the occupancy grid.
+/// Approximate number of cells of the grid.
 const CELLS: f32 = 40_000.0;
 /// Depths are summed in fixed point, so that removing a part restores the grid exactly.
 const DEPTH_UNIT: f32 = 64.0;

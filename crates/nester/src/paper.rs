@@ -74,7 +74,7 @@ pub(crate) fn nest_paper(
     best.unwrap_or_else(|| proved_solution(instance, &shapes, &zones, Vec::new(), evaluations))
 }
 
-/// Steps 1 and 6 of section 2.3.1; the computation time is limited by the caller's `Stop`.
+/// Steps 1 and 6 of section 2.3.1; the computation time is limited by the caller's `StopCondition`.
 fn has_converged(config: &NestingConfig, layouts: u64, height_mm: Option<f64>, previous_mm: Option<f64>) -> bool {
     let paper = &config.paper;
     if paper.max_layouts > 0 && layouts >= paper.max_layouts {

@@ -1,5 +1,5 @@
 //! Finds another place for a part. Flower pollination searches the whole volume in three steps of rising cost: many
-//! lookups in an occupancy grid, the overlap of the best candidates, and separation steps for the very best.
+//! lookups in the overlap depth grid, the overlap of the best candidates, and separation steps for the very best.
 
 use glam::{DQuat, DVec3};
 use rand::RngExt;
@@ -85,7 +85,7 @@ pub(crate) fn random_pose(layout: &WorkingLayout<'_>, part: usize, rng: &mut Cha
 /// Limits on the work of one relocation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RelocationEffort {
-    /// Number of queries to the occupancy grid.
+    /// Number of queries to the overlap depth grid.
     pub(crate) grid_queries: usize,
     /// Number of candidates compared by coarse overlap.
     pub(crate) coarse_checks: usize,
@@ -190,7 +190,7 @@ impl DifferentPlaces {
     }
 }
 
-/// Returns the best poses that flower pollination found, by depth in the occupancy grid, each in another place.
+/// Returns the best poses that flower pollination found, by overlap depth, each in another place.
 fn propose_poses(
     layout: &mut WorkingLayout<'_>,
     part: usize,

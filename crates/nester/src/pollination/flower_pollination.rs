@@ -95,7 +95,7 @@ struct FlowerState<F> {
 /// are passed in.
 ///
 /// Flowers take turns: [`ask`](Self::ask) proposes a genome for the present flower, [`tell`](Self::tell) or
-/// [`skip`](Self::skip) ends its turn. A first turn proposes the flower's start.
+/// [`skip_turn`](Self::skip_turn) ends its turn. A first turn proposes the flower's start.
 #[derive(Debug, Clone)]
 pub struct FlowerPollination<F> {
     setup: PollinationSettings,

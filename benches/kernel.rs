@@ -1,5 +1,6 @@
 //! Measures distance queries between parts at tight poses, with the clearance tree and with parry3d on the same pairs,
-//! and the time to build a tree. `cargo bench --bench kernel`; the recorded figures are in `docs/benchmark.md`.
+//! and the time to build a tree: `cargo bench --bench kernel`. The figures of `docs/benchmark.md` are made by
+//! `cargo bench --bench heights -- --only kernel`.
 
 #[path = "common/pairs.rs"]
 mod pairs;

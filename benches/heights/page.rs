@@ -20,16 +20,20 @@ const HEAD: &str = "\
 Written by `cargo bench --bench heights` from [benchmark.json](benchmark.json), which records every search with its
 seed, its commit and its curve. To measure again:
 
-    cargo bench --bench heights                                        # everything, about an hour on two cores
+    cargo bench --bench heights                                        # everything, an hour and a half on two cores
     cargo bench --bench heights -- --only heights --secs 10,60,160     # a part of it, with longer searches
     cargo bench --bench heights -- --only heights --cases engine30 --seeds 10
+    cargo bench --bench heights -- --only flowers --secs 60 --seeds 8  # what flower pollination is worth
+    cargo bench --bench heights -- --only ablation --evaluations 100000 --seeds 8
     cargo bench --bench heights -- --resume                            # what is missing at this commit
     cargo bench --bench heights -- --page                              # only this page
     cargo bench --bench lid_probe                                      # evaluations per lowered lid, from saved layouts
 
 Each search is a separate process. Its time is CPU time, so that other work on the machine has little influence. Heights
-are in mm: means over the seeds, with the least and the greatest in brackets. Every layout is proved on its triangles
-after the search. The published method is `--method paper`; both methods search in one thread. No layout can be lower
+are in mm: means over the seeds, with the least and the greatest in brackets; the column of seeds tells their number,
+and that of the published method where it is another. The rows and cells of a table may come from different days, commits
+and processors, as the line below it tells; benchmark.json tells which. The last layout of each search is proved on its
+triangles. The published method is `--method paper`; both methods search in one thread. No layout can be lower
 than the lower bound, but the bound may be out of reach.
 ";
 
@@ -45,6 +49,7 @@ pub fn write(book: &RecordBook) -> Result<()> {
     page.push_str(&drawings(&listed)?);
     let all: Vec<&SearchRecord> = book.records.iter().collect();
     section(&mut page, "What each component is worth", &all, tables::ablation);
+    section(&mut page, "What flower pollination is worth", &all, tables::flowers);
     section(&mut page, "From 20 to 1,000 copies", &all, tables::scale);
     section(&mut page, "The first layout", &all, tables::first_layouts);
     if !book.kernel.is_empty() {

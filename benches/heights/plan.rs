@@ -16,6 +16,8 @@ pub enum BenchSection {
     Heights,
     /// Each component disabled at fixed evaluations.
     Ablation,
+    /// Each use of flower pollination disabled, at CPU seconds.
+    Flowers,
     /// From 20 to 1,000 copies.
     Scale,
     /// Time to a first layout.
@@ -28,6 +30,8 @@ pub enum BenchSection {
 
 /// The workloads of the ablation.
 pub const ABLATED: [&str; 3] = ["engine30", "small200", "organic88"];
+/// How the components begin that are a use of flower pollination.
+const FLOWERS: &str = "flowers";
 /// Evaluations per copy in the scaling.
 pub const SCALE_EVALUATIONS: u64 = 400;
 /// Workloads for the time to the first layout.
@@ -55,7 +59,13 @@ pub fn plan(args: &BenchArgs) -> Result<Vec<SearchTrial>> {
         plan.extend(lists.iter().filter(|c| wanted(&c.as_str())).flat_map(|case| compared(args, case)));
     }
     if asks_for(args, BenchSection::Ablation) {
-        plan.extend(ABLATED.iter().filter(|c| wanted(c)).flat_map(|case| ablated(args, case)));
+        let budget = TrialBudget::Evaluations(args.evaluations);
+        plan.extend(ABLATED.iter().filter(|c| wanted(c)).flat_map(|case| ablated(args, case, budget, "")));
+    }
+    if asks_for(args, BenchSection::Flowers) {
+        let budgets = || args.secs.iter().map(|&secs| TrialBudget::CpuSecs(secs));
+        let of_case = |case: &'static &str| budgets().flat_map(move |budget| ablated(args, case, budget, FLOWERS));
+        plan.extend(ABLATED.iter().filter(|c| wanted(c)).flat_map(of_case));
     }
     let ours = |case: &str, budget: TrialBudget| trial(args, case, NestingMethod::Nestd, budget, 1);
     if asks_for(args, BenchSection::Scale) {
@@ -70,11 +80,17 @@ pub fn plan(args: &BenchArgs) -> Result<Vec<SearchTrial>> {
         "there is nothing to measure: no section of --only has a workload {}",
         args.cases.join(" or ")
     );
-    plan.sort_by_key(|t: &SearchTrial| match t.budget {
+    let mut once: Vec<SearchTrial> = Vec::new();
+    for trial in plan {
+        if !once.contains(&trial) {
+            once.push(trial);
+        }
+    }
+    once.sort_by_key(|t: &SearchTrial| match t.budget {
         TrialBudget::CpuSecs(secs) => std::cmp::Reverse(secs),
         TrialBudget::Evaluations(count) => std::cmp::Reverse(count / 30_000),
     });
-    Ok(plan)
+    Ok(once)
 }
 
 /// The budget of a scaling search.
@@ -98,11 +114,13 @@ fn compared(args: &BenchArgs, case: &str) -> Vec<SearchTrial> {
         .collect()
 }
 
-fn ablated(args: &BenchArgs, case: &str) -> Vec<SearchTrial> {
-    let components = SearchComponents::each_disabled().map(|(component, _)| Some(component.to_owned()));
+/// Searches with all components, and without each whose name begins with `beginning`.
+fn ablated(args: &BenchArgs, case: &str, budget: TrialBudget, beginning: &str) -> Vec<SearchTrial> {
+    let components = SearchComponents::each_disabled().into_iter().filter(|(name, _)| name.starts_with(beginning));
+    let components = components.map(|(name, _)| Some(name.to_owned()));
     let of = |without: Option<String>, seed: u64| SearchTrial {
         without,
-        ..trial(args, case, NestingMethod::Nestd, TrialBudget::Evaluations(args.evaluations), seed)
+        ..trial(args, case, NestingMethod::Nestd, budget, seed)
     };
     [None]
         .into_iter()

@@ -13,6 +13,11 @@ use super::{
     trial::{SearchFinding, TrialBudget},
 };
 
+/// What the column of other packers needs to be read.
+const ABOUT_OTHERS: &str = "\
+Others, each with one thread and one seed: sparrow-3d is an open source packer that rotates parts about one axis only and
+has no clearance (it packs enlarged parts); \"prototype\" is an early version of this search.";
+
 /// Values of the same search with different seeds.
 struct SeedSample(Vec<f64>);
 
@@ -86,7 +91,7 @@ fn others(case: &str) -> String {
 pub fn listed(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let (text, origins) = heights(records);
     let head = text.replacen("| evaluations |\n|", "| evaluations | others |\n|---|", 1);
-    (head, origins)
+    (format!("{ABOUT_OTHERS}\n\n{head}"), origins)
 }
 
 /// Our own method compared with the published one.
@@ -104,8 +109,8 @@ pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
         }
     }
     let mut text =
-        "| workload | copies (meshes) | base, clearance | CPU s | published method | nestd | ratio | lower bound \
-                    | first layout, s | evaluations |\n|---|---|---|---|---|---|---|---|---|---|\n"
+        "| workload | copies (meshes) | base, clearance | CPU s | seeds | published method | nestd | ratio | lower bound \
+                    | first layout, s | evaluations |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
     let paper: BTreeMap<(&str, TrialBudget), Vec<&SearchFinding>> =
         rows.iter().filter(|(key, _)| key.3 == 1).map(|(key, row)| ((key.1, key.2), row[1].clone())).collect();
@@ -121,10 +126,11 @@ pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
             thousands(SeedSample::of(ours, |f| f.evaluations as f64).mean())
         };
         text.push_str(&format!(
-            "| {case} | {} ({}) | {} | {secs}{threads} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
+            "| {case} | {} ({}) | {} | {secs}{threads} | {} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
             any.copies,
             any.meshes,
             machine(case),
+            seeds(ours, theirs),
             height(theirs),
             height(ours),
             ratio(ours, theirs),
@@ -134,6 +140,14 @@ pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
         ));
     }
     (text, origins)
+}
+
+/// The number of seeds, and of those of the published method where that is another.
+fn seeds(ours: &[&SearchFinding], theirs: &[&SearchFinding]) -> String {
+    match (ours.len(), theirs.len()) {
+        (ours, theirs) if theirs == 0 || theirs == ours => ours.to_string(),
+        (ours, theirs) => format!("{ours} ({theirs})"),
+    }
 }
 
 /// Our mean height divided by theirs, when all layouts are complete.
@@ -146,11 +160,31 @@ fn ratio(ours: &[&SearchFinding], theirs: &[&SearchFinding]) -> String {
     format!("{:.3}", mean(ours) / mean(theirs))
 }
 
-/// Each component disabled.
+/// Each component disabled, at the most evaluations that were measured.
 pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
-    let counts = records.iter().filter(|r| r.finding.trial.without.is_some());
-    let Some(budget) = counts.map(|r| r.finding.trial.budget).max() else { return Default::default() };
-    let (TrialBudget::CpuSecs(evaluations) | TrialBudget::Evaluations(evaluations)) = budget;
+    changes(records, |budget| match budget {
+        TrialBudget::Evaluations(count) => Some(format!("{} evaluations", thousands(count as f64))),
+        TrialBudget::CpuSecs(_) => None,
+    })
+}
+
+/// Each use of flower pollination disabled, at the most CPU seconds that were measured.
+pub fn flowers(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
+    changes(records, |budget| match budget {
+        TrialBudget::CpuSecs(secs) => Some(format!("{secs} CPU seconds")),
+        TrialBudget::Evaluations(_) => None,
+    })
+}
+
+/// The change that each disabled component makes, at the greatest budget that `describe` has words for.
+fn changes(
+    records: &[&SearchRecord],
+    describe: impl Fn(TrialBudget) -> Option<String>,
+) -> (String, Vec<MeasurementOrigin>) {
+    let ablated = records.iter().filter(|r| r.finding.trial.without.is_some()).map(|r| r.finding.trial.budget);
+    let Some((budget, words)) = ablated.filter_map(|budget| Some((budget, describe(budget)?))).max() else {
+        return Default::default();
+    };
     let mut origins = Vec::new();
     let mut of = |case: &str, without: Option<&str>| -> Vec<&SearchFinding> {
         let of_trial = |r: &&&SearchRecord| {
@@ -164,34 +198,53 @@ pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
         origins.extend(found.iter().map(|r| r.origin.clone()));
         found.iter().map(|r| &r.finding).collect()
     };
+    let wholes = ABLATED.map(|case| of(case, None));
+    let seeds = wholes.iter().map(Vec::len).max().unwrap_or(0);
     let mut text = format!(
-        "Mean height at {} evaluations, and the change against the whole search with its 95 % interval; CPU seconds in\n\
-         brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
-        thousands(evaluations as f64),
+        "Mean height at {words} with up to {seeds} seeds, and the change against the whole search with its 95 % interval; CPU\n\
+         seconds in brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
         ABLATED.join(" | "),
         "---|".repeat(ABLATED.len())
     );
-    let components = SearchComponents::each_disabled().map(|(component, _)| Some(component));
-    for component in [None].into_iter().chain(components) {
-        let mut changes = Vec::new();
-        let mut cells = String::new();
-        for case in ABLATED {
-            let (found, whole) = (of(case, component), of(case, None));
-            if found.is_empty() || whole.is_empty() {
-                cells.push_str(" - |");
-                continue;
-            }
-            let sample = |findings: &[&SearchFinding]| SeedSample::of(findings, |f| f.height_mm);
-            let change = sample(&found).change_against(&sample(&whole));
-            let told = if component.is_some() { format!(" {}", told_change(&[change])) } else { String::new() };
-            let secs = SeedSample::of(&found, |f| f.cpu_secs).mean();
-            cells.push_str(&format!(" {:.1}{told} ({secs:.1}) |", sample(&found).mean()));
-            changes.push(change);
+    for component in [None].into_iter().chain(SearchComponents::each_disabled().map(|(component, _)| Some(component))) {
+        let found = ABLATED.map(|case| of(case, component));
+        if found.iter().any(|found| !found.is_empty()) {
+            text.push_str(&row_of_changes(component, &found, &wholes));
         }
-        let mean = if component.is_some() { told_change(&changes) } else { String::new() };
-        text.push_str(&format!("| {} |{cells} {mean} |\n", component.unwrap_or("nothing")));
     }
     (text, origins)
+}
+
+/// The searches without a component beside the whole ones, workload by workload.
+fn row_of_changes(component: Option<&str>, found: &[Vec<&SearchFinding>], wholes: &[Vec<&SearchFinding>]) -> String {
+    let heights = |findings: &[&SearchFinding]| SeedSample::of(findings, |f| f.height_mm);
+    let (mut changes, mut cells) = (Vec::new(), String::new());
+    for (found, whole) in found.iter().zip(wholes) {
+        if found.is_empty() || whole.is_empty() {
+            cells.push_str(" - |");
+            continue;
+        }
+        let change = heights(found).change_against(&heights(whole));
+        let told = match component {
+            None => String::new(),
+            Some(_) if are_the_same(found, whole) => " took no part".to_owned(),
+            Some(_) => format!(" {}", told_change(&[change])),
+        };
+        let secs = SeedSample::of(found, |f| f.cpu_secs).mean();
+        cells.push_str(&format!(" {:.1}{told} ({secs:.1}) |", heights(found).mean()));
+        if !told.ends_with("no part") {
+            changes.push(change);
+        }
+    }
+    let mean = if component.is_some() { told_change(&changes) } else { String::new() };
+    format!("| {} |{cells} {mean} |\n", component.unwrap_or("nothing"))
+}
+
+/// Whether the searches of each seed did the same.
+fn are_the_same(found: &[&SearchFinding], whole: &[&SearchFinding]) -> bool {
+    let did = |f: &SearchFinding| (f.height_mm.to_bits(), f.evaluations);
+    let same_seed = |f: &SearchFinding| whole.iter().find(|w| w.trial.seed == f.trial.seed).map(|w| did(w));
+    found.iter().all(|f| same_seed(f) == Some(did(f)))
 }
 
 /// The mean of relative changes and its 95 % interval, in percent; each change with the variance of its mean, which is NaN

@@ -43,7 +43,7 @@ pub struct SearchTrial {
 /// One step down: CPU seconds, evaluations, mm.
 pub type CurveStep = (f64, u64, f64);
 
-/// The result of a search; every layout in it was proved on its triangles.
+/// The result of a search; its last layout was proved on its triangles.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SearchFinding {
     /// The search.
@@ -90,7 +90,7 @@ impl SearchFinding {
 }
 
 impl SearchTrial {
-    /// Runs the search, and proves its layouts.
+    /// Runs the search, and proves its last layout.
     pub fn run(&self) -> Result<SearchFinding> {
         let instance = cases::instance(&self.case)?;
         let config = NestingConfig {

@@ -24,8 +24,8 @@ put 0644 config/server/nestd.toml etc/nestd/nestd.toml
 doc=usr/share/doc/nestd
 put 0644 config/nestd.toml $doc/nestd.toml
 for machine in config/profiles/*.toml; do put 0644 "$machine" "$doc/examples/profiles/${machine##*/}"; done
-# As in the repository, so that their links work.
-for text in README.md systemd/README.md systemd/webhook.conf docs/*.md docs/*.svg docs/*.png docs/alerts.yml docs/grafana.json; do
+# Placed as in the repository, so that their links work, except those to how nestd is made and measured.
+for text in README.md systemd/README.md systemd/webhook.conf docs/*.md docs/*.png docs/screens/* docs/alerts.yml docs/grafana.json; do
     put 0644 "$text" "$doc/$text"
 done
 put 0644 packaging/copyright $doc/copyright

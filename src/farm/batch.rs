@@ -118,10 +118,10 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let has_unread_claims = flush
         && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
             || fetch_originals::awaits_original(farm, name).await?);
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     if waiting.is_empty() {
-        machine.open.reset();
+        empty_open_build(farm, name).await?;
     }
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let waiting_ids: BTreeSet<CopyId> = waiting_copy_ids(&waiting).into_iter().collect();
     machine.left_out.retain_copies(|copy| waiting_ids.contains(copy));
     let waiting = machine.open.rank_queue(waiting);
@@ -151,6 +151,14 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
         BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
         BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
     }
+}
+
+/// No part waits any more: nothing is told of a layout.
+async fn empty_open_build(farm: &mut Farm, name: &str) -> Result<()> {
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.open.reset();
+    }
+    Ok(farm.ledger.forget_layout(name).await?)
 }
 
 /// Whether the open build fires at once because it holds the copies of a build that nestd withdrew: as soon as their originals are
@@ -202,11 +210,7 @@ async fn start_layout_search(
         return Ok(());
     }
     let parts: Vec<(PartRow, Vec<u32>)> = head.into_iter().map(|w| (w.part, w.copies)).collect();
-    let machine = &farm.machines[name];
-    let kept = match machine.open.stands_for(&wanted) {
-        true => None,
-        false => find_kept_layout(&farm.ledger, build.id, &machine.profile, &parts).await?,
-    };
+    let kept = find_kept_layout(&farm.ledger, build.id, &farm.machines[name].profile, &parts).await?;
     farm.ledger.begin_search(build.id).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open = &mut machine.open;
@@ -217,7 +221,7 @@ async fn start_layout_search(
     let request = NestingRequest {
         profile: machine.profile.clone(),
         wanted: parts,
-        start_placements: kept.unwrap_or_else(|| open.layout.placed.clone()),
+        starts: std::iter::once(open.layout.placed.clone()).chain(kept).collect(),
         budget: budget.clone(),
         seed: machine.profile.search.nest.seed.wrapping_add(round),
         best_layout: best.clone(),

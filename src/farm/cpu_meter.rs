@@ -17,7 +17,7 @@ thread_local! {
 }
 
 /// A search's own budget, which also counts and may limit its CPU time: that of the thread that makes the meter, and of each
-/// thread that asks whether to stop, from its first question to its last. Threads that only prepare meshes do not ask.
+/// thread that asks whether to stop, from its first question to its last.
 pub(super) struct CpuMeter<'a> {
     number: u64,
     budget: &'a SearchBudget,

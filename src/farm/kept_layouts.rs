@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
+use nester::LayerAreaCap;
 
 use super::layout::{LayoutPlacement, layouts_from_json};
 use crate::{
+    build::MachineSpec,
     ledger::{BuildId, Ledger, NightSearchRow, PartId, PartRow},
     settings::MachineProfile,
 };
@@ -31,9 +33,13 @@ pub(super) fn keeps_layouts(before: &MachineProfile, after: &MachineProfile) -> 
     describe_machine(before) == describe_machine(after)
 }
 
-/// What layouts depend on in a profile.
+/// What layouts depend on in a profile: not how the build file is written.
 fn describe_machine(profile: &MachineProfile) -> String {
-    format!("{:?} {:?}", profile.to_machine(), profile.intake.unit)
+    let machine = profile.to_machine();
+    let layer_cap = machine.layer_cap.cap_mm2().map(|_| machine.layer_cap);
+    let (instances, arrangement) = Default::default();
+    let machine = MachineSpec { layer_cap: LayerAreaCap::default(), instances, arrangement, ..machine };
+    format!("{machine:?} {layer_cap:?} {:?}", profile.intake.unit)
 }
 
 /// BLAKE3 of everything that a layout depends on: the machine, the meshes, the copies and the rules for them. The order of

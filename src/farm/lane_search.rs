@@ -73,6 +73,8 @@ pub(super) struct NestingProblem<'a> {
     pub(super) prepared: &'a PreparedMeshes,
     /// An earlier layout to continue from.
     pub(super) start: &'a [ItemPlacement],
+    /// What ends the searches of this thread: the budget, which counts their CPU time.
+    pub(super) stop: &'a dyn StopCondition,
 }
 
 /// What a search on several nodes has found.
@@ -84,13 +86,13 @@ pub(super) struct LaneSearchEnd {
 
 /// A budget of which only a share may be used.
 struct BudgetShare<'a> {
-    budget: &'a SearchBudget,
+    stop: &'a dyn StopCondition,
     until: f64,
 }
 
 impl StopCondition for BudgetShare<'_> {
     fn spent_share_at(&self, evaluations: u64) -> f64 {
-        self.budget.spent_share_at(evaluations) / self.until
+        self.stop.spent_share_at(evaluations) / self.until
     }
 }
 
@@ -149,8 +151,8 @@ impl LaneSearch {
                 warn!(build.id = %self.build, "The search for build {} goes on without other nodes: {failure:#}.", self.build);
             }
         }
-        let NestingProblem { instance, config, prepared, .. } = *problem;
-        let solution = nest_with_cache(instance, config, &known, prepared, budget, listener);
+        let NestingProblem { instance, config, prepared, stop, .. } = *problem;
+        let solution = nest_with_cache(instance, config, &known, prepared, stop, listener);
         Ok(LaneSearchEnd { solution, lane_cpu_secs: 0.0 })
     }
 
@@ -200,8 +202,8 @@ impl LaneSearch {
         known: &mut Vec<ItemPlacement>,
         listener: &mut dyn ProgressListener,
     ) -> Result<Option<(i64, LanePlan)>> {
-        let NestingProblem { instance, config, prepared, start } = *problem;
-        let share = |until: f64| BudgetShare { budget, until };
+        let NestingProblem { instance, config, prepared, start, stop } = *problem;
+        let share = |until: f64| BudgetShare { stop, until };
         let first = nest_with_cache(instance, config, start, prepared, &share(FIRST_SHARE), listener);
         *known = first.placements;
         if !first.unplaced.is_empty() || budget.spent_share() >= 1.0 {

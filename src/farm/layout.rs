@@ -2,6 +2,7 @@
 //! parts; this file converts between them.
 
 use std::{
+    cmp::Ordering,
     collections::{BTreeSet, HashMap, HashSet},
     sync::Arc,
 };
@@ -143,6 +144,19 @@ impl NestingBatch {
         (placed.iter())
             .filter_map(|p| index.get(&p.copy).map(|&(item, copy)| ItemPlacement { item, copy, pose: p.pose }))
             .collect()
+    }
+
+    /// The earlier layout to continue from: of those that place the most copies of the batch, the lowest.
+    pub fn lowest_start(&self, starts: &[Vec<LayoutPlacement>]) -> Vec<ItemPlacement> {
+        let top_mm = |p: &ItemPlacement| self.parts[p.item].mesh.bounds_at(&p.pose).max.z;
+        let height_mm = |placements: &[ItemPlacement]| placements.iter().map(top_mm).fold(0.0, f64::max);
+        let starts = starts.iter().map(|placed| self.matching_placements(placed));
+        let better = |best: Vec<ItemPlacement>, other: Vec<ItemPlacement>| match other.len().cmp(&best.len()) {
+            Ordering::Greater => other,
+            Ordering::Equal if height_mm(&other) < height_mm(&best) => other,
+            _ => best,
+        };
+        starts.reduce(better).unwrap_or_default()
     }
 
     /// Converts a solution of [`NestingBatch::instance`] to parts and copies.

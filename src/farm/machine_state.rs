@@ -244,11 +244,6 @@ impl OpenBuildState {
         self.search.is_none() && self.tried == *wanted
     }
 
-    /// Whether the layout is one of exactly these copies that this run of the daemon has found: none that is kept is lower.
-    pub fn stands_for(&self, wanted: &BTreeSet<CopyId>) -> bool {
-        self.layout.height_mm > 0.0 && self.layout.copies() == *wanted
-    }
-
     /// Whether a search for exactly these copies should start now: they are not covered, the set has not changed for a
     /// moment, and no search runs. Cancels a search for other copies.
     pub fn wants_search(&mut self, wanted: &BTreeSet<CopyId>, now: Instant) -> bool {

@@ -154,7 +154,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
     let request = NestingRequest {
         profile: profile.clone(),
         wanted: wanted.into_iter().map(|wanted| (wanted.part, wanted.copies)).collect(),
-        start_placements: start,
+        starts: vec![start],
         budget: budget.clone(),
         seed,
         best_layout: SharedBestLayout::default(),

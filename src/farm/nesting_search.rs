@@ -26,8 +26,8 @@ pub struct NestingRequest {
     pub profile: Arc<MachineProfile>,
     /// Parts with their wanted copies, in order of precedence; a part may be there twice.
     pub wanted: Vec<(PartRow, Vec<u32>)>,
-    /// An earlier layout to continue from.
-    pub start_placements: Vec<LayoutPlacement>,
+    /// Earlier layouts; the search continues from the lowest of those that place the most copies.
+    pub starts: Vec<Vec<LayoutPlacement>>,
     /// The time budget.
     pub budget: SearchBudget,
     /// Seed of the search.
@@ -77,7 +77,7 @@ impl NestingRequest {
         let instance = batch.create_instance(&self.profile)?;
         let mut config = self.profile.search.nest.clone();
         config.seed = self.seed;
-        let start = batch.matching_placements(&self.start_placements);
+        let start = batch.lowest_start(&self.starts);
         let meter = CpuMeter::begin(&self.budget, f64::INFINITY);
         let mut curve = Vec::new();
         let mut listener = |solution: &NestingSolution, _evaluations: u64| {
@@ -89,7 +89,8 @@ impl NestingRequest {
         let (solution, lane_cpu_secs) = match lanes {
             None => (nester::nest_with_cache(&instance, &config, &start, prepared, &meter, &mut listener), 0.0),
             Some(lanes) => {
-                let problem = NestingProblem { instance: &instance, config: &config, prepared, start: &start };
+                let problem =
+                    NestingProblem { instance: &instance, config: &config, prepared, start: &start, stop: &meter };
                 let found = lanes.run(&problem, &self.budget, &mut listener)?;
                 (found.solution, found.lane_cpu_secs)
             }

@@ -73,8 +73,8 @@ impl BackgroundJob<Farm> for NightSearchJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        if let Some(machine) = farm.machines.get_mut(&self.profile) {
-            machine.open.night.search = None;
+        if let Some((machine, _, row)) = self.take_search(&mut farm.machines) {
+            machine.open.night.keep_unsaved(NightSearchRow { starts: row.starts.saturating_sub(1), ..row });
         }
     }
 }
@@ -94,11 +94,11 @@ impl NightSearchJob {
 
     async fn take_result(self, farm: &mut Farm, found: NightSearchResult) -> Result<()> {
         let Some((machine, search, row)) = self.take_search(&mut farm.machines) else {
-            return self.count_ended(&farm.ledger, found.cpu_secs).await;
+            return self.count_ended(&farm.ledger, Some(found)).await;
         };
         let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
-        // A search that was stopped before it had looked at its pool has found nothing.
-        let is_of_use = found.layout.height_mm <= machine.open.layout.height_mm + SAME_MM;
+        let (copies, height_mm) = (machine.open.layout.copies(), machine.open.layout.height_mm);
+        let is_of_use = found.layout.copies() == copies && found.layout.height_mm <= height_mm + SAME_MM;
         let pool = if is_of_use { layouts_to_json(&found.pool) } else { row.pool.clone() };
         let is_lower = machine.open.take_lower_layout(found.layout);
         let end = NightSearchEnd {
@@ -109,17 +109,19 @@ impl NightSearchJob {
         };
         let row = NightSearchRow { pool, ..count_search(row, &end, first_secs) };
         debug!(profile = %self.profile, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
+        machine.open.night.keep_unsaved(row.clone());
         if is_lower {
             save_layout(&farm.ledger, self.build, &machine.open.layout).await?;
         }
         farm.ledger.save_night_search(self.build, &row).await?;
-        machine.open.night.row = Some(row);
+        machine.open.night.is_known = true;
         Ok(farm.ledger.add_cpu_secs(self.build, found.cpu_secs).await?)
     }
 
     /// Counts a search of which nothing is taken, because something else is wanted of the open build by now: its time was spent,
     /// and it did not end the daemon.
-    async fn count_ended(&self, ledger: &Ledger, cpu_secs: f64) -> Result<()> {
+    async fn count_ended(&self, ledger: &Ledger, found: Option<NightSearchResult>) -> Result<()> {
+        let cpu_secs = found.as_ref().map_or(0.0, |found| found.cpu_secs);
         match ledger.add_cpu_secs(self.build, cpu_secs).await {
             // Its copies were built meanwhile.
             Err(LedgerError::WrongState { .. }) => return Ok(()),
@@ -127,19 +129,25 @@ impl NightSearchJob {
         }
         let Some(row) = find_row(ledger, self.build, &self.problem).await? else { return Ok(()) };
         let (spent_secs, round_cpu_secs) = (row.cpu_secs + cpu_secs, row.round_cpu_secs + cpu_secs);
-        let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, starts: 0, ..row };
+        let is_of_use = |found: &NightSearchResult| {
+            found.layout.unplaced.is_empty() && found.layout.height_mm <= row.round_height_mm + SAME_MM
+        };
+        let pool = found.filter(is_of_use).map_or(row.pool, |found| layouts_to_json(&found.pool));
+        let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, pool, starts: 0, ..row };
         Ok(ledger.save_night_search(self.build, &row).await?)
     }
 
     /// What failed would fail again: these copies are not searched further.
     async fn give_up(&self, farm: &mut Farm, why: &str) -> Result<()> {
         let Some((machine, _, row)) = self.take_search(&mut farm.machines) else {
-            return self.count_ended(&farm.ledger, 0.0).await;
+            return self.count_ended(&farm.ledger, None).await;
         };
         warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
         let row = NightSearchRow { state: NightState::GivenUp, ..row };
-        machine.open.night.row = Some(row.clone());
-        Ok(farm.ledger.save_night_search(self.build, &row).await?)
+        machine.open.night.keep_unsaved(row.clone());
+        farm.ledger.save_night_search(self.build, &row).await?;
+        machine.open.night.is_known = true;
+        Ok(())
     }
 }
 
@@ -207,8 +215,13 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         // Copies are gone since: the next look at the open build finds that.
         return Ok(());
     }
-    let (problem, height_mm) = (hash_problem(&profile, &wanted), farm.machines[name].open.layout.height_mm);
-    let row = known.clone().filter(|row| row.problem == problem).unwrap_or_else(|| begin_night(problem, height_mm));
+    let (problem, open) = (hash_problem(&profile, &wanted), &farm.machines[name].open);
+    let (height_mm, unsaved) = (open.layout.height_mm, open.night.unsaved_row().cloned());
+    if unsaved.is_some() {
+        save_layout(&farm.ledger, build, &open.layout).await?;
+    }
+    let row = unsaved.or_else(|| known.clone()).filter(|row| row.problem == problem);
+    let row = row.unwrap_or_else(|| begin_night(problem, height_mm));
     let (row, pool) = match layouts_from_json(&row.pool) {
         Ok(pool) => (row, pool),
         Err(error) => {
@@ -252,8 +265,7 @@ fn start_search(
     let running = RunningNight { number: job.number, stop: stop.clone(), asked_secs: secs, best: best.clone() };
     machine.open.night.search = Some(running);
     let pool: Vec<_> = std::iter::once(&machine.open.layout.placed).chain(pool).cloned().collect();
-    let request =
-        NestingRequest { profile, wanted, start_placements: Vec::new(), budget: stop, seed, best_layout: best };
+    let request = NestingRequest { profile, wanted, starts: Vec::new(), budget: stop, seed, best_layout: best };
     let meshes = farm.meshes.clone();
     farm.jobs.start(job, move || {
         lower_thread_priority(NIGHT_NICENESS);

@@ -10,7 +10,7 @@ use crate::ledger::NightSearchRow;
 /// The search that lowers an open build while it waits.
 #[derive(Debug, Default)]
 pub struct OpenNight {
-    /// Whether the ledger was asked how far it is.
+    /// Whether the ledger was asked how far it is, and knows it.
     pub is_known: bool,
     /// How far it is; `None` = it has not begun, or is switched off.
     pub row: Option<NightSearchRow>,
@@ -42,6 +42,16 @@ impl OpenNight {
     /// Whether a search runs and was not stopped.
     pub fn is_running(&self) -> bool {
         self.search.as_ref().is_some_and(|search| !search.stop.is_cancelled())
+    }
+
+    /// Keeps how far it is until the ledger has stored it.
+    pub fn keep_unsaved(&mut self, row: NightSearchRow) {
+        (self.row, self.is_known) = (Some(row), false);
+    }
+
+    /// How far it is, if the ledger could not store it.
+    pub fn unsaved_row(&self) -> Option<&NightSearchRow> {
+        self.row.as_ref().filter(|_| !self.is_known)
     }
 
     /// Ends the search for good, because other copies or rules count now. Returns its best layout, if it has found any.

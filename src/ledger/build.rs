@@ -68,6 +68,25 @@ impl Ledger {
         change.commit().await
     }
 
+    /// Forgets the layouts of the open build of a profile, in which nothing stands any more.
+    pub async fn forget_layout(&self, profile: &str) -> Result<()> {
+        let laid_out = "SELECT id FROM build WHERE profile = $1 AND state = 'open' AND layout IS NOT NULL";
+        let query = sql::query_scalar(laid_out).bind(profile);
+        let build: Option<BuildId> = query.fetch_optional(self.reader()?).await?;
+        let Some(build) = build else { return Ok(()) };
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Open]).await?;
+        sql::query(
+            "UPDATE build SET layout = NULL, height_mm = NULL, density = NULL, part_volume_mm3 = NULL, copies = NULL \
+             WHERE id = $1",
+        )
+        .bind(build)
+        .execute(change.db())
+        .await?;
+        sql::query("DELETE FROM night_search WHERE build_id = $1").bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
     /// Adds CPU seconds of nesting for an open or nesting build.
     pub async fn add_cpu_secs(&self, build: BuildId, cpu_secs: f64) -> Result<()> {
         let mut change = self.begin_change().await?;

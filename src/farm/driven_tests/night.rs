@@ -152,12 +152,16 @@ fn a_search_that_ended_the_daemon_three_times_is_not_begun_again() {
 fn go_on_with_round(farm: &mut HandDrivenFarm, profile: &str, round: u32) -> NightSearchRow {
     let row = night_of(farm, profile).expect("it has begun");
     let row = NightSearchRow { state: NightState::GoesOn, round, round_cpu_secs: 0.0, ..row };
-    farm.ask(async |ledger| {
-        let build = ledger.open_build(profile).await.unwrap().id;
-        ledger.save_night_search(build, &row).await.unwrap();
-    });
+    save_night(farm, profile, &row);
     farm.forget_night(profile);
     row
+}
+
+fn save_night(farm: &HandDrivenFarm, profile: &str, row: &NightSearchRow) {
+    farm.ask(async |ledger| {
+        let build = ledger.open_build(profile).await.unwrap().id;
+        ledger.save_night_search(build, row).await.unwrap();
+    });
 }
 
 /// Begins a search that would take minutes.
@@ -278,7 +282,10 @@ fn lowered() -> (HandDrivenFarm, NightSearchRow, f64) {
 #[test]
 fn other_settings_of_the_machine_leave_the_layout_as_low_as_it_is() {
     let (mut farm, row, height_mm) = lowered();
-    farm.write_profile(PROFILE, &with_other_attempts(&lowering(8.0), 40));
+    let row = NightSearchRow { pool: "[]".to_owned(), ..row };
+    save_night(&farm, PROFILE, &row);
+    let other = format!("{}arrangement = \"locked\"\n", with_other_attempts(&lowering(8.0), 40));
+    farm.write_profile(PROFILE, &other);
     farm.reload();
     farm.pass_secs(5.0);
     assert!(open_height_mm(&farm) <= height_mm, "{} of {height_mm}", open_height_mm(&farm));
@@ -342,14 +349,11 @@ fn the_published_method_is_not_searched_further() {
 struct RefusedChanges(sqlx::SqlitePool);
 
 impl RefusedChanges {
-    fn of(farm: &HandDrivenFarm, columns: &str, when: &str) -> Self {
+    fn of(farm: &HandDrivenFarm, change: &str) -> Self {
         let pool = farm.ask(async |ledger| {
             let file = ledger.file().unwrap().display().to_string();
             let pool = sqlx::SqlitePool::connect(&format!("sqlite://{file}")).await.unwrap();
-            let trigger = format!(
-                "CREATE TRIGGER refused BEFORE UPDATE OF {columns} ON build WHEN {when} \
-                 BEGIN SELECT RAISE(ABORT, 'refused'); END"
-            );
+            let trigger = format!("CREATE TRIGGER refused BEFORE {change} BEGIN SELECT RAISE(ABORT, 'refused'); END");
             sqlx::query(sqlx::AssertSqlSafe(trigger)).execute(&pool).await.unwrap();
             pool
         });
@@ -369,11 +373,15 @@ fn a_search_whose_end_the_ledger_refuses_goes_on_later() {
     let mut farm = HandDrivenFarm::open(&lowering(60.0));
     drop_mixed(&mut farm, 6);
     rest(&mut farm);
-    go_on_with_round(&mut farm, PROFILE, 0);
-    let refused = RefusedChanges::of(&farm, "cpu_secs", "true");
-    farm.pass_secs(2.0);
-    refused.allow(&farm);
-    rest(&mut farm);
+    for end in ["UPDATE OF layout, cpu_secs ON build", "INSERT ON night_search WHEN NEW.starts = 0"] {
+        let begun = go_on_with_round(&mut farm, PROFILE, 0);
+        let refused = RefusedChanges::of(&farm, end);
+        farm.pass_secs(5.0);
+        refused.allow(&farm);
+        let row = rest(&mut farm);
+        assert_eq!((row.state, row.starts), (NightState::StandsStill, 0), "{end}");
+        assert!(row.cpu_secs > begun.cpu_secs, "{end}");
+    }
 }
 
 #[test]
@@ -383,8 +391,9 @@ fn an_arrival_whose_layout_the_ledger_refuses_is_searched_again() {
     farm.pass_until("the first stand in the open build", |farm| farm.open_copies().len() == 6);
     let kept =
         |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.open_build(PROFILE).await.unwrap().measures.copies);
-    for (columns, when, copies) in [("layout", "true", 7), ("searches", "NEW.searches = 0", 8)] {
-        let refused = RefusedChanges::of(&farm, columns, when);
+    for (change, copies) in [("UPDATE OF layout ON build", 7), ("UPDATE OF searches ON build WHEN NEW.searches = 0", 8)]
+    {
+        let refused = RefusedChanges::of(&farm, change);
         farm.drop_part(&format!("late{copies}.stl"), &block(20.0, 15.0, 8.0));
         farm.wait_for_parts(PartState::Waiting, copies - 5);
         farm.pass_secs(3.0);

@@ -3,6 +3,7 @@
 
 mod camspec;
 mod dates;
+mod failing_ledger;
 mod hand_driven_farm;
 mod kept_builds;
 mod late;

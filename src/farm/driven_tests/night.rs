@@ -14,12 +14,12 @@ use crate::{
 };
 
 /// A machine whose open build may be lowered for `secs` CPU seconds.
-fn lowering(secs: f64) -> String {
+pub(super) fn lowering(secs: f64) -> String {
     QUICK.replace("improve_secs = 0", &format!("improve_secs = {secs}"))
 }
 
 /// Drops as many copies of each of three parts, and waits until they were searched.
-fn drop_mixed(farm: &mut HandDrivenFarm, copies: usize) {
+pub(super) fn drop_mixed(farm: &mut HandDrivenFarm, copies: usize) {
     for (name, size) in [("a", [50.0, 22.0, 13.0]), ("b", [31.0, 29.0, 17.0]), ("c", [44.0, 11.0, 9.0])] {
         farm.drop_part(&format!("{name}_x{copies}.stl"), &block(size[0], size[1], size[2]));
     }
@@ -41,7 +41,7 @@ fn night(farm: &HandDrivenFarm) -> NightSearchRow {
     night_of(farm, PROFILE).expect("it has begun")
 }
 
-fn rest(farm: &mut HandDrivenFarm) -> NightSearchRow {
+pub(super) fn rest(farm: &mut HandDrivenFarm) -> NightSearchRow {
     farm.pass_until("the search rests", |farm| {
         night_of(farm, PROFILE).is_some_and(|row| row.state != NightState::GoesOn)
     });
@@ -149,7 +149,7 @@ fn a_search_that_ended_the_daemon_three_times_is_not_begun_again() {
 }
 
 /// A search that rests goes on with another round.
-fn go_on_with_round(farm: &mut HandDrivenFarm, profile: &str, round: u32) -> NightSearchRow {
+pub(super) fn go_on_with_round(farm: &mut HandDrivenFarm, profile: &str, round: u32) -> NightSearchRow {
     let row = night_of(farm, profile).expect("it has begun");
     let row = NightSearchRow { state: NightState::GoesOn, round, round_cpu_secs: 0.0, ..row };
     save_night(farm, profile, &row);
@@ -343,62 +343,4 @@ fn the_published_method_is_not_searched_further() {
     farm.write_profile(PROFILE, &format!("{}[nest]\nmethod = \"paper\"\n", lowering(8.0)));
     farm.reload();
     farm.pass_until("it is forgotten", |farm| night_of(farm, PROFILE).is_none());
-}
-
-/// A ledger in which certain changes fail until they are allowed again.
-struct RefusedChanges(sqlx::SqlitePool);
-
-impl RefusedChanges {
-    fn of(farm: &HandDrivenFarm, change: &str) -> Self {
-        let pool = farm.ask(async |ledger| {
-            let file = ledger.file().unwrap().display().to_string();
-            let pool = sqlx::SqlitePool::connect(&format!("sqlite://{file}")).await.unwrap();
-            let trigger = format!("CREATE TRIGGER refused BEFORE {change} BEGIN SELECT RAISE(ABORT, 'refused'); END");
-            sqlx::query(sqlx::AssertSqlSafe(trigger)).execute(&pool).await.unwrap();
-            pool
-        });
-        Self(pool)
-    }
-
-    fn allow(self, farm: &HandDrivenFarm) {
-        farm.ask(async |_| {
-            sqlx::query("DROP TRIGGER refused").execute(&self.0).await.unwrap();
-            self.0.close().await;
-        });
-    }
-}
-
-#[test]
-fn a_search_whose_end_the_ledger_refuses_goes_on_later() {
-    let mut farm = HandDrivenFarm::open(&lowering(60.0));
-    drop_mixed(&mut farm, 6);
-    rest(&mut farm);
-    for end in ["UPDATE OF layout, cpu_secs ON build", "INSERT ON night_search WHEN NEW.starts = 0"] {
-        let begun = go_on_with_round(&mut farm, PROFILE, 0);
-        let refused = RefusedChanges::of(&farm, end);
-        farm.pass_secs(5.0);
-        refused.allow(&farm);
-        let row = rest(&mut farm);
-        assert_eq!((row.state, row.starts), (NightState::StandsStill, 0), "{end}");
-        assert!(row.cpu_secs > begun.cpu_secs, "{end}");
-    }
-}
-
-#[test]
-fn an_arrival_whose_layout_the_ledger_refuses_is_searched_again() {
-    let mut farm = HandDrivenFarm::open(QUICK);
-    farm.drop_part("a_x6.stl", &block(50.0, 22.0, 13.0));
-    farm.pass_until("the first stand in the open build", |farm| farm.open_copies().len() == 6);
-    let kept =
-        |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.open_build(PROFILE).await.unwrap().measures.copies);
-    for (change, copies) in [("UPDATE OF layout ON build", 7), ("UPDATE OF searches ON build WHEN NEW.searches = 0", 8)]
-    {
-        let refused = RefusedChanges::of(&farm, change);
-        farm.drop_part(&format!("late{copies}.stl"), &block(20.0, 15.0, 8.0));
-        farm.wait_for_parts(PartState::Waiting, copies - 5);
-        farm.pass_secs(3.0);
-        assert_eq!(kept(&farm), Some(copies as u32 - 1));
-        refused.allow(&farm);
-        farm.pass_until("the arrival is in the kept layout", |farm| kept(farm) == Some(copies as u32));
-    }
 }

@@ -10,7 +10,9 @@ use super::{
 };
 use crate::{
     farm::layout::layouts_from_json,
-    ledger::{BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartState},
+    ledger::{
+        BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartId, PartState,
+    },
 };
 
 /// A machine whose open build may be lowered for `secs` CPU seconds.
@@ -209,6 +211,12 @@ fn a_stop_keeps_what_it_has_done() {
     assert!(kept.cpu_secs > row.cpu_secs && kept.round == 12 && kept.starts == 0, "{kept:?}");
 }
 
+fn edit_part(farm: &HandDrivenFarm, part: PartId, edit: PartEdit) {
+    let argument = CommandArgument { edit: Some(edit), ..CommandArgument::default() };
+    let (kind, profile) = (CommandKind::Edit, String::new());
+    farm.submit_command(&NewCommand { kind, profile, part: Some(part), argument, asked_by: "a@test".to_owned() });
+}
+
 #[test]
 fn cancelled_and_edited_parts_change_what_is_searched() {
     let (mut farm, row) = searching_long();
@@ -220,14 +228,7 @@ fn cancelled_and_edited_parts_change_what_is_searched() {
     farm.pass_moments_until("a search without them begins", |farm| searched_anew(farm, &row));
     assert_eq!(farm.open_copies().len(), 12);
     let fewer = begin_long_search(&mut farm, PROFILE);
-    let edit = Some(PartEdit { clearance_mm: Some(Some(4.0)), ..PartEdit::default() });
-    farm.submit_command(&NewCommand {
-        kind: CommandKind::Edit,
-        profile: String::new(),
-        part: Some(parts[1].id),
-        argument: CommandArgument { edit, ..CommandArgument::default() },
-        asked_by: "a@test".to_owned(),
-    });
+    edit_part(&farm, parts[1].id, PartEdit { clearance_mm: Some(Some(4.0)), ..PartEdit::default() });
     farm.pass_moments_until("a search for the edited part begins", |farm| searched_anew(farm, &fewer));
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(1);
@@ -308,14 +309,7 @@ fn a_kept_layout_of_the_same_copies_is_taken_back() {
 fn another_order_of_precedence_is_no_arrival() {
     let (mut farm, row, _) = lowered();
     let last = farm.parts(PartState::Waiting).last().unwrap().id;
-    let edit = Some(PartEdit { priority: Some(90), ..PartEdit::default() });
-    farm.submit_command(&NewCommand {
-        kind: CommandKind::Edit,
-        profile: String::new(),
-        part: Some(last),
-        argument: CommandArgument { edit, ..CommandArgument::default() },
-        asked_by: "a@test".to_owned(),
-    });
+    edit_part(&farm, last, PartEdit { priority: Some(90), ..PartEdit::default() });
     farm.pass_secs(3.0);
     farm.stop();
     farm.start();

@@ -47,6 +47,15 @@ pub(super) struct NightSearchResult {
     cpu_secs: f64,
 }
 
+impl NightSearchResult {
+    /// The pool to go on from: its own, or the `kept` one of a height if it is higher or lacks copies. A search that was stopped
+    /// before it had looked at its pool has built its own layout.
+    fn pool_beside(&self, kept: &str, height_mm: f64) -> String {
+        let is_of_use = self.layout.unplaced.is_empty() && self.layout.height_mm <= height_mm + SAME_MM;
+        if is_of_use { layouts_to_json(&self.pool) } else { kept.to_owned() }
+    }
+}
+
 impl BackgroundJob<Farm> for NightSearchJob {
     const KIND: &'static str = "Night";
     type Outcome = Result<NightSearchResult>;
@@ -97,9 +106,7 @@ impl NightSearchJob {
             return self.count_ended(&farm.ledger, Some(found)).await;
         };
         let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
-        let (copies, height_mm) = (machine.open.layout.copies(), machine.open.layout.height_mm);
-        let is_of_use = found.layout.copies() == copies && found.layout.height_mm <= height_mm + SAME_MM;
-        let pool = if is_of_use { layouts_to_json(&found.pool) } else { row.pool.clone() };
+        let pool = found.pool_beside(&row.pool, machine.open.layout.height_mm);
         let is_lower = machine.open.take_lower_layout(found.layout);
         let end = NightSearchEnd {
             asked_secs: search.asked_secs,
@@ -129,10 +136,7 @@ impl NightSearchJob {
         }
         let Some(row) = find_row(ledger, self.build, &self.problem).await? else { return Ok(()) };
         let (spent_secs, round_cpu_secs) = (row.cpu_secs + cpu_secs, row.round_cpu_secs + cpu_secs);
-        let is_of_use = |found: &NightSearchResult| {
-            found.layout.unplaced.is_empty() && found.layout.height_mm <= row.round_height_mm + SAME_MM
-        };
-        let pool = found.filter(is_of_use).map_or(row.pool, |found| layouts_to_json(&found.pool));
+        let pool = found.map_or(row.pool.clone(), |found| found.pool_beside(&row.pool, row.round_height_mm));
         let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, pool, starts: 0, ..row };
         Ok(ledger.save_night_search(self.build, &row).await?)
     }

@@ -280,6 +280,12 @@ fn lowered() -> (HandDrivenFarm, NightSearchRow, f64) {
     (farm, row, height_mm)
 }
 
+fn assert_stays_lowered(farm: &mut HandDrivenFarm, row: &NightSearchRow, height_mm: f64) {
+    farm.pass_secs(5.0);
+    assert!(open_height_mm(farm) <= height_mm, "{} of {height_mm}", open_height_mm(farm));
+    assert_eq!(night(farm), *row, "it rests");
+}
+
 #[test]
 fn other_settings_of_the_machine_leave_the_layout_as_low_as_it_is() {
     let (mut farm, row, height_mm) = lowered();
@@ -288,9 +294,7 @@ fn other_settings_of_the_machine_leave_the_layout_as_low_as_it_is() {
     let other = format!("{}arrangement = \"locked\"\n", with_other_attempts(&lowering(8.0), 40));
     farm.write_profile(PROFILE, &other);
     farm.reload();
-    farm.pass_secs(5.0);
-    assert!(open_height_mm(&farm) <= height_mm, "{} of {height_mm}", open_height_mm(&farm));
-    assert_eq!(night(&farm), row, "it rests");
+    assert_stays_lowered(&mut farm, &row, height_mm);
 }
 
 #[test]
@@ -300,9 +304,7 @@ fn a_kept_layout_of_the_same_copies_is_taken_back() {
     farm.start();
     // As if other copies had been searched last.
     farm.forget_layout(PROFILE);
-    farm.pass_secs(5.0);
-    assert!(open_height_mm(&farm) <= height_mm, "{} of {height_mm}", open_height_mm(&farm));
-    assert_eq!(night(&farm), row, "it rests");
+    assert_stays_lowered(&mut farm, &row, height_mm);
 }
 
 #[test]

@@ -1,6 +1,9 @@
-//! Tests of single steps of the search: how parts come inside the walls.
+//! Tests of single steps of the search: how parts come inside the walls, and when a layout is confirmed.
 
-use std::sync::Arc;
+use std::{
+    f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4},
+    sync::Arc,
+};
 
 use glam::{DQuat, DVec3};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
@@ -58,4 +61,25 @@ fn a_part_that_fits_exactly_between_two_walls_stays() {
     let (begun, outcome) = separate_turned(&alone(block(DVec3::new(ROOM.x, 20.0, 20.0))), 0.0);
     let SeparationOutcome::Clear(pieces) = outcome else { panic!("it fits") };
     assert_eq!((pieces[0].rotation, pieces[0].center), (begun.rotation, begun.center));
+}
+
+#[test]
+fn an_overlap_of_proxies_that_is_real_refuses_a_layout_without_a_test_of_other_pairs() {
+    let volume = BuildVolume { size_mm: ROOM };
+    let instance = NestingInstance::new(volume, 1.0, vec![NestingItem::new("part", block(DVec3::splat(10.0)), 4)]);
+    let prepared = coarsely_prepared(&instance.expect("fits"));
+    // Cubes with their edges towards the walls, side by side: the first two overlap by 2 mm. The others, which are not near
+    // these, have 1.5 mm between them, and bounds that overlap.
+    let turned = DQuat::from_rotation_z(FRAC_PI_4);
+    let beside = |center: DVec3, gap_mm: f64| center + (10.0 + gap_mm) * FRAC_1_SQRT_2 * DVec3::new(1.0, 1.0, 0.0);
+    let (low, high) = (DVec3::splat(10.0), DVec3::new(30.0, 30.0, 80.0));
+    let centers = [low, beside(low, -2.0), high, beside(high, 1.5)];
+    let pieces: Vec<_> =
+        centers.iter().zip(0..).map(|(&center, copy)| prepared.place_item((0, copy), turned, center)).collect();
+    let mut layout = WorkingLayout::new(&prepared, &pieces, ROOM.z);
+    assert!(layout.confirm_clear().is_none());
+    assert_eq!(layout.evaluations, 1, "the pair that overlaps is tested, no other one");
+    layout.move_part(1, CenterPose { rotation: turned, center: beside(low, 1.5) });
+    assert!(layout.confirm_clear().is_some());
+    assert_eq!(layout.evaluations, 3, "both pairs are tested");
 }

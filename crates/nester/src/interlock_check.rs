@@ -1,5 +1,6 @@
-//! Handling of interlocked parts during the search: an interlocked pair keeps its hulls apart for a while, its smaller
-//! part is moved elsewhere, and separation continues as after any other failed check.
+//! Handling of interlocked parts during the search: an interlocked pair keeps its hulls apart for a while, and so does the
+//! smallest part of an interlocked group from the others; it is moved elsewhere, and separation continues as after any
+//! other failed check.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -18,7 +19,8 @@ const SWEEPS_PER_EVALUATION: u64 = 2;
 const EFFORT: RelocationEffort = RelocationEffort { grid_queries: 800, coarse_checks: 24, separated: 3 };
 
 /// Returns whether the layout that was just confirmed can be taken apart, or need not be. Otherwise remembers the
-/// locked pairs and moves parts, so that separation continues from a different layout.
+/// locked pairs, or the smallest part of a locked group with each of the others, and moves parts, so that separation
+/// continues from a different layout.
 pub(crate) fn resolve_interlocks(
     layout: &mut WorkingLayout<'_>,
     pieces: &[PlacedItem],
@@ -43,9 +45,15 @@ pub(crate) fn resolve_interlocks(
     }
     let smallest = smaller(&found.locked);
     let fresh = pairs.iter().filter(|&&(one, other)| layout.keep_hulls_apart(one, other)).count();
-    if fresh == 0 {
-        // A group in which no single pair is locked, or a pair that is locked although it was remembered before.
-        leaving.extend(smallest.filter(|part| !leaving.contains(part)));
+    if let Some(part) = smallest.filter(|_| fresh == 0) {
+        // A group in which no single pair is locked, or a pair that is locked although it was remembered before. Without a
+        // memory of the group, the part would soon be back: no other place is as empty as the one that it left.
+        for &other in found.locked.iter().filter(|&&other| other != part) {
+            layout.keep_hulls_apart(part, other);
+        }
+        if !leaving.contains(&part) {
+            leaving.push(part);
+        }
     }
     for part in leaving {
         move_elsewhere(layout, grid, part, EFFORT, rng);

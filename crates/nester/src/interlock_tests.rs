@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use solids::{Mesh, Pose};
 
 use super::{
@@ -13,11 +14,16 @@ use super::{
         KnownDisassembly, can_be_removed, items_blocking_disassembly, locked_pairs, plan_disassembly,
         removal_directions,
     },
-    find_removal_order, nest,
+    find_removal_order,
+    interlock_check::resolve_interlocks,
+    nest,
+    overlap_depth_grid::OverlapDepthGrid,
     prepared_instance::{PlacedItem, PreparedInstance},
     prove_placed_solids,
     rotations::axis_rotations,
+    separation::{SeparationLimits, SeparationOutcome, separate_parts},
     testing::{block, cells, coarsely_prepared, range},
+    working_layout::WorkingLayout,
 };
 
 struct InterlockTestBudget(u64);
@@ -181,6 +187,58 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
     assert_eq!(items_blocking_disassembly(&task, &pieces), [1]);
     assert!(!can_be_removed(&task, &pieces[1], &pieces[..1]));
     assert!(can_be_removed(&task, &pieces[2], &pieces[..2]));
+}
+
+/// Three oblong frames around one center, as the rings of Borromeo: no two of them are linked, but all three are.
+fn borromean_frames(task: &PreparedInstance) -> Vec<PlacedItem> {
+    let onward = DQuat::from_mat3(&DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X));
+    let rotations = [DQuat::IDENTITY, onward, onward.inverse()];
+    let place = |(copy, rotation)| task.place_item((0, copy), rotation, DVec3::splat(30.0));
+    (0..).zip(rotations).map(place).collect()
+}
+
+/// The task of [`borromean_frames`].
+fn borromean_task() -> PreparedInstance {
+    let (long, wide) = (1..8, 1..4);
+    let oblong = cells(3.0, range([0, 0, 0], [9, 5, 1]).filter(|c| !(long.contains(&c[0]) && wide.contains(&c[1]))));
+    let mut task = coarsely_prepared(&instance(DVec3::splat(60.0), 1.0, &[(oblong, 3)]));
+    task.must_be_separable = true;
+    task
+}
+
+#[test]
+fn the_smallest_part_of_a_locked_group_does_not_go_back_to_its_place() {
+    let task = borromean_task();
+    let pieces = borromean_frames(&task);
+    let found = plan_disassembly(&task, &pieces, &[0; 3], &mut KnownDisassembly::default());
+    assert_eq!(found.locked, [0, 1, 2]);
+    assert!(locked_pairs(&task, &pieces, &found.locked).is_empty());
+
+    let mut layout = WorkingLayout::new(&task, &pieces, 60.0);
+    let (began, mut grid, mut rng) =
+        (layout.poses.clone(), OverlapDepthGrid::new(&layout), ChaCha8Rng::seed_from_u64(1));
+    assert!(layout.confirm_clear().is_some(), "the frames are clear of each other");
+    assert!(!resolve_interlocks(&mut layout, &pieces, &mut grid, &mut rng));
+    let left: Vec<usize> = (0..3).filter(|&part| layout.poses[part].center != began[part].center).collect();
+    let [part] = left[..] else { panic!("one part leaves: {left:?}") };
+    let energy = |layout: &WorkingLayout<'_>| layout.energy_at(part, &layout.proxies[part], false, f32::INFINITY);
+    layout.move_part(part, began[part]);
+    assert!(energy(&layout) > 0.0, "its place among the others is none for it now");
+}
+
+#[test]
+fn a_locked_layout_is_not_tested_again_when_the_budget_is_used_up() {
+    let mut task = borromean_task();
+    task.pinned = (0..3).map(|copy| (0, copy)).collect();
+    let mut layout = WorkingLayout::new(&task, &borromean_frames(&task), 60.0);
+    let limits = SeparationLimits { idle_rounds: 40, failed_checks: 16, near_overlap: 1.0 };
+    let mut asked = 0;
+    let outcome = separate_parts(&mut layout, limits, &mut ChaCha8Rng::seed_from_u64(1), |_| {
+        asked += 1;
+        true
+    });
+    assert!(matches!(outcome, SeparationOutcome::Stuck(..)));
+    assert_eq!(asked, 1, "times that the budget was asked");
 }
 
 #[test]

@@ -63,7 +63,7 @@ pub(crate) fn separate_parts(
         rounds += 1;
         if content {
             repairs += 1;
-            if repairs > patience.failed_checks {
+            if repairs > patience.failed_checks || over(layout.evaluations) {
                 return SeparationOutcome::Stuck(total, layout.poses.clone());
             }
             (idle, least) = (0, (f32::INFINITY, Vec::new()));

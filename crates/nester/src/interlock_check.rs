@@ -1,6 +1,6 @@
 //! Handling of interlocked parts during the search: an interlocked pair keeps its hulls apart for a while, and so does the
-//! smallest part of an interlocked group from the others; it is moved elsewhere, and separation continues as after any
-//! other failed check.
+//! smallest movable part of an interlocked group from the others; it is moved elsewhere, and separation continues as
+//! after any other failed check.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -19,8 +19,8 @@ const SWEEPS_PER_EVALUATION: u64 = 2;
 const EFFORT: RelocationEffort = RelocationEffort { grid_queries: 800, coarse_checks: 24, separated: 3 };
 
 /// Returns whether the layout that was just confirmed can be taken apart, or need not be. Otherwise remembers the
-/// locked pairs, or the smallest part of a locked group with each of the others, and moves parts, so that separation
-/// continues from a different layout.
+/// locked pairs, or the smallest movable part of a locked group with each of the others, and moves parts, so that
+/// separation continues from a different layout.
 pub(crate) fn resolve_interlocks(
     layout: &mut WorkingLayout<'_>,
     pieces: &[PlacedItem],
@@ -39,11 +39,14 @@ pub(crate) fn resolve_interlocks(
     layout.evaluations += (found.locked.len() * found.locked.len()) as u64;
     let mut leaving: Vec<usize> = Vec::new();
     let volume = |part: usize| layout.proxies[part].shape.tree.mesh().volume_mm3();
-    let smaller = |parts: &[usize]| parts.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
+    let smallest_movable = |parts: &[usize]| {
+        let movable = parts.iter().copied().filter(|&part| !layout.parts.fixed[part]);
+        movable.min_by(|&a, &b| volume(a).total_cmp(&volume(b)))
+    };
     for &(one, other) in &pairs {
-        leaving.extend(smaller(&[one, other]).filter(|part| !leaving.contains(part)));
+        leaving.extend(smallest_movable(&[one, other]).filter(|part| !leaving.contains(part)));
     }
-    let smallest = smaller(&found.locked);
+    let smallest = smallest_movable(&found.locked);
     let fresh = pairs.iter().filter(|&&(one, other)| layout.keep_hulls_apart(one, other)).count();
     if let Some(part) = smallest.filter(|_| fresh == 0) {
         // A group in which no single pair is locked, or a pair that is locked although it was remembered before. Without a

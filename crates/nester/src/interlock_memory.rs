@@ -1,5 +1,5 @@
-//! Remembers pairs of parts that were interlocked: such a pair keeps its convex hulls apart for the next height limits.
-//! Parts whose hulls do not overlap are never interlocked.
+//! Remembers pairs of parts that were interlocked, alone or in a group: such a pair keeps its convex hulls apart for the
+//! next height limits. Two parts whose hulls do not overlap never lock each other.
 
 use std::collections::BTreeMap;
 
@@ -43,6 +43,11 @@ impl InterlockMemory {
         self.pairs.insert((one.min(other), one.max(other)), REMEMBERED_LIMITS).is_none()
     }
 
+    /// Whether two parts keep their hulls apart now.
+    pub(crate) fn keeps_apart(&self, one: usize, other: usize) -> bool {
+        self.pairs.contains_key(&(one.min(other), one.max(other)))
+    }
+
     /// Counts down after each height limit.
     pub(crate) fn age_pairs(&mut self) {
         self.pairs.values_mut().for_each(|lids| *lids -= 1);
@@ -54,7 +59,7 @@ impl InterlockMemory {
         (part, proxy): (usize, &CollisionProxy),
         (other, there): (usize, &CollisionProxy),
     ) -> Option<HullPenetration> {
-        if self.pairs.is_empty() || !self.pairs.contains_key(&(part.min(other), part.max(other))) {
+        if self.pairs.is_empty() || !self.keeps_apart(part, other) {
             return None;
         }
         hull_penetration::hull_penetration(proxy, there, &self.spread)

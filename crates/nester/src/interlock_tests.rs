@@ -227,6 +227,31 @@ fn the_smallest_part_of_a_locked_group_does_not_go_back_to_its_place() {
 }
 
 #[test]
+fn a_part_that_must_stay_is_not_the_one_that_leaves_a_locked_group() {
+    let mut task = borromean_task();
+    task.pinned = [(0, 0)].into();
+    let pieces = borromean_frames(&task);
+    let mut layout = WorkingLayout::new(&task, &pieces, 60.0);
+    let (began, mut grid, mut rng) =
+        (layout.poses.clone(), OverlapDepthGrid::new(&layout), ChaCha8Rng::seed_from_u64(1));
+    assert!(!resolve_interlocks(&mut layout, &pieces, &mut grid, &mut rng));
+    let left: Vec<usize> = (0..3).filter(|&part| layout.poses[part].center != began[part].center).collect();
+    assert!(left == [1] || left == [2], "a part that can move leaves: {left:?}");
+}
+
+#[test]
+fn hulls_kept_apart_do_not_make_the_proxies_doubted() {
+    let (instance, start) = chain();
+    let task = coarsely_prepared(&instance);
+    let mut layout = WorkingLayout::new(&task, &pieces(&task, &start), 60.0);
+    layout.keep_hulls_apart(0, 1);
+    let reach_mm = layout.pair_constraint(0, 1).reach;
+    assert!(layout.energy_at(0, &layout.proxies[0], false, f32::INFINITY) > 0.0, "their hulls overlap");
+    assert!(layout.confirm_clear().is_some(), "the links are clear of each other");
+    assert_eq!(layout.pair_constraint(0, 1).reach, reach_mm);
+}
+
+#[test]
 fn a_locked_layout_is_not_tested_again_when_the_budget_is_used_up() {
     let mut task = borromean_task();
     task.pinned = (0..3).map(|copy| (0, copy)).collect();

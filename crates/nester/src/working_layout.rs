@@ -181,7 +181,7 @@ impl<'t> WorkingLayout<'t> {
     }
 
     /// The clearance, weight and contacts that apply between two parts.
-    fn pair_constraint(&self, one: usize, other: usize) -> PairConstraint<'_> {
+    pub(crate) fn pair_constraint(&self, one: usize, other: usize) -> PairConstraint<'_> {
         let (one_mm, other_mm) = (f64::from(self.parts.clearances[one]), f64::from(self.parts.clearances[other]));
         let clearance = clearance_of_pair(one_mm, other_mm) as f32 + CLEARANCE_TARGET_SPARE_MM;
         match self.pair_records.get_pair(one, other) {

@@ -64,7 +64,8 @@ impl WorkingLayout<'_> {
             }
             self.evaluations += 1;
             let is_clear = prepared.is_clear(&pieces[one], &pieces[other]);
-            let deceived = is_clear && self.pair_energy(one, other) > 0.0;
+            let proxies_only = !self.interlock_memory.keeps_apart(one, other);
+            let deceived = is_clear && proxies_only && self.pair_energy(one, other) > 0.0;
             let record = self.pair_records.pair_or_insert(one, other);
             record.known_overlap = None;
             if is_clear {

@@ -59,7 +59,7 @@ impl InterlockMemory {
         (part, proxy): (usize, &CollisionProxy),
         (other, there): (usize, &CollisionProxy),
     ) -> Option<HullPenetration> {
-        if self.pairs.is_empty() || !self.keeps_apart(part, other) {
+        if !self.keeps_apart(part, other) {
             return None;
         }
         hull_penetration::hull_penetration(proxy, there, &self.spread)

@@ -56,9 +56,7 @@ fn open_height_mm(farm: &HandDrivenFarm) -> f64 {
 
 #[test]
 fn an_open_build_that_waits_gets_lower_tells_cost_and_gain_and_is_built_so() {
-    let mut farm = HandDrivenFarm::open(&lowering(8.0));
-    drop_mixed(&mut farm, 12);
-    let (row, height_mm) = lower(&mut farm);
+    let (mut farm, row, height_mm) = lowered();
     farm.pass_secs(3.0);
     assert!(row.cpu_secs > 0.0 && row.starts == 0 && row.round > 0, "{row:?}");
     let json = farm.status_json()["open_build"].clone();
@@ -265,26 +263,20 @@ fn with_other_attempts(profile: &str, attempts: u32) -> String {
     profile.replace("max_attempts = 50", &format!("max_attempts = {attempts}"))
 }
 
-/// Searches on in rounds of some length until the open build is lower than it was at first, and rests: what it is then, and
-/// its height, mm. One round is no promise: now and then the search for the arrival leaves it nothing to gain.
-fn lower(farm: &mut HandDrivenFarm) -> (NightSearchRow, f64) {
-    for _ in 0..10 {
-        go_on_with_round(farm, PROFILE, 3);
-        let row = rest(farm);
-        let height_mm = open_height_mm(farm);
-        if height_mm < row.first_height_mm {
-            return (row, height_mm);
-        }
-    }
-    panic!("ten rounds of {} copies gained nothing", farm.open_copies().len());
-}
-
-/// A farm whose open build was lowered, and rests.
+/// A farm whose open build was searched on in rounds of some length until it was lower than at first, and rests; and its
+/// height, mm. One round is no promise: now and then the search for the arrival leaves it nothing to gain.
 fn lowered() -> (HandDrivenFarm, NightSearchRow, f64) {
     let mut farm = HandDrivenFarm::open(&lowering(8.0));
     drop_mixed(&mut farm, 12);
-    let (row, height_mm) = lower(&mut farm);
-    (farm, row, height_mm)
+    for _ in 0..10 {
+        go_on_with_round(&mut farm, PROFILE, 3);
+        let row = rest(&mut farm);
+        let height_mm = open_height_mm(&farm);
+        if height_mm < row.first_height_mm {
+            return (farm, row, height_mm);
+        }
+    }
+    panic!("ten rounds of {} copies gained nothing", farm.open_copies().len());
 }
 
 fn assert_stays_lowered(farm: &mut HandDrivenFarm, row: &NightSearchRow, height_mm: f64) {

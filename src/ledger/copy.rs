@@ -252,8 +252,9 @@ impl RowsDigest {
             let text = match value {
                 SqlValue::Integer(Some(number)) => number.to_string(),
                 SqlValue::Flag(Some(flag)) => i64::from(flag).to_string(),
+                // SQLite stores 0 for -0, which an earlier release has written on a server.
                 // What a view computes is rounded, and its tables are compared to the last bit.
-                SqlValue::Real(Some(number)) if is_table => format!("{:016x}", number.to_bits()),
+                SqlValue::Real(Some(number)) if is_table => format!("{:016x}", (number + 0.0).to_bits()),
                 // The builds of a part are a set: each database lists them in an order of its own.
                 SqlValue::Text(Some(list)) if name == "builds" => {
                     list.split(',').collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>().join(",")

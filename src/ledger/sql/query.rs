@@ -189,7 +189,8 @@ where
     let statement = sqlx::query(query.text).persistent(query.is_prepared);
     query.values.into_iter().fold(statement, |query, value| match value {
         SqlValue::Integer(value) => query.bind(value),
-        SqlValue::Real(value) => query.bind(value),
+        // SQLite stores 0 for -0: so that both databases hold the same, no -0 is written.
+        SqlValue::Real(value) => query.bind(value.map(|value| value + 0.0)),
         SqlValue::Flag(value) => query.bind(value),
         SqlValue::Text(value) => query.bind(value),
     })

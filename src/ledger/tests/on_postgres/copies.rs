@@ -1,9 +1,11 @@
 //! Copies of a ledger between a file and a server.
 
+use glam::{DQuat, DVec3};
 use proptest::{
     strategy::{Strategy, ValueTree},
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
 };
+use sqlx::AssertSqlSafe;
 
 use super::{
     super::random_walks::{RandomWalk, step},
@@ -89,6 +91,41 @@ async fn a_backup_of_a_server_is_a_ledger_in_a_file() {
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "the backup and its checksum: {names:?}");
     compare_parts(&file, &Ledger::open_checked(&backup).await.unwrap()).await;
+}
+
+#[tokio::test]
+async fn a_negative_zero_of_a_pose_ends_no_copy_and_none_is_written() {
+    let (_, server) = both().await;
+    let copies = [(waiting(&server, "turned", 2).await, 0), (waiting(&server, "back", 1).await, 0)];
+    let build = nesting(&server, &copies).await;
+    // The poses that turning there and back gives.
+    let turns = [DQuat::IDENTITY.conjugate(), DQuat::from_rotation_z(1.25).conjugate()];
+    let poses: Vec<ProvedPlacement> = (placed(&copies).into_iter().zip(turns))
+        .map(|(placed, turn)| ProvedPlacement {
+            rotation: turn.to_array(),
+            translation_mm: (turn * DVec3::ZERO).to_array().map(|value| -value),
+            removal: Some(RemovalStep { position: 1, direction: (turn * -DVec3::Y).to_array() }),
+            ..placed
+        })
+        .collect();
+    assert!(poses.iter().all(|pose| pose.rotation[0].is_sign_negative() && pose.rotation[0] == 0.0), "{poses:?}");
+    server.verify_build(build, &verified(build, 2), &poses).await.unwrap();
+    let count = async |condition: &str| {
+        let text = format!("SELECT count(*) FROM placement WHERE {condition}");
+        sql::query_scalar::<i64>(AssertSqlSafe(text)).fetch_one(server.reader().unwrap()).await.unwrap()
+    };
+    let negative =
+        "'-0' IN (CAST(qx AS text), CAST(qy AS text), CAST(qz AS text), CAST(tx_mm AS text), CAST(way_x AS text))";
+    assert_eq!((count("qx = 0").await, count(negative).await), (2, 0));
+    // As an earlier release has written it.
+    let mut change = server.begin_change().await.unwrap();
+    sql::query("UPDATE placement SET qx = '-0', tx_mm = '-0', way_x = '-0'").execute(change.db()).await.unwrap();
+    change.commit().await.unwrap();
+    assert_eq!(count(negative).await, 2);
+    let folder = tempfile::tempdir().unwrap();
+    server.write_backup(&folder.path().join("backup")).await.unwrap();
+    let back = fresh_file().await;
+    server.copy_into_ledger(&back, ExistingRows::Refuse).await.unwrap();
 }
 
 #[tokio::test]

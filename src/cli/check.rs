@@ -6,13 +6,14 @@ mod folders;
 mod ledger;
 mod machines;
 mod notify;
+mod other_machines;
 mod report;
 mod system;
 
 use anyhow::Result;
 
 pub use self::machines::volume_doubt;
-use self::report::CheckReport;
+use self::{other_machines::OtherMachines, report::CheckReport};
 use super::{CommandExit, CommonArgs, UsageError};
 use crate::settings::{self, Settings, SettingsError};
 
@@ -46,19 +47,23 @@ pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
         }
         Err(error) => return Err(UsageError(error.to_string()).into()),
     };
-    crate::farm::watch_other_holders(&settings);
+    // What other nodes serve is for them to check.
+    let others = OtherMachines::read(&settings)?;
+    others.report_configured(&settings, &mut report);
+    let own = others.taken_out_of(&settings);
+    crate::farm::watch_other_holders(&own);
     if args.repair {
         deep::repair_ledger(&settings, &args.new_folder, &mut report)?;
     }
-    check_all(&settings, &mut report)?;
+    check_all(&own, &others, &mut report)?;
     if args.deep {
-        deep::check_invariants(&settings, &mut report)?;
+        deep::check_invariants(&own, &mut report)?;
     }
     report.print_findings(args.json)?;
     Ok(if report.problem_count() == 0 { CommandExit::Success } else { CommandExit::Failure })
 }
 
-fn check_all(settings: &Settings, report: &mut CheckReport) -> Result<()> {
+fn check_all(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) -> Result<()> {
     let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
     let served = match (machines.is_empty(), settings.node.lanes) {
         (false, _) => machines.join(", "),
@@ -69,7 +74,7 @@ fn check_all(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     report.add_ok("root", settings.root.display().to_string());
     machines::check_machines(settings, report);
     system::check_system(settings, report);
-    folders::check_folders(settings, report);
+    folders::check_folders(settings, others, report);
     notify::check_receivers(settings, report);
-    ledger::check_ledger(settings, report)
+    ledger::check_ledger(settings, others, report)
 }

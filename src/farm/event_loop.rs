@@ -117,7 +117,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
             folder_comparison::start_folder_comparison(farm);
             farm.run_step("looking at the queues", queue_look::look_at_queues).await;
             watching::start_watcher(farm);
-            tidy::start_misplaced_file_search(&farm.settings, &mut farm.jobs);
+            farm.run_step("looking beside the hot folders", tidy::start_misplaced_file_search).await;
         }
         TimedTask::RetryClaims => {
             farm.run_step("settling claims", claim_completion::complete_claims).await;

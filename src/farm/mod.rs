@@ -164,6 +164,7 @@ pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unkn
 pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
+pub use own_machines::machines_of_other_nodes;
 pub use part_questions::PartQuestion;
 pub use planning::{
     DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,

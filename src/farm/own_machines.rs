@@ -1,17 +1,35 @@
-//! Which of the configured machines are this node's own. Where several nodes share a ledger, another one may serve a machine.
+//! Which machines are this node's own. Where several nodes share a ledger, another one may serve a machine, also one that is configured
+//! here for the day on which it moves.
+
+use std::collections::BTreeMap;
 
 use crate::{
     ledger::{Ledger, LedgerError},
     settings::Settings,
 };
 
+/// The machines that other nodes serve, each with its node, whether they are configured here or not.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn machines_of_other_nodes(
+    settings: &Settings,
+    ledger: &Ledger,
+) -> Result<BTreeMap<String, String>, LedgerError> {
+    if ledger.file().is_some() {
+        return Ok(BTreeMap::new());
+    }
+    let rows = ledger.list_machines().await?.into_iter();
+    let others = rows.filter(|row| !row.node.is_empty() && row.node != settings.node.name);
+    Ok(others.map(|row| (row.profile, row.node)).collect())
+}
+
 /// The settings with the machines of this node alone: the folders of the others are for the nodes that serve them.
 ///
 /// # Errors
 /// The ledger cannot be read.
 pub async fn without_other_nodes(settings: &Settings, ledger: &Ledger) -> Result<Settings, LedgerError> {
-    let names: Vec<String> = settings.profiles.keys().cloned().collect();
-    let others = ledger.machines_of_others(&settings.node.name, &names).await?;
+    let others = machines_of_other_nodes(settings, ledger).await?;
     let mut own = settings.clone();
     own.profiles.retain(|name, _| !others.contains_key(name));
     Ok(own)

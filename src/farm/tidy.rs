@@ -19,8 +19,7 @@ use super::{
     forget,
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
     jobs::BackgroundJob,
-    jobs::JobRunner,
-    lane_job,
+    lane_job, own_machines,
 };
 use crate::{
     intake,
@@ -100,13 +99,16 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
     sweep_store(farm).await
 }
 
-/// Starts to look for files that were dropped beside the hot folders.
-pub(super) fn start_misplaced_file_search(settings: &Settings, jobs: &mut JobRunner<Farm>) {
-    let (base, folders) = (settings.inbox_base.clone(), settings.all_folders());
-    jobs.start(MisplacedFilesJob, move || {
+/// Starts to look for files that were dropped beside the hot folders, those of other nodes' machines on the same share included.
+pub(super) async fn start_misplaced_file_search(farm: &mut Farm) -> Result<()> {
+    let (base, mut folders) = (farm.settings.inbox_base.clone(), farm.settings.all_folders());
+    let others = own_machines::machines_of_other_nodes(&farm.settings, &farm.ledger).await?;
+    folders.extend(others.keys().map(|machine| base.join(machine)));
+    farm.jobs.start(MisplacedFilesJob, move || {
         let stray = intake::find_misplaced(&base, &folders).unwrap_or_default();
         stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
     });
+    Ok(())
 }
 
 /// Raises or clears the alert on files beside the hot folders.

@@ -10,7 +10,7 @@ use std::{
 
 use rustix::fs::{Access, access, statfs, statvfs};
 
-use super::report::CheckReport;
+use super::{other_machines::OtherMachines, report::CheckReport};
 use crate::{
     intake::{self, display_name},
     settings::{MachineProfile, Settings},
@@ -28,8 +28,8 @@ const MAX_STRAY_SHOWN: usize = 20;
 const REMOTE_FILE_SYSTEMS: [(u32, &str); 4] =
     [(0x6969, "NFS"), (0xfe53_4d42, "SMB2"), (0xff53_4d42, "CIFS"), (0x6573_5546, "FUSE")];
 
-/// Checks all folders.
-pub fn check_folders(settings: &Settings, report: &mut CheckReport) {
+/// Checks the folders of this node.
+pub fn check_folders(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) {
     let mut seen = HashMap::new();
     if check_folder("state folder", &settings.state_dir, MIN_STATE_BYTES, &mut seen, report)
         && let Some(kind) = remote_file_system(&settings.state_dir)
@@ -40,13 +40,15 @@ pub fn check_folders(settings: &Settings, report: &mut CheckReport) {
     for profile in settings.profiles.values() {
         check_profile_folders(profile, &mut seen, report);
     }
-    report_stray_files(settings, report);
+    report_stray_files(settings, others, report);
 }
 
-/// Reports files that were dropped beside the hot folders: nestd never takes them.
-fn report_stray_files(settings: &Settings, report: &mut CheckReport) {
+/// Reports files that were dropped beside the hot folders: no node takes them.
+fn report_stray_files(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) {
     let base = settings.inbox_base.display();
-    let stray = match intake::find_misplaced(&settings.inbox_base, &settings.all_folders()) {
+    let mut known = settings.all_folders();
+    known.extend(others.hot_folders(settings));
+    let stray = match intake::find_misplaced(&settings.inbox_base, &known) {
         Ok(stray) => stray,
         Err(error) => return report.add_note("inbox", format!("{base} cannot be listed: {error}")),
     };

@@ -4,9 +4,8 @@
 use std::{fs, path::PathBuf};
 
 use anyhow::{Context, Result};
-use build_file::format_count;
 
-use super::report::CheckReport;
+use super::{other_machines::OtherMachines, report::CheckReport};
 use crate::{
     farm,
     ledger::{BuildRow, BuildState, Ledger, LedgerError},
@@ -18,14 +17,14 @@ const SUBJECT: &str = "ledger";
 const QUEUE_MARKER: &str = ".nestd-queue";
 
 /// Checks the ledger without changing it.
-pub fn check_ledger(settings: &Settings, report: &mut CheckReport) -> Result<()> {
+pub fn check_ledger(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) -> Result<()> {
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().context("starting to read the ledger")?;
-    runtime.block_on(open_and_check(settings, report));
+    runtime.block_on(open_and_check(settings, others, report));
     Ok(())
 }
 
-async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
+async fn open_and_check(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) {
     let path = &settings.ledger;
     let ledger = match Ledger::open_existing(&settings.ledger).await {
         Ok(ledger) => ledger,
@@ -47,7 +46,7 @@ async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
         report.add_problem(SUBJECT, error_chain(&error), "put a backup back with `nestd restore FILE`");
         return ledger.close().await;
     }
-    if let Err(error) = check_rows(&ledger, settings, report).await {
+    if let Err(error) = check_rows(&ledger, (settings, others), report).await {
         report.add_problem(
             SUBJECT,
             format!("cannot be read: {}", error_chain(&error)),
@@ -57,7 +56,11 @@ async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
     ledger.close().await;
 }
 
-async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) -> Result<(), LedgerError> {
+async fn check_rows(
+    ledger: &Ledger,
+    (settings, others): (&Settings, &OtherMachines),
+    report: &mut CheckReport,
+) -> Result<(), LedgerError> {
     let faults = ledger.find_inconsistencies().await?;
     for fault in &faults {
         report.add_problem(
@@ -87,17 +90,7 @@ async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckRepo
         }
     }
     compare_with_folders(ledger, settings, report).await;
-    for status in ledger.profile_statuses().await? {
-        let parts = status.claimed_parts + status.waiting_parts;
-        if parts > 0 && !settings.profiles.contains_key(&status.profile) {
-            let text = format!(
-                "{} for {}, which has no file in profiles/",
-                format_count(parts, "part waits", "parts wait"),
-                status.profile
-            );
-            report.add_problem("configuration", text, "put its file back, or cancel the parts");
-        }
-    }
+    others.check_waiting_parts(ledger, settings, report).await?;
     for build in ledger.builds_in_state(BuildState::Verified).await? {
         if let Some(profile) = settings.profiles.get(&build.profile) {
             check_staging_queue(&build, profile, report);

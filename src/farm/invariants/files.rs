@@ -193,6 +193,10 @@ pub async fn check_archived_originals(
             continue;
         }
         let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);
+        // Another node that served the machine then has published it into an archive of its own.
+        if ledger.file().is_none() && !profile.folders.archive.join(stem).exists() {
+            continue;
+        }
         let archived = archives
             .entry(row.file_name.clone())
             .or_insert_with(|| files_by_hash(&profile.folders.archive.join(stem), |_| true, report));

@@ -13,6 +13,8 @@ mod kept_time;
 mod life;
 mod lists;
 mod lost_ledger;
+#[cfg(feature = "postgres")]
+mod machines_move;
 mod memory;
 mod names;
 #[cfg(feature = "postgres")]
@@ -35,6 +37,8 @@ mod rot;
 mod share;
 mod slow;
 mod status_texts;
+#[cfg(feature = "postgres")]
+mod test_node;
 mod watchers;
 
 use crate::support::{self, greedy};

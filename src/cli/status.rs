@@ -55,6 +55,9 @@ pub struct FarmStatus {
     /// Whether a daemon holds the ledger, even one that has not written into it yet.
     #[serde(skip)]
     is_served: bool,
+    /// What keeps a daemon that runs from writing into the ledger, as far as that is likely.
+    #[serde(skip)]
+    silence_hint: &'static str,
     /// Problems that a person must solve.
     #[serde(serialize_with = "attention_as_json")]
     attention: Vec<FarmAlert>,
@@ -155,7 +158,8 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
     let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served_by(node).await?);
     let nodes = list_farm_nodes(ledger).await?;
-    Ok(FarmStatus { daemon, nodes, is_served, attention: Vec::new(), profiles, parts })
+    let silence_hint = ledger.silence_hint();
+    Ok(FarmStatus { daemon, nodes, is_served, silence_hint, attention: Vec::new(), profiles, parts })
 }
 
 async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -228,9 +232,10 @@ impl FarmStatus {
             None => "The daemon does not run.".to_owned(),
             // Its last sign of life is an earlier daemon's: this one could not write any.
             Some(d) if !d.alive && self.is_served => format!(
-                "A daemon runs, but nothing was written into the ledger for {}: this status may be that old. Where the \
-                 disk of the state folder is full, free some room; `nestd check` says more.",
-                format_age(Some(d.beat_at), now)
+                "A daemon runs, but nothing was written into the ledger for {}: this status may be that old. {}; `nestd check` \
+                 says more.",
+                format_age(Some(d.beat_at), now),
+                self.silence_hint
             ),
             Some(d) if !d.alive => {
                 format!("The daemon does not run; its last sign of life was {} ago.", format_age(Some(d.beat_at), now))
@@ -240,9 +245,10 @@ impl FarmStatus {
                 let runs = format!("The daemon runs on {} (process {}, version {}) for {since}", d.host, d.pid, d.version);
                 match d.is_silent(now) {
                     true => format!(
-                        "{runs}, but has not written into the ledger for {}: this status may be that old. Where \
-                         the disk of the state folder is full, free some room; `nestd check` says more.",
-                        format_age(Some(d.beat_at), now)
+                        "{runs}, but has not written into the ledger for {}: this status may be that old. {}; `nestd check` says \
+                         more.",
+                        format_age(Some(d.beat_at), now),
+                        self.silence_hint
                     ),
                     false => format!("{runs}: {}.", self.activity_text()),
                 }

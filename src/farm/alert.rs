@@ -19,6 +19,8 @@ pub enum AlertKind {
     LedgerReplaced,
     /// The server of the ledger cannot be reached.
     LedgerUnreachable,
+    /// All changes of the ledger wait for one connection.
+    ChangesWait,
     /// The ledger has lost changes of other nodes, which must be compared with it first.
     RepairDue,
     /// Another daemon serves the ledger.
@@ -83,6 +85,10 @@ pub enum AlertKind {
 const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the missing one, not as another \
      order. Without it, `nestd cancel PART` ends the part. A file that differs from what was dropped lies in damaged/ of the \
      state folder: then check its disk. An original in no archive is past archive_days, or somebody removed it.";
+/// What to do about a connection that all wait for.
+const END_CONNECTION: &str = "The database ends a connection that does nothing within 10 s, and nestd goes on by itself; nothing is lost meanwhile. \
+     Where this stays, look at the server of that connection; `SELECT pg_terminate_backend(..)` in the database, with the number of the \
+     server process, ends it, and nothing is lost by that.";
 /// What to do about a missing ledger.
 const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
      `nestd restore --empty` creates a new ledger from the folders.";
@@ -100,12 +106,13 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 34] = [
+    pub const ALL: [Self; 35] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
         Self::LedgerReplaced,
         Self::LedgerUnreachable,
+        Self::ChangesWait,
         Self::RepairDue,
         Self::LedgerTakenOver,
         Self::ConfigurationWrong,
@@ -151,6 +158,7 @@ impl AlertKind {
             Self::LedgerUnreachable => {
                 "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
             }
+            Self::ChangesWait => "All changes of the ledger wait for one connection, and so does nestd",
             Self::RepairDue => {
                 "The ledger has lost the last changes of other nodes: nestd takes and publishes nothing until they are repaired"
             }
@@ -203,6 +211,7 @@ impl AlertKind {
             Self::LedgerUnreachable => {
                 "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
             }
+            Self::ChangesWait => END_CONNECTION,
             Self::RepairDue => {
                 "On each node that is named, stop nestd, run `nestd check --deep --repair`, and start nestd; this one then goes on by \
                  itself. Where a node is gone for good, take its machines over with `nestd adopt PROFILE`."

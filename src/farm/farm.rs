@@ -66,7 +66,10 @@ impl Farm {
         if self.schedule.step_backoff.is_waiting(&what.to_owned()) {
             return;
         }
-        match step(self).await {
+        let done = step(self).await;
+        // Each step ends in time, also while all changes wait for another one's.
+        systemd::notify_watchdog();
+        match done {
             Ok(()) => {
                 self.schedule.step_backoff.record_success(&what.to_owned());
                 self.alerts.clear(AlertKind::StepFails, "", what);
@@ -85,6 +88,8 @@ impl Farm {
             Some((AlertKind::LedgerReplaced, _)) => {}
             // What failed is done again when the server is back.
             Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
+            // What failed is done again when it is its turn.
+            Some((kind @ AlertKind::ChangesWait, holder)) => self.alerts.raise(kind, "", "", &holder),
             // The next tick sees it.
             Some((AlertKind::RepairDue, _)) => {}
             Some((kind, detail)) => self.halt_farm(kind, &detail),

@@ -30,6 +30,7 @@ pub fn ledger_alert(failure: &anyhow::Error) -> Option<(AlertKind, String)> {
         LedgerError::Corrupt(what) => Some((AlertKind::LedgerDamaged, what.clone())),
         LedgerError::Replaced { what, .. } => Some((AlertKind::LedgerReplaced, what.clone())),
         LedgerError::Server(ServerError::Unreachable(what)) => Some((AlertKind::LedgerUnreachable, what.clone())),
+        LedgerError::Server(ServerError::ChangesWait { holder }) => Some((AlertKind::ChangesWait, holder.clone())),
         LedgerError::Server(ServerError::RepairDue { nodes }) => Some((AlertKind::RepairDue, nodes.clone())),
         LedgerError::Server(error @ ServerError::Behind) => Some((AlertKind::LedgerBehind, error.to_string())),
         LedgerError::Server(error @ ServerError::TakenOver) => Some((AlertKind::LedgerTakenOver, error.to_string())),

@@ -190,7 +190,9 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
 
 /// Writes a heartbeat into the ledger.
 pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
-    Ok(farm.ledger.write_heartbeat(&describe_node(farm)).await?)
+    farm.ledger.write_heartbeat(&describe_node(farm)).await?;
+    farm.alerts.clear(AlertKind::ChangesWait, "", "");
+    Ok(())
 }
 
 /// This node, as its heartbeats name it.

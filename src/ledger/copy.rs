@@ -128,6 +128,8 @@ impl Ledger {
         let mut from = self.begin_snapshot().await?;
         let mut change = to.begin_change().await?;
         let db = change.db();
+        from.allow_whole_ledger().await?;
+        db.allow_whole_ledger().await?;
         clear_rows(db, existing).await?;
         let mut rows = 0;
         for table in &TABLES {

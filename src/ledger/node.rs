@@ -189,6 +189,16 @@ impl Ledger {
         Ok(self.list_nodes().await?.into_iter().find(|row| is_file || row.name == name))
     }
 
+    /// What helps where a daemon runs and does not write into the ledger, as far as that can be told from here.
+    pub fn silence_hint(&self) -> &'static str {
+        match self.file() {
+            Some(_) => "Where the disk of the state folder is full, free some room",
+            None => {
+                "Its way to the database is cut or slow, or all changes wait for one connection, which its alerts then name"
+            }
+        }
+    }
+
     /// Whether a daemon serves this ledger, including one that cannot write a heartbeat (a full disk) or is just
     /// starting.
     pub async fn is_served(&self) -> Result<bool> {

@@ -2,6 +2,10 @@
 
 use thiserror::Error;
 
+/// PostgreSQL's code for a lock that was not free in time.
+#[cfg(feature = "postgres")]
+const LOCK_TIMEOUT: &str = "55P03";
+
 /// Why a ledger on a server cannot be used.
 #[derive(Debug, Error)]
 pub enum ServerError {
@@ -16,6 +20,16 @@ pub enum ServerError {
     /// The server does not answer.
     #[error("the server of the ledger cannot be reached: {0}")]
     Unreachable(String),
+    /// It was not this change's turn in time.
+    #[error(
+        "all changes of the ledger wait for the connection of {holder}. The database ends one that does nothing within 10 s: try again \
+         then. Where it stays, look at the server of that connection; `SELECT pg_terminate_backend(..)` in the database, with the number \
+         of the server process, ends it, and nothing is lost by that"
+    )]
+    ChangesWait {
+        /// Whose it is, the process on the server, from where, what it does, and since when.
+        holder: String,
+    },
     /// Another daemon serves it.
     #[error(
         "another nestd serves this ledger: {owner}. Stop that one first; where it has ended without giving the ledger back, this one \
@@ -77,7 +91,7 @@ pub enum ServerError {
 impl ServerError {
     /// Whether the same operation can succeed later, without a change of it.
     pub fn is_transient(&self) -> bool {
-        matches!(self, Self::Unreachable(_) | Self::RepairDue { .. } | Self::SchemaInUse)
+        matches!(self, Self::Unreachable(_) | Self::ChangesWait { .. } | Self::RepairDue { .. } | Self::SchemaInUse)
     }
 
     /// Marks an error of PostgreSQL's driver that says that the server cannot be reached. SQLite has errors of the same kinds, for other
@@ -88,12 +102,20 @@ impl ServerError {
         let what = match &error {
             Io(_) | Tls(_) | PoolClosed | WorkerCrashed => error.to_string(),
             PoolTimedOut => "no connection was made in time".to_owned(),
-            // 08: connection; 57P: the server stops or starts; 53300: it has no connection left.
+            // 08: connection; 57P: the server stops or starts; 53300: it has no connection left; 25P03: it has ended one that did
+            // nothing in a change; 57014: a statement took too long; 55P03: a lock was not free in time.
             other => match other.as_database_error().and_then(|error| error.code()) {
                 Some(code) if code.starts_with("08") || code.starts_with("57P") || code == "53300" => error.to_string(),
+                Some(code) if ["25P03", "57014", LOCK_TIMEOUT].contains(&&*code) => error.to_string(),
                 _ => return error,
             },
         };
         sqlx::Error::AnyDriverError(Box::new(Self::Unreachable(what)))
+    }
+
+    /// Whether a lock was not free in time.
+    #[cfg(feature = "postgres")]
+    pub(super) fn is_lock_timeout(error: &sqlx::Error) -> bool {
+        error.as_database_error().and_then(|error| error.code()).is_some_and(|code| code == LOCK_TIMEOUT)
     }
 }

@@ -60,7 +60,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
     let content = html! {
         h1 { "Farm" }
-        (daemon_line(daemon, &activity, now))
+        (daemon_line(daemon, &activity, web.ledger.silence_hint(), now))
         (nodes_section(&nodes, &view))
         (machine_strip(&settings, &status, now))
         (needs_section(&web, &alerts, now).await?)
@@ -136,12 +136,12 @@ fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
 }
 
 /// The state of the daemon. `activity` says what it does, according to the rows and alerts that the page shows.
-fn daemon_line(daemon: Option<&NodeRow>, activity: &str, now: Timestamp) -> Markup {
+fn daemon_line(daemon: Option<&NodeRow>, activity: &str, silence_hint: &str, now: Timestamp) -> Markup {
     match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
                 "The daemon runs on " (d.host) ", but has not written into the ledger for " (format_age(d.beat_at.0, now))
-                ": this page may be that old. Free some room where the disk of the state folder is full."
+                ": this page may be that old. " (silence_hint) "."
             }
         },
         Some(d) if d.alive => html! {

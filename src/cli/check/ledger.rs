@@ -78,11 +78,7 @@ async fn check_rows(
         }
         _ if ledger.is_served_by(&settings.node.name).await? => {
             let text = "runs, but could not write into the ledger since it was started";
-            report.add_problem(
-                "daemon",
-                text.to_owned(),
-                "free some room on the disk of the state folder; its log says more",
-            );
+            report.add_problem("daemon", text.to_owned(), format!("{}. Its log says more", ledger.silence_hint()));
         }
         _ => {
             report.add_note("daemon", "does not run");

@@ -10,7 +10,10 @@ mod lease_interleavings;
 mod lease_watch;
 mod repair_due;
 mod schema;
+#[cfg(test)]
+pub(super) mod server_link;
 mod store;
+mod time_limits;
 
 pub(super) use lease::{CountedChange, revoke_lapsed};
 pub(super) use store::PostgresStore;

@@ -12,7 +12,7 @@ use sqlx::{
 };
 
 use super::change_lock::begin_locked;
-use crate::ledger::{LedgerError, ServerError, error::Result, schema};
+use crate::ledger::{LedgerError, ServerError, error::Result, schema, sql::allow_whole_ledger};
 
 /// A change of the schema.
 pub(super) struct ServerMigration {
@@ -116,6 +116,7 @@ impl ServerSchema {
             return self.ensure_usable(pool, label).await;
         }
         self.ensure_no_older_node(&mut transaction, found, owner).await?;
+        allow_whole_ledger(&mut transaction).await?;
         sqlx::query(LOCK_TIMEOUT).execute(&mut *transaction).await.map_err(ServerError::mark_unreachable)?;
         let applied = self.migrator.run_direct(None, &mut *transaction, false).await;
         applied.map_err(|error| name_cause(error, label))?;

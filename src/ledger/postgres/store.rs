@@ -12,8 +12,12 @@ use super::{
     lease::{self, CountedChange, HeldLease},
     repair_due,
     schema::SCHEMA,
+    time_limits::{self, ConnectionUser},
 };
-use crate::ledger::{LedgerError, LiveRights, ServerError, ServiceState, ServingNode, error::Result, sql::SqlExecutor};
+use crate::ledger::{
+    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result,
+    sql::SqlExecutor,
+};
 
 /// Number of connections of a process.
 const CONNECTIONS: u32 = 8;
@@ -33,7 +37,7 @@ pub struct PostgresStore {
 impl PostgresStore {
     /// Opens the database and migrates its schema.
     pub async fn open(options: PgConnectOptions, label: &str) -> Result<Self> {
-        let store = Self::connect(options, label).await?;
+        let store = Self::connect(options, label, ConnectionUser::Command).await?;
         SCHEMA.bring_up_to_date(&store.pool, label, "").await?;
         Ok(store)
     }
@@ -42,7 +46,11 @@ impl PostgresStore {
     ///
     /// `OlderNodes` if nodes run that could not use the migrated ledger, `ServedByOther` if another one has the same right, or one that excludes it.
     pub async fn open_to_serve(options: PgConnectOptions, label: &str, node: &ServingNode) -> Result<Self> {
-        let store = Self::connect(options, label).await?;
+        let user = match &node.right {
+            ServingRight::Node(name) => ConnectionUser::Node(name),
+            ServingRight::RepairedNode(_) | ServingRight::WholeLedger => ConnectionUser::Command,
+        };
+        let store = Self::connect(options, label, user).await?;
         SCHEMA.bring_up_to_date(&store.pool, label, &node.owner).await?;
         let lease = HeldLease::acquire(&store.pool, node).await?;
         // A newer nestd may have changed the schema meanwhile. From now on it sees what this one knows.
@@ -57,7 +65,7 @@ impl PostgresStore {
     ///
     /// `Missing` if it holds none, `OlderSchema` or `NewerSchema`.
     pub async fn open_existing(options: PgConnectOptions, label: &str) -> Result<Self> {
-        let store = Self::connect(options, label).await?;
+        let store = Self::connect(options, label, ConnectionUser::Command).await?;
         match SCHEMA.ensure_usable(&store.pool, label).await {
             Ok(()) => Ok(store),
             Err(LedgerError::OlderSchema { found: 0, .. }) => {
@@ -68,10 +76,10 @@ impl PostgresStore {
         }
     }
 
-    async fn connect(options: PgConnectOptions, label: &str) -> Result<Self> {
+    async fn connect(options: PgConnectOptions, label: &str, user: ConnectionUser<'_>) -> Result<Self> {
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(CONNECT_TIMEOUT);
         // A slow server would bring whole migrations into the journal.
-        let pool = pool.connect_with(options.application_name("nestd").disable_statement_logging()).await;
+        let pool = pool.connect_with(time_limits::limit(options, user).disable_statement_logging()).await;
         Ok(Self { pool: pool.map_err(ServerError::mark_unreachable)?, label: label.to_owned(), lease: None })
     }
 

@@ -4,6 +4,10 @@
 use sqlx::{PgConnection, PgPool, Postgres};
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, Transaction};
 
+#[cfg(feature = "postgres")]
+use crate::ledger::ServerError;
+use crate::ledger::error::Result;
+
 /// A transaction. Dropping it rolls everything back.
 #[derive(Debug)]
 pub enum SqlTransaction {
@@ -12,6 +16,29 @@ pub enum SqlTransaction {
     /// Of PostgreSQL.
     #[cfg(feature = "postgres")]
     Postgres(Transaction<'static, Postgres>),
+}
+
+/// Limits of a transaction that reads or writes all rows: a backup, a copy, a migration. Others have shorter ones.
+#[cfg(feature = "postgres")]
+const OF_WHOLE_LEDGER: &str =
+    "SET LOCAL statement_timeout = '6h'; SET LOCAL idle_in_transaction_session_timeout = '10min'";
+
+/// Has a transaction last as long as a transfer of all rows takes.
+#[cfg(feature = "postgres")]
+pub async fn allow_whole_ledger(db: &mut PgConnection) -> Result<()> {
+    let allowed = sqlx::raw_sql(OF_WHOLE_LEDGER).execute(db).await;
+    Ok(allowed.map(drop).map_err(ServerError::mark_unreachable)?)
+}
+
+impl SqlTransaction {
+    /// Has it last as long as a transfer of all rows takes. A file has no such limit.
+    pub async fn allow_whole_ledger(&mut self) -> Result<()> {
+        match self {
+            Self::Sqlite(_) => Ok(()),
+            #[cfg(feature = "postgres")]
+            Self::Postgres(transaction) => allow_whole_ledger(transaction).await,
+        }
+    }
 }
 
 /// Where a statement runs.

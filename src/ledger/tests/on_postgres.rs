@@ -3,6 +3,7 @@
 
 mod copies;
 mod encrypted;
+mod frozen;
 mod leases;
 mod order_of_events;
 mod same_rows;

@@ -2,6 +2,8 @@
 
 mod attention;
 mod bad_input;
+#[cfg(feature = "postgres")]
+mod change_lock;
 mod dashboard;
 mod decisions;
 mod deep;

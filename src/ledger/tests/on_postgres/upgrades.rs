@@ -117,6 +117,7 @@ async fn a_migration_does_not_keep_the_farm_waiting_for_one_who_reads_for_long()
     let ledger = start(&address, "print1").await.unwrap();
     let part = waiting(&ledger, "a", 1).await;
     let mut dump = ledger.begin_snapshot().await.unwrap();
+    dump.allow_whole_ledger().await.unwrap();
     sql::query_scalar::<i64>("SELECT count(*) FROM part").fetch_one(&mut dump).await.unwrap();
     let refused = upgrade_as_newer(server(&address), &[(9001, additions(9001), true)]).await.unwrap_err();
     assert!(refused.to_string().contains("pg_dump"), "{refused}");

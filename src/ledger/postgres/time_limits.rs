@@ -1,0 +1,46 @@
+//! How long the database lets a connection wait, work, or do nothing while others wait for it. The database itself enforces it: a
+//! process that has died, sleeps, or is cut off without the connection having ended cannot. A transfer of all rows has limits of its own
+//! (`sql::allow_whole_ledger`).
+
+use sqlx::postgres::PgConnectOptions;
+
+/// A connection that does nothing within a transaction is ended after this time, which is well below a lease.
+const IDLE_IN_CHANGE: &str = "10s";
+/// A daemon tries again after this time, and an alert tells whom it waits for.
+const DAEMON_WAITS: &str = "5s";
+/// A command waits for longer than a dead connection can keep it.
+const COMMAND_WAITS: &str = "20s";
+/// The slowest statements, on 100,000 waiting parts and a slow core, take half of this time.
+const STATEMENT: &str = "60s";
+/// A packet without an answer ends the connection after this time, ms.
+const UNANSWERED_MS: &str = "20000";
+/// An idle connection is asked whether it lives after this time, and so often until it counts as dead, seconds.
+const KEEPALIVES: [(&str, &str); 3] =
+    [("tcp_keepalives_idle", "10"), ("tcp_keepalives_interval", "5"), ("tcp_keepalives_count", "3")];
+
+/// For whom a connection is made.
+#[derive(Debug, Clone, Copy)]
+pub enum ConnectionUser<'a> {
+    /// The daemon of this node.
+    Node(&'a str),
+    /// A command, or whatever else is no node.
+    Command,
+}
+
+/// The options with the limits, and with a name by which `pg_stat_activity` shows whose connection it is.
+pub fn limit(options: PgConnectOptions, user: ConnectionUser<'_>) -> PgConnectOptions {
+    let (name, lock_timeout) = match user {
+        ConnectionUser::Node(node) => (node.to_owned(), DAEMON_WAITS),
+        ConnectionUser::Command => {
+            let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
+            (format!("a command on {host}, process {}", std::process::id()), COMMAND_WAITS)
+        }
+    };
+    let limits = [
+        ("lock_timeout", lock_timeout),
+        ("statement_timeout", STATEMENT),
+        ("idle_in_transaction_session_timeout", IDLE_IN_CHANGE),
+        ("tcp_user_timeout", UNANSWERED_MS),
+    ];
+    options.application_name(&name).options(limits).options(KEEPALIVES)
+}

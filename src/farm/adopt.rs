@@ -1,7 +1,7 @@
 //! Claims of two farms: gives up the parts of claims that another farm has taken over, and leaves the claims of another
 //! farm alone until a person adopts them.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, io};
 
 use anyhow::{Context, Result, bail};
 use tracing::warn;
@@ -12,12 +12,13 @@ use super::{
     claim_completion,
     farm::Farm,
     folder_lease::{FolderLease, LeaseError},
-    lease_holder::LeaseHolder,
+    lease_holder::{FarmIdentity, LeaseHolder},
     machine_state::MachineStates,
     mark_note,
 };
 use crate::{
     intake,
+    ledger::SharedFarm,
     settings::{MachineProfile, Settings},
 };
 
@@ -44,6 +45,24 @@ pub fn adopt_claims(settings: &Settings, profile: &MachineProfile) -> Result<usi
         }
     }
     intake::adopt_claims(inbox, &farm).with_context(|| format!("taking over the claims in {}", inbox.display()))
+}
+
+/// Makes this farm the one that its ledger says, before it takes any file: the nodes of a shared ledger are one farm, and each of them
+/// has the claims of the machines that it serves. Claims that this state folder made under another number, before it came to the ledger,
+/// keep their farm; those in a folder that is away now are left to [`adopt_claims`].
+pub(super) fn join_farm(settings: &Settings, shared: Option<SharedFarm>) -> io::Result<()> {
+    let known = FarmIdentity::read(&settings.state_dir)?;
+    let Some(now) = FarmIdentity::of_ledger(known.clone(), shared) else { return Ok(()) };
+    if known.as_ref() == Some(&now) {
+        return Ok(());
+    }
+    for profile in settings.profiles.values() {
+        let Some(known) = known.as_ref().filter(|known| known.id != now.id) else { break };
+        if let Err(error) = intake::rename_claims(&profile.folders.inbox, &known.id, &now.id) {
+            warn!(profile = %profile.name, "Claims of this nestd could not be renamed: {error}.");
+        }
+    }
+    now.write_into(&settings.state_dir)
 }
 
 /// Fails if any claim of the batch is not released by this farm: another farm may take over a remaining claim, and a

@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::file_fault::FileTerms;
+use super::{file_fault::FileTerms, lease_holder::FarmIdentity};
 use crate::{
     intake::{
         self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
@@ -177,11 +177,11 @@ fn claims_in_work(settings: &Settings, with_hashes: bool) -> Result<(Vec<String>
 
 /// The claims of this farm that another farm has taken over.
 fn claims_taken_over(settings: &Settings) -> Result<Vec<String>> {
-    let farm = fs::read_to_string(settings.state_dir.join(super::lease_holder::FARM_ID_FILE)).unwrap_or_default();
+    let Ok(Some(farm)) = FarmIdentity::read(&settings.state_dir) else { return Ok(Vec::new()) };
     let mut claims = Vec::new();
-    for profile in settings.profiles.values().filter(|_| !farm.trim().is_empty()) {
+    for profile in settings.profiles.values() {
         let inbox = &profile.folders.inbox;
-        let found = intake::taken_over_claims(inbox, farm.trim());
+        let found = intake::taken_over_claims(inbox, &farm.id);
         claims.extend(found.with_context(|| format!("listing {}", inbox.join(".claimed").display()))?);
     }
     Ok(claims)

@@ -12,7 +12,7 @@ use super::{
     folder_lease::LeaseError,
     known_folders::known_identity,
     lease_clock,
-    lease_holder::{LeaseHolder, find_place},
+    lease_holder::{FarmIdentity, LeaseHolder, find_place},
     lease_marker::{LeaseMarker, folder_identity, read_marker},
 };
 use crate::settings::{MachineFolders, Settings};
@@ -75,11 +75,14 @@ pub fn check_readable(state_dir: &Path, folder: &Path) -> Result<(), LeaseError>
 }
 
 impl LeaseHolder {
-    /// Whether this is the farm of the state directory, even if the farm's id was lost with it.
+    /// Whether this is the farm of the state directory, even if the farm's id was lost with it, or shares its ledger.
     fn belongs_to_state_dir(&self, state_dir: &Path) -> bool {
         let is_same_path = fs::canonicalize(state_dir).is_ok_and(|own| own == *self.state_dir());
         // A container has another host name, and may have another path.
         let is_same_place = !self.place.is_empty() && find_place(state_dir).is_ok_and(|place| place == self.place);
-        is_same_place || is_same_path && self.is_on_this_host()
+        let is_of_shared_ledger = FarmIdentity::read(state_dir).is_ok_and(|known| {
+            known.is_some_and(|own| !own.database.is_empty() && (&own.id, &own.database) == (&self.farm, &self.place))
+        });
+        is_of_shared_ledger || is_same_place || is_same_path && self.is_on_this_host()
     }
 }

@@ -12,6 +12,7 @@ use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 
 use super::state_lock;
+use crate::ledger::SharedFarm;
 
 /// Name of the file with the farm's id in the state directory.
 pub const FARM_ID_FILE: &str = "nestd.farm";
@@ -25,7 +26,8 @@ pub struct LeaseHolder {
     pub(super) host: String,
     /// Its state directory.
     pub(super) state_dir: PathBuf,
-    /// Where its state directory is: boot of the machine, device and inode. "" = an older nestd wrote the marker.
+    /// Where its state directory is: boot of the machine, device and inode; the database, where nodes share a ledger: of these the
+    /// ledger says who serves a folder. "" = an older nestd wrote the marker.
     #[serde(default)]
     pub(super) place: String,
     /// Process id.
@@ -46,11 +48,12 @@ impl LeaseHolder {
 
     /// The daemon of this process.
     pub fn for_this_process(state_dir: &Path, since: Timestamp) -> io::Result<Self> {
-        let farm = read_or_create_farm_id(state_dir)?;
+        let farm = FarmIdentity::read_or_create(state_dir)?;
         let state_dir = fs::canonicalize(state_dir)?;
+        let place = if farm.database.is_empty() { find_place(&state_dir)? } else { farm.database };
         Ok(Self {
-            place: find_place(&state_dir)?,
-            farm,
+            place,
+            farm: farm.id,
             host: state_lock::host_name(),
             state_dir,
             pid: std::process::id(),
@@ -86,7 +89,7 @@ impl LeaseHolder {
         self.is_on_this_host() && self.is_state_lock_held() == Some(true)
     }
 
-    /// Whether both are the same farm: this process holds the lock of its state directory, so an earlier daemon of it
+    /// Whether both are the same farm: they share a ledger; or this process holds the lock of its state directory, so an earlier daemon of it
     /// is dead. A copied state directory is another farm, also on a machine that was copied with its name; so is one
     /// that was moved to another server. A container may have another name at each start.
     pub(super) fn is_same_farm(&self, other: &Self) -> bool {
@@ -126,21 +129,60 @@ impl LeaseHolder {
     }
 }
 
-/// The id of a farm, created at its first start.
-fn read_or_create_farm_id(state_dir: &Path) -> io::Result<String> {
-    let path = state_dir.join(FARM_ID_FILE);
-    match fs::read_to_string(&path) {
-        Ok(number) if !number.trim().is_empty() => return Ok(number.trim().to_owned()),
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
+/// What a state directory says of its farm.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct FarmIdentity {
+    /// A random number.
+    pub(super) id: String,
+    /// The database of the ledger that it shares with other nodes; "" = it has a ledger of its own.
+    pub(super) database: String,
+}
+
+impl FarmIdentity {
+    /// The identity that the state directory has; `None` = it has none yet.
+    pub(super) fn read(state_dir: &Path) -> io::Result<Option<Self>> {
+        match fs::read_to_string(state_dir.join(FARM_ID_FILE)) {
+            Ok(text) => {
+                let mut lines = text.lines().map(|line| line.trim().to_owned());
+                let (id, database) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
+                Ok((!id.is_empty()).then_some(Self { id, database }))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
     }
-    let number = format!("{:032x}", rand::random::<u128>());
-    let mut file = tempfile::Builder::new().prefix(".nestd-farm-").tempfile_in(state_dir)?;
-    writeln!(file, "{number}")?;
-    file.as_file().sync_all()?;
-    file.persist(&path)?;
-    File::open(state_dir)?.sync_all()?;
-    Ok(number)
+
+    /// The identity of the state directory, made at the first start.
+    fn read_or_create(state_dir: &Path) -> io::Result<Self> {
+        match Self::read(state_dir)? {
+            Some(known) => Ok(known),
+            None => {
+                let new = Self { id: format!("{:032x}", rand::random::<u128>()), database: String::new() };
+                new.write_into(state_dir).map(|()| new)
+            }
+        }
+    }
+
+    /// The identity once the ledger was opened: where nodes share it, they are one farm.
+    pub(super) fn of_ledger(known: Option<Self>, shared: Option<SharedFarm>) -> Option<Self> {
+        match (known, shared) {
+            (_, Some(SharedFarm { id, database })) => Some(Self { id, database }),
+            (Some(known), None) => Some(Self { database: String::new(), ..known }),
+            (None, None) => None,
+        }
+    }
+
+    /// Writes it; it is on disk when this returns.
+    pub(super) fn write_into(&self, state_dir: &Path) -> io::Result<()> {
+        let mut file = tempfile::Builder::new().prefix(".nestd-farm-").tempfile_in(state_dir)?;
+        writeln!(file, "{}", self.id)?;
+        if !self.database.is_empty() {
+            writeln!(file, "{}", self.database)?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(state_dir.join(FARM_ID_FILE))?;
+        File::open(state_dir)?.sync_all()
+    }
 }
 
 /// Where a state directory is. A reboot changes it, because a copy of a machine boots anew too.

@@ -41,7 +41,7 @@ pub async fn find_unknown_to_ledger(
     settings: &Settings,
     ledger: &Ledger,
 ) -> Result<(Vec<String>, Vec<FolderUnavailableError>)> {
-    let settings = &without_other_nodes(settings, ledger).await?;
+    let (all, settings) = (settings, &without_other_nodes(settings, ledger).await?);
     let (mut unknown, mut unavailable) = (Vec::new(), Vec::new());
     for profile in settings.profiles.values() {
         match find_unknown_build_names(settings, ledger, profile).await {
@@ -50,11 +50,16 @@ pub async fn find_unknown_to_ledger(
         }
     }
     let kept = claim_note::list_stored_files(settings)?;
-    let mut files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
-    // A file that is just being claimed is in a hot folder; an unavailable hot folder hides it.
-    files.retain(|file| {
-        let profile = file.note.as_ref().and_then(|taken| settings.profiles.get(&taken.part.profile));
-        profile.is_none_or(|profile| profile.folders.inbox.join(".claimed").is_dir())
+    let mut files = claim_note::find_forgotten_files(all, ledger, &kept).await?;
+    // A file that is just being claimed is in a hot folder; an unavailable hot folder hides it. What was claimed for a machine that is
+    // another node's now lies in the hot folder of that one.
+    let is_shared = ledger.file().is_none();
+    files.retain(|file| match &file.note {
+        None => true,
+        Some(taken) => match settings.profiles.get(&taken.part.profile) {
+            Some(profile) => profile.folders.inbox.join(".claimed").is_dir(),
+            None => !is_shared,
+        },
     });
     unknown.extend(files.iter().map(|file| match &file.note {
         Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.profile),

@@ -7,6 +7,7 @@ use super::{
     alert::{AlertKind, FarmAlert},
     alert_registry::AlertRegistry,
     farm::Farm,
+    intake_jobs::HotFolderScanJob,
     machine_state::MachineState,
 };
 use crate::ledger::ObservedMachine;
@@ -61,5 +62,15 @@ pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
             },
         }
     });
-    machines.collect()
+    // A machine that has left the configuration is this node's until the last scan of its hot folder has ended: another one would take
+    // apart what that scan puts together.
+    let scanned = farm.jobs.running_subjects::<HotFolderScanJob>().filter(|name| !farm.machines.contains_key(*name));
+    let leaving = scanned.map(|name| ObservedMachine {
+        profile: name.to_owned(),
+        scanned_at: None,
+        is_inbox_there: true,
+        is_queue_writable: false,
+        trouble: None,
+    });
+    machines.chain(leaving).collect()
 }

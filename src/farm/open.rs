@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use tracing::warn;
 
 use super::{
+    adopt,
     alert::AlertKind,
     alert_registry::{AlertRegistry, ServiceBridge},
     clock_changes,
@@ -162,6 +163,8 @@ impl OpenedState {
         let clock = time.clone();
         let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
         // Opened after the ledger: if the farm has an id, it must have had a ledger.
+        adopt::join_farm(settings, ledger.shared_farm().await?)
+            .with_context(|| format!("writing the farm's number into {}", settings.state_dir.display()))?;
         let holder = LeaseHolder::for_this_process(&settings.state_dir, since)
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = ContentStore::open(settings.state_dir.join("store"))?;

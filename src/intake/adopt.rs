@@ -48,6 +48,24 @@ pub fn unreleased_claims(inbox: &Path, farm: &str, ids: &HashSet<String>) -> io:
     Ok(left)
 }
 
+/// Gives the claims of a farm, complete or not, the number that the farm has now. Nobody takes them over: no trace is left.
+pub fn rename_claims(inbox: &Path, before: &str, now: &str) -> io::Result<()> {
+    let _only_one = lock_claims(inbox);
+    let claimed = inbox.join(CLAIMED_DIR);
+    for name in list_claim_folders(inbox)?.iter().filter(|name| !name.starts_with(ADOPTED_PREFIX)) {
+        if let (id, Some(of)) = parse_folder_name(name)
+            && of == before
+        {
+            let begins = name.split_once(id).map_or("", |(begins, _)| begins);
+            disk::rename_noreplace(
+                &claimed.join(name),
+                &claimed.join(format!("{begins}{}", claim_folder_name(id, now))),
+            )?;
+        }
+    }
+    if claimed.exists() { disk::fsync_dir(&claimed) } else { Ok(()) }
+}
+
 /// Takes over the claims of other farms and returns their number. The trace is on disk before the claim is renamed.
 pub fn adopt_claims(inbox: &Path, farm: &str) -> io::Result<usize> {
     let _only_one = lock_claims(inbox);
@@ -111,6 +129,27 @@ mod tests {
             (adopt_claims(&farm.inbox, "bb").unwrap(), taken_over_claims(&farm.inbox, "bb").unwrap().len()),
             (0, 0)
         );
+    }
+
+    #[test]
+    fn a_farm_that_gets_another_number_keeps_its_claims_and_no_other() {
+        let farm = TestInbox::new();
+        rename_claims(&farm.inbox, "aa", "cc").unwrap();
+        let claimed = |name: &str, of: &str| {
+            farm.drop_file(name, name);
+            claim_for_farm(&farm.inbox, &farm.ready_part(), of).unwrap()
+        };
+        let (own, other) = (claimed("a.stl", "aa"), claimed("b.stl", "bb"));
+        let unfinished = farm.inbox.join(".claimed/.new-x@aa");
+        fs::create_dir(&unfinished).unwrap();
+        rename_claims(&farm.inbox, "aa", "cc").unwrap();
+        assert!(!unfinished.exists() && farm.inbox.join(".claimed/.new-x@cc").exists());
+        let ids = |farm_id: &str| {
+            let claims = recover_claims(&farm.inbox, farm_id).unwrap().0;
+            claims.into_iter().map(|claim| claim.id).collect::<Vec<_>>()
+        };
+        assert_eq!((ids("cc"), ids("bb"), ids("aa")), (vec![own.id], vec![other.id], vec![]));
+        assert!(taken_over_claims(&farm.inbox, "aa").unwrap().is_empty());
     }
 
     #[test]

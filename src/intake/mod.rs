@@ -63,7 +63,7 @@ mod ticket;
 mod upload;
 mod watch;
 
-pub use adopt::{adopt_claims, foreign_claims, taken_over_claims, unreleased_claims};
+pub use adopt::{adopt_claims, foreign_claims, rename_claims, taken_over_claims, unreleased_claims};
 pub use archive::{KEPT_BUILDS, archive_file, purge_archive, purge_kept_builds};
 pub use claim::{ReleaseOutcome, claim_for_farm, claim_part, give_back_claim, release_claim};
 pub use claim_folder::{claim_dir, claim_id};

@@ -6,7 +6,7 @@ use std::{path::Path, sync::Arc, time::Duration};
 use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
-    ServingRight, UtcTimestamp,
+    ServingRight, SharedFarm, UtcTimestamp,
     change::{ChangeOrigin, LedgerChange},
     consistency::{self, RuleScope},
     error::Result,
@@ -212,6 +212,15 @@ impl Ledger {
             LedgerStore::Sqlite(_) => Ok(Vec::new()),
             #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.find_repair_due().await,
+        }
+    }
+
+    /// The farm that all nodes of a ledger on a server are; `None` = it is a file.
+    pub async fn shared_farm(&self) -> Result<Option<SharedFarm>> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(None),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.shared_farm().await.map(Some),
         }
     }
 

@@ -120,7 +120,7 @@ pub use refusal_cause::RefusalCause;
 pub use replace::{aside_path, clear_unfinished, replace_ledger, restoring_path};
 pub use revision::TakenOver;
 pub use server_error::ServerError;
-pub use service::{LiveRights, ServiceState, ServingNode, ServingRight};
+pub use service::{LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{
     DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,

@@ -35,6 +35,15 @@ pub struct ServingNode {
     pub lease: Duration,
 }
 
+/// The farm that all nodes of a ledger on a server are. Its claims are those of whichever node serves the machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SharedFarm {
+    /// Its number, made of the database that holds the ledger.
+    pub id: String,
+    /// The database, and its timeline: one that went on after a standby has taken its place is told from that.
+    pub database: String,
+}
+
 /// Who serves a ledger on a server now, by its leases.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LiveRights {

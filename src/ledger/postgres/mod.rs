@@ -12,6 +12,7 @@ mod repair_due;
 mod schema;
 #[cfg(test)]
 pub(super) mod server_link;
+mod shared_farm;
 mod store;
 mod time_limits;
 

@@ -12,10 +12,11 @@ use super::{
     lease::{self, CountedChange, HeldLease},
     repair_due,
     schema::SCHEMA,
+    shared_farm,
     time_limits::{self, ConnectionUser},
 };
 use crate::ledger::{
-    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result,
+    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, SharedFarm, error::Result,
     sql::SqlExecutor,
 };
 
@@ -124,6 +125,11 @@ impl PostgresStore {
     pub async fn find_repair_due(&self) -> Result<Vec<String>> {
         let mut db = self.pool.acquire().await.map_err(ServerError::mark_unreachable)?;
         repair_due::find_due(&mut db).await
+    }
+
+    /// The farm of the ledger.
+    pub async fn shared_farm(&self) -> Result<SharedFarm> {
+        shared_farm::find(&self.pool).await
     }
 
     /// Who serves the ledger now.

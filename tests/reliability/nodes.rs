@@ -6,6 +6,7 @@
 
 mod farm_node;
 mod node_fault;
+#[path = "../../src/ledger/postgres/server_link.rs"]
 mod server_link;
 
 use std::{
@@ -118,6 +119,11 @@ impl NodesFarm {
     }
 }
 
+/// Whether a part was left to another nestd, which no node may do: there is no other one than these, and each thinks that of the others.
+fn is_given_up(part: &PartRow) -> bool {
+    part.state == PartState::Rejected && part.rejection.reason.starts_with("Another nestd has taken over")
+}
+
 impl NodesFarm {
     fn run_operations(&mut self, budget: &SectionBudget) {
         let faults = budget.pick(6, FAULTS);
@@ -142,7 +148,12 @@ impl NodesFarm {
     }
 
     fn drop_part(&mut self) {
-        let (number, node) = (self.dropped.len(), self.rng.random_range(0..NODES));
+        let machine = self.rng.random_range(0..NODES);
+        self.drop_part_for(machine);
+    }
+
+    fn drop_part_for(&mut self, node: usize) {
+        let number = self.dropped.len();
         let size = |low: f64, rng: &mut ChaCha8Rng| low + rng.random_range(0.0..8.0);
         let sides = [8.0, 6.0].map(|low| size(low, &mut self.rng));
         // Each part has a size of its own.
@@ -228,6 +239,7 @@ impl NodesFarm {
     }
 
     /// A person takes back what a repair has taken out and asked to look at, where no build file holds it. Returns whether there was any.
+    /// What was left to another nestd stays refused: it is lost, and [`NodesFarm::compare_copies`] says so.
     fn retry_what_was_taken_out(&mut self, parts: &[PartRow]) -> bool {
         let printed = self.printed_copies();
         let is_elsewhere = |part: &PartRow| {
@@ -235,7 +247,7 @@ impl NodesFarm {
             printed.contains_key(hash) || parts.iter().any(|p| p.file.content_hash == *hash && p.state.is_live())
         };
         let out: Vec<String> = (parts.iter())
-            .filter(|part| part.state == PartState::Rejected && !is_elsewhere(part))
+            .filter(|part| part.state == PartState::Rejected && !is_elsewhere(part) && !is_given_up(part))
             .map(|part| part.id.to_string())
             .collect();
         out.iter().for_each(|part| self.submit(&["retry", part]));
@@ -318,6 +330,9 @@ impl NodesFarm {
                 broken.push(format!("{what}: {name}: {found} copies are printed of {wanted}, as {own:?}"));
             }
         }
+        let given_up = parts.iter().filter(|part| is_given_up(part));
+        broken
+            .extend(given_up.map(|part| format!("LOST: part {} ({}): {}", part.id, part.name, part.rejection.reason)));
         broken
     }
 }

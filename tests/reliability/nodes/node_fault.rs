@@ -1,11 +1,21 @@
 //! What goes wrong in a farm of several nodes.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rand::RngExt;
 use rustix::process::Signal;
 
-use super::{super::support::signal, NODES, NodesFarm, farm_node::machine_name, server_link::LinkState};
+use super::{
+    super::support::{TestFarm, signal},
+    NODES, NodesFarm,
+    farm_node::machine_name,
+    server_link::LinkState,
+};
+
+/// Parts that are dropped together, so that some are claimed when the node is killed.
+const PARTS_AT_ONCE: usize = 8;
+/// A machine that left the configuration of one node is taken up by another one within this time.
+const MOVES_WITHIN: Duration = Duration::from_secs(20);
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +26,10 @@ enum NodeFault {
     EndedInOrder,
     /// Killed, and its machines adopted by another node before it comes back.
     Adopted,
+    /// Killed while files are claimed, adopted, started again; then the heir is killed while files are claimed, and the machine comes back.
+    AdoptedBack,
+    /// A machine is taken out of the configuration of the node that serves it while files are claimed, and another one takes it up.
+    MovedInOrder,
     /// The connection to the server is slow, says nothing, or breaks, for up to longer than a lease.
     LinkFails,
     /// The node without machines is killed, or stopped for longer than a lease.
@@ -33,8 +47,8 @@ impl NodesFarm {
     /// Lets something go wrong, and waits until it is over.
     pub(super) fn inject_fault(&mut self) {
         use NodeFault::{
-            Adopted, DiskFull, EndedInOrder, Killed, LinkFails, ServerCrashed, ServerRestarted, Slept, StandbyPromoted,
-            WorkerKilled, WorkerSlept,
+            Adopted, AdoptedBack, DiskFull, EndedInOrder, Killed, LinkFails, MovedInOrder, ServerCrashed,
+            ServerRestarted, Slept, StandbyPromoted, WorkerKilled, WorkerSlept,
         };
         let faults = [
             Killed,
@@ -42,6 +56,10 @@ impl NodesFarm {
             Slept,
             EndedInOrder,
             Adopted,
+            AdoptedBack,
+            AdoptedBack,
+            MovedInOrder,
+            MovedInOrder,
             LinkFails,
             LinkFails,
             LinkFails,
@@ -75,15 +93,17 @@ impl NodesFarm {
                 self.nodes[number].start();
             }
             Adopted => {
-                self.nodes[number].farm.kill();
-                let heir = (number + 1) % NODES;
-                for machine in (0..NODES).map(machine_name) {
-                    // Refused while the lease lasts; the machine then stays where it is.
-                    std::thread::sleep(short);
-                    let adopt = self.nodes[heir].command(&["adopt", &machine]).output().unwrap();
-                    self.story.push(format!("  adopt {machine}: {}", adopt.status.success()));
-                }
-                self.nodes[number].start();
+                self.have_adopted(number, short);
+            }
+            AdoptedBack => {
+                self.drop_until_claimed(number);
+                let heir = self.have_adopted(number, short);
+                self.drop_until_claimed(number);
+                self.have_adopted(heir, short);
+            }
+            MovedInOrder => {
+                self.drop_until_claimed(number);
+                self.move_in_order(number);
             }
             LinkFails => {
                 let slow = LinkState::Slow(short / 2);
@@ -133,6 +153,58 @@ impl NodesFarm {
         }
         // A daemon that lost its right ends nothing by itself: the service manager's watchdog or a person starts it again.
         self.start_ended_nodes();
+    }
+
+    /// Kills a node, has all machines that it serves adopted by the next one, and starts it again. Returns the number of the heir.
+    fn have_adopted(&mut self, number: usize, pause: Duration) -> usize {
+        self.nodes[number].farm.kill();
+        let heir = (number + 1) % NODES;
+        for machine in (0..NODES).map(machine_name) {
+            // Refused while the lease lasts; the machine then stays where it is.
+            std::thread::sleep(pause);
+            let adopt = self.nodes[heir].command(&["adopt", &machine]).output().unwrap();
+            self.story.push(format!("  adopt {machine}: {}", adopt.status.success()));
+        }
+        self.nodes[number].start();
+        heir
+    }
+
+    /// Drops parts for a machine until some of them are claimed, or for a moment.
+    fn drop_until_claimed(&mut self, machine: usize) {
+        let claimed = self.nodes[machine].farm.folder("inbox").join(".claimed");
+        let is_claim = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry.is_ok_and(|entry| !entry.file_name().to_string_lossy().starts_with('.'))
+        };
+        for _ in 0..PARTS_AT_ONCE.min(self.parts.saturating_sub(self.dropped.len())) {
+            self.drop_part_for(machine);
+        }
+        for _ in 0..100 {
+            if std::fs::read_dir(&claimed).is_ok_and(|mut entries| entries.any(is_claim)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Takes a machine out of the configuration of the node that serves it, and puts the file back once another one has taken it up.
+    fn move_in_order(&mut self, machine: usize) {
+        let name = machine_name(machine);
+        let node_of = |farm: &TestFarm| {
+            farm.query_ledger(async |ledger| ledger.node_of_machine(&name).await.unwrap().unwrap_or_default())
+        };
+        let before = node_of(&self.nodes[0].farm);
+        let Some(serving) = self.nodes.iter().find(|node| node.name == before) else { return };
+        let file = serving.farm.root().join(format!("config/profiles/{name}.toml"));
+        let text = std::fs::read(&file).unwrap();
+        std::fs::remove_file(&file).unwrap();
+        serving.farm.reload();
+        let began = Instant::now();
+        while [before.as_str(), ""].contains(&node_of(&self.nodes[0].farm).as_str()) && began.elapsed() < MOVES_WITHIN {
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        self.story.push(format!("  {name} went from {before} to {}", node_of(&self.nodes[0].farm)));
+        std::fs::write(&file, text).unwrap();
+        serving.farm.reload();
     }
 
     /// Starts again what has ended by itself, or has lost its right and does nothing more. Where the ledger has lost changes, a person

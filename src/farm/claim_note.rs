@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::{file_fault::FileTerms, lease_holder::FarmIdentity};
+use super::{file_fault::FileTerms, lease_holder::FarmIdentity, own_machines::without_other_nodes};
 use crate::{
     intake::{
         self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
@@ -130,7 +130,8 @@ pub async fn find_forgotten_files(
     if unknown.is_empty() && nameless.is_empty() {
         return Ok(Vec::new());
     }
-    let (in_work, hashes) = claims_in_work(settings, !nameless.is_empty())?;
+    let own = without_other_nodes(settings, ledger).await?;
+    let (in_work, hashes) = claims_in_work(settings, &own, !nameless.is_empty())?;
     // A claim that was released between the two queries has its row by now.
     unknown = ledger.unknown_claims(&unknown).await?;
     nameless = ledger.unknown_contents(&nameless).await?;
@@ -155,13 +156,16 @@ pub async fn find_forgotten_files(
     Ok(found)
 }
 
-/// The claims in the hot folders and, if asked for, the BLAKE3 of their files.
-fn claims_in_work(settings: &Settings, with_hashes: bool) -> Result<(Vec<String>, Vec<String>)> {
+/// The claims in the hot folders and, if asked for, the BLAKE3 of their files; also in those of other nodes' machines, as far as they can
+/// be read here: such a machine was perhaps this node's when the file was claimed. `own` = the machines of this node.
+fn claims_in_work(settings: &Settings, own: &Settings, with_hashes: bool) -> Result<(Vec<String>, Vec<String>)> {
     let (mut claims, mut hashes) = (Vec::new(), Vec::new());
-    for profile in settings.profiles.values() {
+    for (name, profile) in &settings.profiles {
         let inbox = &profile.folders.inbox;
-        let work =
-            intake::list_claims(inbox).with_context(|| format!("listing {}", inbox.join(".claimed").display()))?;
+        let work = match intake::list_claims(inbox) {
+            Err(_) if !own.profiles.contains_key(name) => continue,
+            other => other.with_context(|| format!("listing {}", inbox.join(".claimed").display()))?,
+        };
         for claim in work.claims {
             if with_hashes {
                 hashes.extend(intake::hash_file(&claim.part).ok());
@@ -171,7 +175,7 @@ fn claims_in_work(settings: &Settings, with_hashes: bool) -> Result<(Vec<String>
         claims.extend(work.unfinished.iter().filter_map(|dir| claim_id(dir)));
     }
     // The other farm has them in its ledger.
-    claims.extend(claims_taken_over(settings)?);
+    claims.extend(claims_taken_over(own)?);
     Ok((claims, hashes))
 }
 

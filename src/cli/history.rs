@@ -83,7 +83,11 @@ pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
         let rows = ledger.read_history(&query).await?;
         match &args.profile {
             // The history of a profile that is no longer configured stays readable.
-            Some(profile) if rows.is_empty() && !settings.profiles.contains_key(profile) => {
+            Some(profile)
+                if rows.is_empty()
+                    && !settings.profiles.contains_key(profile)
+                    && ledger.node_of_machine(profile).await?.is_none() =>
+            {
                 Err(UsageError(format!("there is no profile '{profile}', and no build of one")).into())
             }
             _ => Ok((rows, ledger.height_summaries(&query).await?, TimeView::current(&settings.time_zone))),

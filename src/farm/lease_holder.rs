@@ -89,8 +89,8 @@ impl LeaseHolder {
         self.is_on_this_host() && self.is_state_lock_held() == Some(true)
     }
 
-    /// Whether both are the same farm: they share a ledger; or this process holds the lock of its state directory, so an earlier daemon of it
-    /// is dead. A copied state directory is another farm, also on a machine that was copied with its name; so is one
+    /// Whether both are the same farm: they share a ledger, whose leases say who of them serves what; or this process holds the
+    /// lock of its state directory, so an earlier daemon of it is dead. A copied state directory is another farm, also on a machine that was copied with its name; so is one
     /// that was moved to another server. A container may have another name at each start.
     pub(super) fn is_same_farm(&self, other: &Self) -> bool {
         let is_known = !(self.place.is_empty() || other.place.is_empty());

@@ -365,12 +365,18 @@ impl Ledger {
 
     /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
     pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
-        consistency::find_inconsistencies(&mut self.begin_snapshot().await?, &RuleScope::ALL).await
+        self.find_inconsistencies_in(&RuleScope::ALL).await
     }
 
     /// The same for some of the rules.
     pub async fn find_inconsistencies_of(&self, scope: RuleScope) -> Result<Vec<String>> {
-        consistency::find_inconsistencies(&mut self.begin_snapshot().await?, &[scope]).await
+        self.find_inconsistencies_in(&[scope]).await
+    }
+
+    async fn find_inconsistencies_in(&self, scopes: &[RuleScope]) -> Result<Vec<String>> {
+        let mut snapshot = self.begin_snapshot().await?;
+        snapshot.allow_whole_ledger().await?;
+        consistency::find_inconsistencies(&mut snapshot, scopes).await
     }
 }
 

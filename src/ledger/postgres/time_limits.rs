@@ -1,6 +1,6 @@
 //! How long the database lets a connection wait, work, or do nothing while others wait for it. The database itself enforces it: a
-//! process that has died, sleeps, or is cut off without the connection having ended cannot. A transfer of all rows has limits of its own
-//! (`sql::allow_whole_ledger`).
+//! process that has died, sleeps, or is cut off without the connection having ended cannot. What reads or writes all rows has limits of its
+//! own (`sql::allow_whole_ledger`).
 
 use sqlx::postgres::PgConnectOptions;
 
@@ -10,7 +10,7 @@ const IDLE_IN_CHANGE: &str = "10s";
 const DAEMON_WAITS: &str = "5s";
 /// A command waits for longer than a dead connection can keep it.
 const COMMAND_WAITS: &str = "20s";
-/// The slowest statements, on 100,000 waiting parts and a slow core, take half of this time.
+/// On 100,000 waiting parts and a slow core, all statements of the slowest page together take half of this time.
 const STATEMENT: &str = "60s";
 /// A packet without an answer ends the connection after this time, ms.
 const UNANSWERED_MS: &str = "20000";

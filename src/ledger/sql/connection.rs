@@ -18,7 +18,7 @@ pub enum SqlTransaction {
     Postgres(Transaction<'static, Postgres>),
 }
 
-/// Limits of a transaction that reads or writes all rows: a backup, a copy, a migration. Others have shorter ones.
+/// Limits of a transaction that reads or writes all rows: a backup, a copy, a check, a migration. Others have shorter ones.
 #[cfg(feature = "postgres")]
 const OF_WHOLE_LEDGER: &str =
     "SET LOCAL statement_timeout = '6h'; SET LOCAL idle_in_transaction_session_timeout = '10min'";

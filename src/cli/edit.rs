@@ -7,14 +7,15 @@ use nester::OrientationRule;
 use super::{
     CommandExit, CommonArgs, UsageError, candidates,
     command::{DaemonCommand, run_for_parts},
-    farm_context::{load_settings, user_at_host, with_ledger},
+    farm_context::{load_settings, with_ledger},
+    operate::{say, say_all},
     table::print_text,
     target::find_targets,
     values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
 };
 use crate::{
     intake,
-    ledger::{BuildId, Ledger, PartEdit, PutBackReport, ReprintTarget},
+    ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget},
     settings::FarmZone,
 };
 
@@ -103,17 +104,15 @@ pub fn run_confirm(common: &CommonArgs, targets: &[String]) -> Result<CommandExi
 }
 
 /// Runs `nestd reprint`.
-pub fn run_reprint(common: &CommonArgs, words: &[String]) -> Result<CommandExit> {
-    let reports = with_ledger(common, async |_, ledger| {
-        let mut reports = Vec::new();
+pub fn run_reprint(common: &CommonArgs, words: &[String], anyway: bool) -> Result<CommandExit> {
+    let sentences = with_ledger(common, async |settings, ledger| {
+        let mut all = Vec::new();
         for word in words {
-            for target in reprint_targets(ledger, word).await? {
-                reports.push(ledger.reprint_copies(&target, &user_at_host()).await?);
-            }
+            all.extend(reprint_targets(ledger, word).await?.into_iter().map(OperatorWord::Reprint));
         }
-        Ok(reports)
+        say_all(settings, ledger, &all, anyway).await
     })?;
-    reports.iter().flat_map(PutBackReport::sentences).try_for_each(|sentence| print_text(&sentence))?;
+    sentences.iter().try_for_each(|sentence| print_text(sentence))?;
     Ok(CommandExit::Success)
 }
 
@@ -144,16 +143,14 @@ pub struct RequeueArgs {
     /// Build number, as history prints it (4 or b4)
     #[arg(value_parser = parse_build_number, add = candidates::of_builds())]
     build: i64,
+    /// Also if the file of the build lies in the queue: it is taken out first
+    #[arg(long)]
+    anyway: bool,
 }
 
 /// Runs `nestd requeue`.
 pub fn run_requeue(common: &CommonArgs, args: &RequeueArgs) -> Result<CommandExit> {
-    let build = BuildId(args.build);
-    let new = with_ledger(common, async |_, ledger| Ok(ledger.requeue_build(build, &user_at_host()).await?))?;
-    print_text(&format!(
-        "Build {build} is issued once more as build {new}; `nestd show b{new}` tells when it is in the queue."
-    ))?;
-    Ok(CommandExit::Success)
+    say(common, &[OperatorWord::Requeue(BuildId(args.build))], args.anyway)
 }
 
 #[cfg(test)]

@@ -25,6 +25,7 @@ mod nest;
 mod new_farm;
 mod nodes;
 mod notify;
+mod operate;
 mod orders;
 mod outcome;
 mod plan;
@@ -138,6 +139,9 @@ enum CliCommand {
         /// Build (b4), part (p5, 5=2 for two copies), order or file name
         #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER", add = candidates::of_everything())]
         targets: Vec<String>,
+        /// Also if the file of a build lies in the queue: it is taken out first
+        #[arg(long)]
+        anyway: bool,
     },
     /// Issue the same proved build once more, as a new build
     Requeue(edit::RequeueArgs),
@@ -244,7 +248,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Edit(args) => edit::run(common, args),
         CliCommand::Move { targets, to } => edit::run_move(common, targets, to),
         CliCommand::Confirm { targets } => edit::run_confirm(common, targets),
-        CliCommand::Reprint { targets } => edit::run_reprint(common, targets),
+        CliCommand::Reprint { targets, anyway } => edit::run_reprint(common, targets, *anyway),
         CliCommand::Requeue(args) => edit::run_requeue(common, args),
         CliCommand::Orders(args) => orders::run(common, args),
         CliCommand::Dismiss { profile } => dismiss::run(common, profile),

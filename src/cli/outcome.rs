@@ -4,11 +4,11 @@ use anyhow::Result;
 
 use super::{
     CommandExit, CommonArgs, candidates,
-    farm_context::{user_at_host, with_ledger},
-    table::print_text,
+    farm_context::user_at_host,
+    operate::say,
     values::{parse_build_number, parse_part_copies},
 };
-use crate::ledger::{BuildId, PartId, PrintOutcome, ToldOutcome};
+use crate::ledger::{BuildId, OperatorWord, PartId, PrintOutcome, ToldOutcome};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -30,6 +30,9 @@ pub struct OutcomeArgs {
     /// Correct an outcome that was told before; the history keeps both
     #[arg(long)]
     correct: bool,
+    /// Also if the file of the build lies in the queue: it is taken out first
+    #[arg(long)]
+    anyway: bool,
 }
 
 /// The outcomes that an operator can record.
@@ -58,9 +61,5 @@ pub fn run(common: &CommonArgs, args: &OutcomeArgs) -> Result<CommandExit> {
         keep: args.keep,
         is_correction: args.correct,
     };
-    let build = BuildId(args.build);
-    let report = with_ledger(common, async |_, ledger| Ok(ledger.record_outcome(build, &told).await?))?;
-    print_text(&format!("Build {build} is {outcome}."))?;
-    report.sentences().iter().try_for_each(|sentence| print_text(sentence))?;
-    Ok(CommandExit::Success)
+    say(common, &[OperatorWord::Outcome(BuildId(args.build), told)], args.anyway)
 }

@@ -1,22 +1,16 @@
 //! `nestd withdraw`: takes a published build back out of the queue, unless its printer was first.
 
-use std::time::{Duration, Instant};
-
 use anyhow::{Context, Result};
 use build_file::format_count;
 
 use super::{
     CommandExit, CommonArgs, candidates,
     farm_context::{user_at_host, with_ledger},
+    operate::wait_for_take_back,
     table::print_text,
     values::parse_build_number,
 };
 use crate::ledger::{BuildId, Ledger};
-
-/// How long the operator waits until the file is taken back.
-const TAKEN_BACK_TIMEOUT: Duration = Duration::from_secs(10);
-/// Time between two looks.
-const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -42,28 +36,27 @@ pub fn run(common: &CommonArgs, args: &WithdrawArgs) -> Result<CommandExit> {
 }
 
 async fn wait_until_taken_back(ledger: &Ledger, id: BuildId) -> Result<(String, CommandExit)> {
-    let until = Instant::now() + TAKEN_BACK_TIMEOUT;
-    loop {
-        let build = ledger.find_build(id).await?.with_context(|| format!("there is no build {id}"))?;
-        if build.place.withdrawn_at.is_some() {
-            let copies = format_count(build.measures.copies.unwrap_or(0), "copy waits", "copies wait");
-            let text = format!(
-                "Build {id} was taken back out of the queue: its {copies} again, with all that was asked. {0} is paused, so that \
-                 they can be changed or cancelled; `nestd resume {0}` lets it go on.",
-                build.profile
-            );
-            return Ok((text, CommandExit::Success));
-        }
-        if build.place.withdraw_by.is_none() {
-            let text = format!("Build {id} stays: its printer took the file first, or its outcome was told.");
-            return Ok((text, CommandExit::Failure));
-        }
-        if Instant::now() >= until {
-            let text = format!(
-                "Noted: nestd takes build {id} back as soon as it can use the queue folder. `nestd show {id}` says what became of it."
-            );
-            return Ok((text, CommandExit::Success));
-        }
-        tokio::time::sleep(POLL_INTERVAL).await;
+    let Some(build) = wait_for_take_back(ledger, id).await? else {
+        let text = format!(
+            "Noted: nestd takes build {id} back as soon as it can use the queue folder. `nestd show {id}` says what became of it."
+        );
+        return Ok((text, CommandExit::Success));
+    };
+    if build.place.withdrawn_at.is_none() {
+        let text = format!(
+            "Build {id} stays: its printer took the file first, its outcome was told, or what lies in the queue is not its file \
+             (`nestd status` says so)."
+        );
+        return Ok((text, CommandExit::Failure));
     }
+    let waits = match ledger.copies_of_withdrawal(id).await? {
+        0 => "none of its copies waits again".to_owned(),
+        copies => format!("{} again, with all that was asked", format_count(copies, "copy waits", "copies wait")),
+    };
+    let text = format!(
+        "Build {id} was taken back out of the queue: {waits}. {0} is paused, so that what waits can be changed or cancelled; \
+         `nestd resume {0}` lets it go on.",
+        build.profile
+    );
+    Ok((text, CommandExit::Success))
 }

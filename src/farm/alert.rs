@@ -65,6 +65,8 @@ pub enum AlertKind {
     PublishingFails,
     /// A proved build was staged in a queue folder that is no longer there.
     QueueReplaced,
+    /// What lies in a queue folder must not be printed as it is.
+    QueueAltered,
     /// Parts wait for a machine that is not configured.
     MachineGone,
     /// Parts, tickets and order lists do not match, and wait.
@@ -106,7 +108,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 36] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -135,6 +137,7 @@ impl AlertKind {
         Self::Question,
         Self::PublishingFails,
         Self::QueueReplaced,
+        Self::QueueAltered,
         Self::MachineGone,
         Self::Incomplete,
         Self::Refused,
@@ -183,6 +186,7 @@ impl AlertKind {
             Self::Question => "Parts wait for a yes before they are printed",
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
+            Self::QueueAltered => "A file in a queue folder must not be printed as it is",
             Self::MachineGone => "Parts wait for a machine that is not configured",
             Self::Incomplete => "Parts, tickets and order lists do not fit together, and wait",
             Self::Refused => "Refused files lie in the error folder",
@@ -289,6 +293,10 @@ impl AlertKind {
             Self::QueueReplaced => {
                 "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/operations.md says \
                  how to settle the build."
+            }
+            Self::QueueAltered => {
+                "Take the file out of the queue folder before somebody prints it, look whether it was printed, and tell the outcome \
+                 of its build (`nestd outcome`)."
             }
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \

@@ -195,7 +195,7 @@ impl MovingBuild {
                     self.target.remove_withdrawn(name)?;
                     MoveStep::Dropped
                 }
-                WithdrawalOutcome::Gone => MoveStep::TakenThere,
+                WithdrawalOutcome::Gone | WithdrawalOutcome::Altered => MoveStep::TakenThere,
             }
         } else {
             discard_staged(&self.target, name)?;

@@ -7,13 +7,18 @@ use std::{
     os::unix::process::{CommandExt, ExitStatusExt},
     path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
-    sync::Arc,
+    sync::{
+        Arc,
+        mpsc::{self, RecvTimeoutError},
+    },
+    thread::{self, JoinHandle},
+    time::Duration,
 };
 
 use anyhow::{Context, Result, ensure};
 use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits, SolidRequest};
 use glam::DVec3;
-use rustix::process::{Resource, Rlimit, Signal};
+use rustix::process::{Pid, Resource, Rlimit, Signal};
 use serde::{Deserialize, Serialize};
 use solids::Mesh;
 
@@ -24,6 +29,8 @@ use crate::ledger::RefusalCause;
 pub const SUBCOMMAND: &str = "read-part";
 /// This program, even if its file was replaced after the start.
 const SELF: &str = "/proc/self/exe";
+/// How long the process may take. Within its memory no file takes nearly as long.
+const READ_TIMEOUT: Duration = Duration::from_secs(1800);
 /// Signals that a person or the service manager sends to end a process: they say nothing about the file.
 const STOP_SIGNALS: [Signal; 3] = [Signal::TERM, Signal::INT, Signal::HUP];
 
@@ -74,10 +81,14 @@ impl PartReadRequest {
         let later =
             |failure: anyhow::Error| PartReadError::TryLater(format!("reading {} alone: {failure:#}", self.name));
         let mut child = self.start_reader().map_err(later)?;
+        let limit = TimeLimit::start(&child, READ_TIMEOUT);
         let answer = self.receive_response(&mut child);
         // The process cannot end while output that nobody read blocks it.
         drop(child.stdout.take());
         let status = child.wait().context("waiting for it").map_err(later)?;
+        if limit.has_ended() {
+            return Err(self.refusal_after_timeout());
+        }
         match answer {
             Ok(answer) if status.success() => answer,
             _ if status.signal().is_some_and(|signal| STOP_SIGNALS.iter().any(|stop| stop.as_raw() == signal)) => Err(
@@ -118,6 +129,16 @@ impl PartReadRequest {
         Ok(Ok(PartFileContents { solids, warnings }))
     }
 
+    fn refusal_after_timeout(&self) -> PartReadError {
+        let reason = format!(
+            "{}: reading it ended nestd twice, and then a separate process had not read it after {} minutes. Export it with fewer \
+             triangles or pieces and drop it again.",
+            self.name,
+            READ_TIMEOUT.as_secs() / 60
+        );
+        PartReadError::Refused(RefusalCause::Limit, reason)
+    }
+
     fn refusal_after_crash(&self, status: ExitStatus) -> PartReadError {
         let how = match (status.signal(), status.code()) {
             (Some(signal), _) => format!("by signal {signal}"),
@@ -130,6 +151,32 @@ impl PartReadRequest {
             self.name, self.limits.read_memory_bytes
         );
         PartReadError::Refused(RefusalCause::Limit, reason)
+    }
+}
+
+/// Ends a process that takes too long.
+struct TimeLimit {
+    /// Dropped when the process was waited for.
+    waited_for: mpsc::Sender<()>,
+    watch: JoinHandle<bool>,
+}
+
+impl TimeLimit {
+    fn start(child: &Child, limit: Duration) -> Self {
+        let (waited_for, is_done) = mpsc::channel();
+        let process = Pid::from_child(child);
+        let watch = thread::spawn(move || {
+            let is_late = is_done.recv_timeout(limit) == Err(RecvTimeoutError::Timeout);
+            // Nobody has waited for it yet, so the number is still its own.
+            is_late && rustix::process::kill_process(process, Signal::KILL).is_ok()
+        });
+        Self { waited_for, watch }
+    }
+
+    /// Whether the process took too long and was ended. Call it once its end is known.
+    fn has_ended(self) -> bool {
+        drop(self.waited_for);
+        self.watch.join().unwrap_or(false)
     }
 }
 
@@ -195,4 +242,19 @@ fn limit_own_process(memory_bytes: u64) {
     let _ = rustix::process::setrlimit(Resource::As, Rlimit { current: Some(wanted), maximum: most.maximum });
     let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
     let _ = fs::write(Path::new("/proc/self/oom_score_adj"), "1000");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_that_takes_too_long_is_ended_and_one_that_does_not_is_left_alone() {
+        for (secs, millis, is_late) in [("60", 100, true), ("0", 60_000, false)] {
+            let mut child = Command::new("sleep").arg(secs).spawn().unwrap();
+            let limit = TimeLimit::start(&child, Duration::from_millis(millis));
+            let status = child.wait().unwrap();
+            assert_eq!((limit.has_ended(), status.success()), (is_late, !is_late));
+        }
+    }
 }

@@ -92,6 +92,7 @@ mod node_content;
 mod obeyed_controls;
 mod open;
 mod open_night;
+mod operate;
 mod own_machines;
 mod part_changes;
 mod part_questions;
@@ -103,6 +104,7 @@ mod printer_state;
 mod printers;
 mod publish;
 mod publish_decision;
+mod queue_alerts;
 mod queue_depth;
 mod queue_look;
 mod queues;
@@ -164,6 +166,7 @@ pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unkn
 pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
+pub use operate::operate;
 pub use own_machines::machines_of_other_nodes;
 pub use part_questions::PartQuestion;
 pub use planning::{

@@ -1,6 +1,8 @@
 //! Looks into the queue folders of the machines for their published builds: which were taken, and which are not where the
 //! ledger has them. The latter happens where a ledger was put back from a backup, or is a new one.
 
+use std::fs;
+
 use anyhow::{Context, Result};
 use build_file::format_count;
 use tokio::runtime::Handle;
@@ -8,7 +10,7 @@ use tracing::{info, warn};
 
 use super::{
     alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob,
-    printer_state::MachinePrinters,
+    printer_state::MachinePrinters, queue_alerts::report_altered_files,
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
@@ -31,6 +33,8 @@ struct QueueFindings {
     taken: Vec<(BuildId, String)>,
     /// The builds that are elsewhere than the ledger has them.
     elsewhere: Vec<(BuildId, FoundPlace)>,
+    /// What lies there and must not be printed as it is, a clause each.
+    altered: Vec<String>,
 }
 
 impl BackgroundJob<Farm> for QueueLookJob {
@@ -51,6 +55,7 @@ impl BackgroundJob<Farm> for QueueLookJob {
             info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
             farm.ledger.correct_place(build, &place).await?;
         }
+        report_altered_files(farm, &self.profile, &found.altered);
         Ok(())
     }
 }
@@ -111,7 +116,7 @@ struct QueueLook {
 
 impl QueueLook {
     fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
-        let mut found = QueueFindings::default();
+        let mut found = QueueFindings { altered: self.find_altered(&wanted), ..QueueFindings::default() };
         for build in wanted {
             let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
             // Another folder than the one that it was published in says nothing.
@@ -145,6 +150,31 @@ impl QueueLook {
             }
         }
         found
+    }
+
+    /// Published files that were emptied or altered, and copies of them. Sizes tell; bytes are compared when a file is taken back.
+    fn find_altered(&self, wanted: &[QueuedBuild]) -> Vec<String> {
+        let mut altered = Vec::new();
+        for (printer, queue) in &self.queues {
+            for name in queue.visible_names().unwrap_or_default() {
+                let Ok(seen) = fs::symlink_metadata(queue.published_path(&name)) else { continue };
+                if let Some(build) = wanted.iter().find(|build| build.file_name.as_ref() == Some(&name)) {
+                    if !seen.is_file() || build.file_bytes.is_some_and(|bytes| bytes != seen.len()) {
+                        altered.push(format!(
+                            "{name} at {printer} is not the file that was proved as build {}",
+                            build.build
+                        ));
+                    }
+                    continue;
+                }
+                let is_like = |build: &&QueuedBuild| seen.is_file() && build.file_bytes == Some(seen.len());
+                let known = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile, &name));
+                if let (Some(build), Ok(None)) = (wanted.iter().find(is_like), known) {
+                    altered.push(format!("{name} at {printer} looks like a copy of build {}", build.build));
+                }
+            }
+        }
+        altered
     }
 
     /// A file that was taken back belongs to a move or a withdrawal. Where the ledger knows of none, a file that is there was not printed: it goes

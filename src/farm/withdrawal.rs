@@ -1,5 +1,6 @@
-//! Published builds that are taken back out of the queue, because a person says so or because the next build is better with their
-//! copies. `ledger/withdrawal` says in which steps, and `queue/withdrawal` how the file is taken back.
+//! Published builds that are taken back out of the queue: because a person says so, because a word of a person makes their copies wait
+//! again (`operate`), or because the next build is better with their copies. `ledger/withdrawal` says in which steps, and
+//! `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result};
 use tracing::info;
@@ -12,7 +13,9 @@ use super::{
     jobs::BackgroundJob,
     printer_choice::printer_loads,
     printers::occupation_of,
+    queue_alerts::report_altered,
     release_preview::awaits_release,
+    staged_build::has_hash,
     withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
 };
 use crate::{
@@ -34,6 +37,8 @@ pub(super) enum WithdrawalStep {
     Taken,
     /// It is under a dot-name: its copies are to wait again.
     TakenBack,
+    /// What lies under its name is not the proved file.
+    Altered,
     /// It is in the queue folder no more.
     Removed,
     /// Its outcome was told before its copies were put back. Whether its file was taken back then: nothing was printed.
@@ -67,6 +72,8 @@ struct WithdrawnBuild {
     all_queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
+    /// Whether a word waits for the file; `Some(false)` = it was carried out.
+    awaits: Option<bool>,
 }
 
 impl WithdrawnBuild {
@@ -75,13 +82,20 @@ impl WithdrawnBuild {
         self.ledger.ensure_served()?;
         self.leases.check_publish_folders(self.queue.folder_path())?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
-        if self.build.place.withdrawn_at.is_some() {
+        let is_put_back = match self.awaits {
+            Some(awaits) => !awaits,
+            None => self.build.place.withdrawn_at.is_some(),
+        };
+        if is_put_back {
             self.queue.remove_withdrawn(name)?;
             return Ok(WithdrawalStep::Removed);
         }
-        if self.build.state == BuildState::Published {
-            return Ok(match self.queue.withdraw(name)? {
+        let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
+        let take_back = || self.queue.withdraw_proved(name, |file| has_hash(file, proved));
+        if self.awaits.is_some() || self.build.state == BuildState::Published {
+            return Ok(match take_back()? {
                 WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
+                WithdrawalOutcome::Altered => WithdrawalStep::Altered,
                 WithdrawalOutcome::Gone => {
                     self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
                 }
@@ -89,7 +103,7 @@ impl WithdrawnBuild {
         }
         // Copies of a failed print wait again: nobody must print them from this file.
         let is_taken_back = match self.build.state {
-            BuildState::Failed => self.queue.withdraw(name)? == WithdrawalOutcome::TakenBack,
+            BuildState::Failed => take_back()? == WithdrawalOutcome::TakenBack,
             _ => self.queue.withdrawn_path(name).exists(),
         };
         self.queue.remove_withdrawn(name)?;
@@ -128,7 +142,8 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
             };
             let all_queues = machine.printers.open_queues();
             let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
-            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger };
+            let awaits = ledger.awaits_take_back(id).await?;
+            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, awaits };
             farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
         }
     }
@@ -138,6 +153,8 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
 /// The queue folder of the build is no printer's any more: nobody can say whether its file is there.
 async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
     let id = build.id;
+    // No printer of the farm sees its file: a word is carried out, a withdrawal ends.
+    farm.ledger.finish_noted_word(id).await?;
     farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
     let text = format!(
         "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
@@ -152,6 +169,22 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
     let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
     let profile = build.profile.clone();
     match step {
+        Ok(WithdrawalStep::TakenBack | WithdrawalStep::Taken)
+            if farm.ledger.awaits_take_back(id).await? == Some(true) =>
+        {
+            match farm.ledger.finish_noted_word(id).await {
+                Ok(told) => {
+                    let told = told.unwrap_or_default().join(" ");
+                    info!(build.id = %id, profile = %profile, "The file of build {id} is out of the queue. {told}");
+                    return withdraw_builds(farm).await;
+                }
+                Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure.into()),
+            }
+        }
+        Ok(WithdrawalStep::Altered) => {
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            report_altered(farm, &build);
+        }
         Ok(WithdrawalStep::TakenBack) => {
             // It must be there to fire at once.
             farm.ledger.open_build(&profile).await?;
@@ -179,14 +212,16 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             farm.ledger.correct_place(id, &place).await?;
             info!(build.id = %id, profile = %profile, "Build {id} was found at {} and is not taken back: withdraw it once more.", place.printer);
         }
-        Err(failure) => {
-            farm.nesting.backoff.record_failure(id);
-            farm.report_failure(AlertKind::PublishingFails, &profile, &format!("build {id}"), &failure);
-            return Ok(());
-        }
+        Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure),
     }
     farm.nesting.backoff.record_success(&id);
     farm.alerts.clear(AlertKind::PublishingFails, &profile, &format!("build {id}"));
+    Ok(())
+}
+
+fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) -> Result<()> {
+    farm.nesting.backoff.record_failure(id);
+    farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
     Ok(())
 }
 

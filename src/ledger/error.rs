@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::{
-    BuildId, CommandId, IllegalMove, PartId, ServerError,
+    BuildId, CommandId, IllegalMove, InQueueError, PartId, ServerError,
     sqlite_code::{SQLITE_CORRUPT, SQLITE_FULL, SQLITE_IOERR, SQLITE_NOTADB, SQLITE_READONLY, sqlite_code},
 };
 
@@ -132,6 +132,9 @@ pub enum LedgerError {
     /// The state machine does not allow the transition.
     #[error(transparent)]
     IllegalMove(#[from] IllegalMove),
+    /// The file of the build may lie in a queue.
+    #[error(transparent)]
+    InQueue(#[from] InQueueError),
     /// The build is not in a state that the change requires.
     #[error("build {build} is {state}, not {}", .needed.iter().map(|s| s.to_string()).collect::<Vec<_>>().join(" or "))]
     WrongState {

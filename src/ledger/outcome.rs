@@ -64,7 +64,7 @@ impl PrintOutcome {
 }
 
 /// What somebody tells of a print.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ToldOutcome {
     /// The outcome.
     pub outcome: PrintOutcome,
@@ -93,25 +93,7 @@ impl Ledger {
     /// were printed badly (all of them if the print failed) wait again with all that was asked, unless told otherwise.
     pub async fn record_outcome(&self, build: BuildId, told: &ToldOutcome) -> Result<PutBackReport> {
         let mut change = self.begin_change().await?;
-        let mut report = PutBackReport::default();
-        move_to_outcome(&mut change, build, told).await?;
-        record_told(&mut change, build, told).await?;
-        // Somebody says that a withdrawn build was printed all the same.
-        sql::query("UPDATE build SET withdrawn_at = NULL WHERE id = $1").bind(build).execute(change.db()).await?;
-        if told.is_correction && told.outcome != PrintOutcome::Failed {
-            change.return_bad_copies(build, &mut report).await?;
-        }
-        if told.outcome == PrintOutcome::Failed {
-            let unseen = sql::query("UPDATE build SET seen_at = NULL WHERE id = $1").bind(build);
-            unseen.execute(change.db()).await?;
-        }
-        let bad = match told.outcome {
-            PrintOutcome::Failed => counted_copies(&mut change, build).await?,
-            _ => bad_copies(&mut change, build, &told.bad).await?,
-        };
-        change.mark_bad(build, &bad, &told.told_by, !told.keep, &mut report).await?;
-        let parts = counted_copies(&mut change, build).await?.into_iter().map(|(part, _)| part);
-        change.update_orders_of(parts.collect::<std::collections::BTreeSet<_>>()).await?;
+        let report = tell_outcome(&mut change, build, told).await?;
         change.commit().await?;
         Ok(report)
     }
@@ -140,6 +122,34 @@ impl Ledger {
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }
+}
+
+/// Records an outcome within a change, as [`Ledger::record_outcome`] says.
+pub(super) async fn tell_outcome(
+    change: &mut LedgerChange,
+    build: BuildId,
+    told: &ToldOutcome,
+) -> Result<PutBackReport> {
+    let mut report = PutBackReport::default();
+    move_to_outcome(change, build, told).await?;
+    record_told(change, build, told).await?;
+    // Somebody says that a withdrawn build was printed all the same.
+    sql::query("UPDATE build SET withdrawn_at = NULL WHERE id = $1").bind(build).execute(change.db()).await?;
+    if told.is_correction && told.outcome != PrintOutcome::Failed {
+        change.return_bad_copies(build, &mut report).await?;
+    }
+    if told.outcome == PrintOutcome::Failed {
+        let unseen = sql::query("UPDATE build SET seen_at = NULL WHERE id = $1").bind(build);
+        unseen.execute(change.db()).await?;
+    }
+    let bad = match told.outcome {
+        PrintOutcome::Failed => counted_copies(change, build).await?,
+        _ => bad_copies(change, build, &told.bad).await?,
+    };
+    change.mark_bad(build, &bad, &told.told_by, !told.keep, &mut report).await?;
+    let parts = counted_copies(change, build).await?.into_iter().map(|(part, _)| part);
+    change.update_orders_of(parts.collect::<std::collections::BTreeSet<_>>()).await?;
+    Ok(report)
 }
 
 /// Writes down what somebody tells of a print.

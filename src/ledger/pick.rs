@@ -118,37 +118,43 @@ impl Ledger {
     /// What was told of it before stays.
     pub async fn finish_break_out(&self, build: BuildId, told_by: &str) -> Result<BreakOutAnswer> {
         let mut change = self.begin_change().await?;
-        let (_, state) = change.require_build(build).await?;
-        let counted: Vec<(PartId, u32)> =
-            sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy")
-                .bind(build)
-                .fetch_all(change.db())
-                .await?;
-        let all = sql::select_as("FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
-        let marks = last_marks(all.fetch_all(change.db()).await?);
-        let of: BTreeMap<_, _> = marks.iter().map(|row| ((row.part_id, row.copy), row.mark)).collect();
-        let open = counted.iter().filter(|copy| !of.contains_key(copy)).count() as u32;
-        if open > 0 {
-            return Ok(BreakOutAnswer::Open(open));
-        }
-        let mut lost = counted;
-        lost.retain(|copy| of.get(copy).is_some_and(|mark| mark.is_lost()));
-        let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted);
-        let mut report = PutBackReport::default();
-        if is_told && lost.is_empty() {
-            return Ok(BreakOutAnswer::Told(report));
-        }
-        let outcome = if state == BuildState::Interrupted { PrintOutcome::Interrupted } else { PrintOutcome::Complete };
-        let told =
-            ToldOutcome { is_correction: is_told, ..ToldOutcome::new(outcome, "told when it was broken out", told_by) };
-        move_to_outcome(&mut change, build, &told).await?;
-        record_told(&mut change, build, &told).await?;
-        change.mark_bad(build, &lost, told_by, true, &mut report).await?;
-        let parts: BTreeSet<PartId> = of.into_keys().map(|(part, _)| part).collect();
-        change.update_orders_of(parts).await?;
+        let answer = end_break_out(&mut change, build, told_by).await?;
         change.commit().await?;
-        Ok(BreakOutAnswer::Told(report))
+        Ok(answer)
     }
+}
+
+/// Ends the breaking out within a change, as [`Ledger::finish_break_out`] says.
+pub(super) async fn end_break_out(change: &mut LedgerChange, build: BuildId, told_by: &str) -> Result<BreakOutAnswer> {
+    let (_, state) = change.require_build(build).await?;
+    let counted: Vec<(PartId, u32)> =
+        sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy")
+            .bind(build)
+            .fetch_all(change.db())
+            .await?;
+    let all = sql::select_as("FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
+    let marks = last_marks(all.fetch_all(change.db()).await?);
+    let of: BTreeMap<_, _> = marks.iter().map(|row| ((row.part_id, row.copy), row.mark)).collect();
+    let open = counted.iter().filter(|copy| !of.contains_key(copy)).count() as u32;
+    if open > 0 {
+        return Ok(BreakOutAnswer::Open(open));
+    }
+    let mut lost = counted;
+    lost.retain(|copy| of.get(copy).is_some_and(|mark| mark.is_lost()));
+    let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted);
+    let mut report = PutBackReport::default();
+    if is_told && lost.is_empty() {
+        return Ok(BreakOutAnswer::Told(report));
+    }
+    let outcome = if state == BuildState::Interrupted { PrintOutcome::Interrupted } else { PrintOutcome::Complete };
+    let told =
+        ToldOutcome { is_correction: is_told, ..ToldOutcome::new(outcome, "told when it was broken out", told_by) };
+    move_to_outcome(change, build, &told).await?;
+    record_told(change, build, &told).await?;
+    change.mark_bad(build, &lost, told_by, true, &mut report).await?;
+    let parts: BTreeSet<PartId> = of.into_keys().map(|(part, _)| part).collect();
+    change.update_orders_of(parts).await?;
+    Ok(BreakOutAnswer::Told(report))
 }
 
 /// Records a mark within a change, as [`Ledger::mark_pick`] says.

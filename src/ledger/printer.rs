@@ -83,9 +83,11 @@ pub struct QueuedBuild {
     pub queue_id: Option<String>,
     /// Name of its file there.
     pub file_name: Option<String>,
+    /// Size of its file.
+    pub file_bytes: Option<u64>,
 }
 
-sql_row!(QueuedBuild { build, printer, queue_id, file_name });
+sql_row!(QueuedBuild { build, printer, queue_id, file_name, file_bytes });
 
 /// A print whose end a person has told.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +155,7 @@ impl Ledger {
     /// The newest published builds of a machine whose files were in a queue folder when they were last looked for.
     pub async fn newest_queued(&self, profile: &str, limit: u32) -> Result<Vec<QueuedBuild>> {
         let query = sql::query_as(
-            "SELECT id AS build, printer, queue_id, file_name FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
+            "SELECT id AS build, printer, queue_id, file_name, file_bytes FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
              AND printer IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL ORDER BY id DESC LIMIT $2",
         );
         Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)

@@ -129,7 +129,10 @@ impl Ledger {
 }
 
 /// The copies that a reprint means: those in published builds, of a part the last printed ones.
-async fn printed_copies(change: &mut LedgerChange, target: &ReprintTarget) -> Result<Vec<(BuildId, PartId, u32)>> {
+pub(super) async fn printed_copies(
+    change: &mut LedgerChange,
+    target: &ReprintTarget,
+) -> Result<Vec<(BuildId, PartId, u32)>> {
     let mut copies: Vec<(BuildId, PartId, u32)> = match target {
         ReprintTarget::Build(build) => {
             let printed = &[BuildState::Published, BuildState::Printing, BuildState::Complete, BuildState::Interrupted];

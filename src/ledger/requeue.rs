@@ -16,31 +16,37 @@ impl Ledger {
     /// The new build is nesting, and is written once the originals are in the store.
     pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> Result<BuildId> {
         let mut change = self.begin_change().await?;
-        let profile = change.ensure_build_state(build, PRINTED).await?;
-        let counted: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")
-            .bind(build)
-            .fetch_all(change.db())
-            .await?;
-        change.mark_bad(build, &counted, asked_by, true, &mut PutBackReport::default()).await?;
-        let copies: Vec<(PartId, u32)> =
-            sql::query_as("SELECT part_id, copy FROM bad_placement WHERE build_id = $1 ORDER BY part_id, copy")
-                .bind(build)
-                .fetch_all(change.db())
-                .await?;
-        if copies.is_empty() {
-            return Err(LedgerError::NothingToNest(build));
-        }
-        let new = insert_repeated_build(&mut change, build, &profile, copies.len()).await?;
-        for (part, copies) in group_by_part(&copies) {
-            take_copies(&mut change, build, new, (part, &profile), &copies).await?;
-        }
-        let detail = format!("build {build} once more, asked for by {asked_by}");
-        change.write_event(EventKind::Requeued, &profile, None, Some(new), &detail).await?;
-        let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
-        change.update_orders_of(parts).await?;
+        let new = issue_again(&mut change, build, asked_by).await?;
         change.commit().await?;
         Ok(new)
     }
+}
+
+/// Issues a build once more within a change, as [`Ledger::requeue_build`] says.
+pub(super) async fn issue_again(change: &mut LedgerChange, build: BuildId, asked_by: &str) -> Result<BuildId> {
+    let profile = change.ensure_build_state(build, PRINTED).await?;
+    let counted: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")
+        .bind(build)
+        .fetch_all(change.db())
+        .await?;
+    change.mark_bad(build, &counted, asked_by, true, &mut PutBackReport::default()).await?;
+    let copies: Vec<(PartId, u32)> =
+        sql::query_as("SELECT part_id, copy FROM bad_placement WHERE build_id = $1 ORDER BY part_id, copy")
+            .bind(build)
+            .fetch_all(change.db())
+            .await?;
+    if copies.is_empty() {
+        return Err(LedgerError::NothingToNest(build));
+    }
+    let new = insert_repeated_build(change, build, &profile, copies.len()).await?;
+    for (part, copies) in group_by_part(&copies) {
+        take_copies(change, build, new, (part, &profile), &copies).await?;
+    }
+    let detail = format!("build {build} once more, asked for by {asked_by}");
+    change.write_event(EventKind::Requeued, &profile, None, Some(new), &detail).await?;
+    let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
+    change.update_orders_of(parts).await?;
+    Ok(new)
 }
 
 async fn insert_repeated_build(

@@ -92,7 +92,10 @@ impl Ledger {
                 change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
             }
         }
-        let set = sql::query("UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL WHERE id = $1").bind(build);
+        let set = sql::query(
+            "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1",
+        )
+        .bind(build);
         set.execute(change.db()).await?;
         change.commit().await
     }

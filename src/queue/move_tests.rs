@@ -44,7 +44,7 @@ impl TwoPrinters {
     fn go_on(&self, recorded: &mut RecordedStep, step: &mut dyn FnMut()) {
         if *recorded == RecordedStep::Begun {
             match self.left.withdraw_with_hook(BUILD, step).unwrap() {
-                WithdrawalOutcome::Gone => *recorded = RecordedStep::Taken,
+                WithdrawalOutcome::Gone | WithdrawalOutcome::Altered => *recorded = RecordedStep::Taken,
                 WithdrawalOutcome::TakenBack => {
                     self.right.stage_withdrawn(&self.left, BUILD).unwrap();
                     step();

@@ -58,6 +58,13 @@ impl QueueFolder {
         Ok(Self { dir, id })
     }
 
+    /// The folder if it is there and has its marker; nothing is created.
+    pub fn find(dir: impl Into<PathBuf>) -> Option<Self> {
+        let dir = dir.into();
+        let id = marker::read_marker_id(&dir).ok()??;
+        Some(Self { dir, id })
+    }
+
     /// The random id in its marker. It is stored in the build's row, so that a replaced folder is detected.
     pub fn marker_id(&self) -> &str {
         &self.id
@@ -194,6 +201,13 @@ impl QueueFolder {
         let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
         let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
         Ok(names.filter(|name| file_names::build_stem(name).is_ok()).collect())
+    }
+
+    /// The names of all visible files that a printer would take for a build, whoever gave them.
+    pub fn visible_names(&self) -> Result<Vec<String>, QueueError> {
+        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        Ok(names.filter(|name| name.ends_with(file_names::BUILD) && !name.starts_with('.')).collect())
     }
 
     /// The names of all builds that have dot-files here, including those of other farms.

@@ -4,7 +4,7 @@
 use std::{
     fs::{self, File},
     io,
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 use super::{
@@ -20,6 +20,8 @@ pub enum WithdrawalOutcome {
     TakenBack,
     /// It is not in the folder: the printer took it.
     Gone,
+    /// What lies there under its name is not the file that was proved. It stays where it is.
+    Altered,
 }
 
 impl QueueFolder {
@@ -70,6 +72,29 @@ impl QueueFolder {
         self.sync_folder()?;
         step();
         Ok(WithdrawalOutcome::TakenBack)
+    }
+
+    /// Takes a visible build back if it is the proved one, as `is_proved` says of a path; what is not goes back under its name.
+    pub fn withdraw_proved<E: From<QueueError>>(
+        &self,
+        build_name: &str,
+        is_proved: impl Fn(&Path) -> Result<bool, E>,
+    ) -> Result<WithdrawalOutcome, E> {
+        let outcome = self.withdraw(build_name)?;
+        let withdrawn = self.withdrawn_path(build_name);
+        if outcome != WithdrawalOutcome::TakenBack || is_proved(&withdrawn)? {
+            return Ok(outcome);
+        }
+        let stem = file_names::build_stem(build_name)?;
+        let sidecars = file_names::SIDECARS.map(|suffix| format!("{stem}{suffix}"));
+        for name in sidecars.iter().map(String::as_str).chain([build_name]) {
+            let from = self.withdrawn_path(name);
+            if path_exists(&from)? {
+                rename_noreplace(&from, &self.published_path(name)).map_err(io_error("give back", &from))?;
+            }
+        }
+        self.sync_folder()?;
+        Ok(WithdrawalOutcome::Altered)
     }
 
     /// The names of the builds that were taken back and are still here.

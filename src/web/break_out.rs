@@ -17,13 +17,13 @@ use super::{
     command::{answer_page, check_form_key, result_page},
     device_name::device_user,
     error::HandlerResult,
-    format::count,
+    operate_form::{SentForm, say_word},
     page::html_page,
     request_user::{RequestUser, name_of_user},
     state::DashboardState,
 };
 use crate::{
-    ledger::{BreakOutAnswer, BuildId, PartId, PickMark},
+    ledger::{BuildId, OperatorWord, PartId, PickMark},
     tables::TimeView,
 };
 
@@ -120,6 +120,8 @@ pub(super) struct AllForm {
     key: String,
     /// What is said of all copies of which nobody said anything yet.
     mark: Option<PickMark>,
+    /// Sent if the outcome is meant although the file of the build lies in the queue.
+    anyway: Option<String>,
 }
 
 /// Says the same of all copies that are left, or tells the outcome of the build once something is said of each.
@@ -132,16 +134,9 @@ pub(super) async fn post_all(
     check_form_key(&web, &form.key)?;
     let (build, address) = (BuildId(number), format!("/builds/{number}/break-out"));
     let Some(mark) = form.mark else {
-        let answer = web.ledger.finish_break_out(build, &by).await.map(|answer| match answer {
-            BreakOutAnswer::Open(open) => {
-                vec![format!("Nobody said anything yet of {}.", count(open, "copy", "copies"))]
-            }
-            BreakOutAnswer::Told(report) => {
-                let told = format!("Build {build} is broken out.");
-                std::iter::once(told).chain(report.sentences()).collect()
-            }
-        });
-        return answer_page(answer, &format!("/builds/{number}"));
+        let (action, back) = (format!("{address}/all"), format!("/builds/{number}"));
+        let sent = SentForm { action: &action, fields: &[], anyway: form.anyway.is_some(), back: &back };
+        return say_word(&web, &OperatorWord::BreakOut(build), &by, &sent).await;
     };
     let state = BreakOutState::read(&web, number).await?;
     let open = state.map.list.copies.iter().zip(&state.states).filter(|(_, state)| matches!(state, CopyState::Open));

@@ -50,6 +50,9 @@ async fn two_people_break_a_build_out_and_what_is_bad_waits_again() {
     say(&dashboard, second, "bad", "nestd_name=Ben").await;
     let page = dashboard.get(PAGE).await.text;
     assert!(page.contains("The cake is empty") && page.contains("out and bad"), "{page}");
+    let lies = post(&dashboard, &format!("{PAGE}/all"), "key=key", "nestd_name=Ann").await.text;
+    assert!(lies.contains("lies untouched") && lies.contains("name=\"anyway\""), "{lies}");
+    dashboard.printer_takes_it().await;
     let told = post(&dashboard, &format!("{PAGE}/all"), "key=key", "nestd_name=Ann").await.text;
     assert!(told.contains("Build 1 is broken out.") && told.contains("1 copy of 1 part waits again"), "{told}");
     let build = dashboard.ledger.find_build(BuildId(1)).await.unwrap().unwrap();

@@ -11,16 +11,18 @@ use axum::{
 };
 use jiff::Timestamp;
 use maud::{Markup, html};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     command::{answer_page, check_form_key},
     error::{HandlerError, HandlerResult},
+    operate_form::{SentForm, say_word},
     request_user::RequestUser,
     state::DashboardState,
 };
 use crate::ledger::{
-    BuildId, BuildRow, BuildState, Ledger, LedgerError, PartId, PlacementRow, PrintOutcome, ReprintTarget, ToldOutcome,
+    BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, PartId, PlacementRow, PrintOutcome,
+    ReprintTarget, ToldOutcome,
 };
 use crate::{
     farm::{awaits_release, preview_release},
@@ -46,10 +48,12 @@ pub(super) struct BuildTellForm {
     correct: Option<String>,
     /// Hash of the build file that was shown.
     seen: Option<String>,
+    /// Sent if it is meant although the file of the build lies in the queue.
+    anyway: Option<String>,
 }
 
 /// What a form of the page of a build asks for.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum BuildFormAct {
     Complete,
@@ -185,41 +189,28 @@ pub(super) async fn post_told(
         return Err(HandlerError::NotFound(format!("build {number}")));
     }
     let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    answer_page(carry_out(&web.ledger, build, &form, bad, &by).await, &format!("/builds/{number}"))
+    let (action, back) = (format!("/builds/{number}/told"), format!("/builds/{number}"));
+    let Some(word) = word_of(build, &form, bad, &by) else {
+        return answer_page(carry_out(&web.ledger, build, &form, &by).await, &back);
+    };
+    let act = serde_json::to_value(form.act).unwrap_or_default();
+    let act = act.as_str().unwrap_or_default();
+    let mut fields = vec![("act", act), ("note", form.note.as_str()), ("bad", form.bad.as_str())];
+    fields.extend(form.keep.as_deref().map(|keep| ("keep", keep)));
+    fields.extend(form.correct.as_deref().map(|correct| ("correct", correct)));
+    let sent = SentForm { action: &action, fields: &fields, anyway: form.anyway.is_some(), back: &back };
+    say_word(&web, &word, &by, &sent).await
 }
 
-async fn carry_out(
-    ledger: &Ledger,
-    build: BuildId,
-    form: &BuildTellForm,
-    bad: Vec<(PartId, u32)>,
-    by: &str,
-) -> Result<Vec<String>, LedgerError> {
+/// The word about its print that a form says.
+fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &str) -> Option<OperatorWord> {
     let outcome = match form.act {
         BuildFormAct::Complete => PrintOutcome::Complete,
         BuildFormAct::Interrupted => PrintOutcome::Interrupted,
         BuildFormAct::Failed => PrintOutcome::Failed,
-        BuildFormAct::Reprint => {
-            return Ok(ledger.reprint_copies(&ReprintTarget::Build(build), by).await?.sentences());
-        }
-        BuildFormAct::Requeue => {
-            let new = ledger.requeue_build(build, by).await?;
-            return Ok(vec![format!("Build {build} is issued once more as build {new}.")]);
-        }
-        BuildFormAct::Release => {
-            ledger.release_build(build, form.seen.as_deref(), by).await?;
-            return Ok(vec![format!("Build {build} is released and goes to the queue.")]);
-        }
-        BuildFormAct::Withdraw => {
-            ledger.begin_withdrawal(build, by, "").await?;
-            return Ok(vec![format!(
-                "Build {build} is taken back out of the queue, unless its printer is first. Its page says what became of it."
-            )]);
-        }
-        BuildFormAct::Seen => {
-            ledger.mark_failure_seen(build, by).await?;
-            return Ok(Vec::new());
-        }
+        BuildFormAct::Reprint => return Some(OperatorWord::Reprint(ReprintTarget::Build(build))),
+        BuildFormAct::Requeue => return Some(OperatorWord::Requeue(build)),
+        BuildFormAct::Seen | BuildFormAct::Release | BuildFormAct::Withdraw => return None,
     };
     let told = ToldOutcome {
         bad,
@@ -227,8 +218,32 @@ async fn carry_out(
         is_correction: form.correct.is_some(),
         ..ToldOutcome::new(outcome, form.note.trim(), by)
     };
-    let report = ledger.record_outcome(build, &told).await?;
-    Ok(std::iter::once(format!("Build {build} is {outcome}.")).chain(report.sentences()).collect())
+    Some(OperatorWord::Outcome(build, told))
+}
+
+async fn carry_out(
+    ledger: &Ledger,
+    build: BuildId,
+    form: &BuildTellForm,
+    by: &str,
+) -> Result<Vec<String>, LedgerError> {
+    match form.act {
+        BuildFormAct::Release => {
+            ledger.release_build(build, form.seen.as_deref(), by).await?;
+            Ok(vec![format!("Build {build} is released and goes to the queue.")])
+        }
+        BuildFormAct::Withdraw => {
+            ledger.begin_withdrawal(build, by, "").await?;
+            Ok(vec![format!(
+                "Build {build} is taken back out of the queue, unless its printer is first. Its page says what became of it."
+            )])
+        }
+        BuildFormAct::Seen => {
+            ledger.mark_failure_seen(build, by).await?;
+            Ok(Vec::new())
+        }
+        _ => Ok(Vec::new()),
+    }
 }
 
 /// Parses `7=2, p9=1`.

@@ -223,7 +223,11 @@ async fn programs_tell_of_builds_as_people_do_and_are_told_why_not() {
         tell("/api/v1/builds/1/outcome", json!({ "outcome": "lost" })).await.status,
         StatusCode::UNPROCESSABLE_ENTITY
     );
-    let told = tell("/api/v1/builds/1/outcome", json!({ "outcome": "complete", "bad": { "1": 1 } })).await;
+    let body = json!({ "outcome": "complete", "bad": { "1": 1 } });
+    let lies = tell("/api/v1/builds/1/outcome", body.clone()).await;
+    assert!(lies.status == StatusCode::CONFLICT && lies.json["detail"].as_str().unwrap().contains("lies untouched"));
+    dashboard.printer_takes_it().await;
+    let told = tell("/api/v1/builds/1/outcome", body).await;
     assert!(
         told.status == StatusCode::OK
             && told.json["answers"][1].as_str().unwrap().starts_with("1 copy of 1 part waits again"),

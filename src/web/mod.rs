@@ -49,6 +49,7 @@ mod month;
 mod needs;
 mod openapi;
 mod operate_door;
+mod operate_form;
 mod order;
 mod order_cancel;
 mod order_door;

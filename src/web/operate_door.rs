@@ -19,8 +19,11 @@ use super::{
     request_user::RequestUser,
     state::DashboardState,
 };
-use crate::ledger::{
-    BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, PartId, PrintOutcome, ToldOutcome,
+use crate::{
+    farm,
+    ledger::{
+        BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome, ToldOutcome,
+    },
 };
 
 /// What became of the print of a build.
@@ -42,6 +45,9 @@ pub(super) struct OutcomeRequest {
     /// Whether it corrects what was told before.
     #[serde(default)]
     correct: bool,
+    /// Whether it is meant although the file of the build lies in the queue: it is taken out first.
+    #[serde(default)]
+    anyway: bool,
 }
 
 /// That a proved build may be published.
@@ -67,9 +73,10 @@ pub(super) async fn post_outcome(
         is_correction: request.correct,
         ..ToldOutcome::new(outcome, request.note.trim(), &by)
     };
-    let report = web.ledger.record_outcome(build, &told).await.map_err(refusal_of_ledger)?;
-    let answers = std::iter::once(format!("Build {build} is {outcome}.")).chain(report.sentences()).collect();
-    Ok(Json(CarriedOut { done: true, answers }))
+    let word = OperatorWord::Outcome(build, told);
+    let said = farm::operate(&web.ledger, &web.current_settings(), &word, &by, request.anyway).await;
+    let said = said.map_err(refusal_of_ledger)?;
+    Ok(Json(CarriedOut { done: said.noted.is_empty(), answers: said.sentences }))
 }
 
 /// Releases a proved build.

@@ -14,16 +14,19 @@ use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{answer_page, check_form_key, command_button, send_commands, show_answers},
+    command::{check_form_key, command_button, send_commands, show_answers},
     error::{HandlerError, HandlerResult},
     format::count,
+    operate_form::{SentForm, say_word},
     order_cancel::{CancelTarget, cancel_lines},
     part_forms::{PartEditForm, part_forms},
     query::order_address,
     request_user::RequestUser,
     state::DashboardState,
 };
-use crate::ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartEdit, PartRow, PartState, ReprintTarget};
+use crate::ledger::{
+    CommandArgument, CommandKind, NewCommand, OperatorWord, OrderLine, PartEdit, PartRow, PartState, ReprintTarget,
+};
 
 /// Lines whose forms are on the page of the order; those of others are on the pages of their parts.
 const MAX_FORMS: usize = 40;
@@ -35,6 +38,8 @@ pub(super) struct OrderButtonForm {
     /// Where it is moved to, if it is.
     #[serde(default)]
     profile: String,
+    /// Sent if it is meant although the file of a build lies in the queue.
+    anyway: Option<String>,
 }
 
 fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
@@ -192,8 +197,9 @@ pub(super) async fn post_reprint(
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
     let back = order_address(&name);
-    let report = web.ledger.reprint_copies(&ReprintTarget::Order(name), &by).await;
-    answer_page(report.map(|report| report.sentences()), &back)
+    let action = format!("{back}/reprint");
+    let sent = SentForm { action: &action, fields: &[], anyway: form.anyway.is_some(), back: &back };
+    say_word(&web, &OperatorWord::Reprint(ReprintTarget::Order(name)), &by, &sent).await
 }
 
 /// Cancels what waits of an order.

@@ -18,6 +18,7 @@ impl TestDashboard {
 
     /// Tells something of build 1.
     async fn tell(&self, fields: &[(&str, &str)]) -> TestResponse {
+        self.printer_takes_it().await;
         let all: Vec<_> = [("key", "key")].into_iter().chain(fields.iter().copied()).collect();
         self.post_to("/builds/1/told", &all).await
     }

@@ -14,14 +14,17 @@ use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{answer_page, check_form_key, send_commands},
+    command::{check_form_key, send_commands},
     error::{HandlerError, HandlerResult},
+    operate_form::{SentForm, say_word},
     request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
     intake,
-    ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState, ReprintTarget},
+    ledger::{
+        CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, ReprintTarget,
+    },
     settings::FarmZone,
 };
 
@@ -52,6 +55,8 @@ pub(super) struct ReprintForm {
     key: String,
     #[serde(default)]
     copies: String,
+    /// Sent if it is meant although the file of a build lies in the queue.
+    anyway: Option<String>,
 }
 
 /// The forms for a part. `printed` is the number of its copies in published builds that count.
@@ -172,8 +177,11 @@ pub(super) async fn post_reprint(
     let part = require_part(&web, number).await?;
     let copies = parse_number(&form.copies, 1..=MAX_COPIES, "a number of copies")
         .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    let report = web.ledger.reprint_copies(&ReprintTarget::Part(part, Some(copies)), &by).await;
-    answer_page(report.map(|report| report.sentences()), &format!("/parts/{number}"))
+    let (action, back) = (format!("/parts/{number}/reprint"), format!("/parts/{number}"));
+    let fields = [("copies", form.copies.as_str())];
+    let sent = SentForm { action: &action, fields: &fields, anyway: form.anyway.is_some(), back: &back };
+    let word = OperatorWord::Reprint(ReprintTarget::Part(part, Some(copies)));
+    say_word(&web, &word, &by, &sent).await
 }
 
 async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId> {

@@ -152,6 +152,13 @@ async fn with_a_build(named: &str) -> TestDashboard {
     dashboard
 }
 
+impl TestDashboard {
+    /// The printer of build 1 takes its file.
+    async fn printer_takes_it(&self) {
+        self.ledger.record_taken(crate::ledger::BuildId(1), "queue").await.unwrap();
+    }
+}
+
 #[tokio::test]
 async fn every_page_is_whole_and_forbids_what_it_does_not_need() {
     let dashboard = with_a_build("bracket.stl").await;

@@ -32,6 +32,7 @@ mod rot;
 mod section_result;
 mod storm;
 mod table;
+mod told;
 mod torture;
 
 #[path = "../support/mod.rs"]
@@ -60,6 +61,7 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "kill", weight: 3.0, run: kill::run },
     ReliabilitySection { name: "storm", weight: 4.0, run: storm::run },
     ReliabilitySection { name: "orders", weight: 4.0, run: orders::run },
+    ReliabilitySection { name: "told", weight: 2.0, run: told::run },
     ReliabilitySection { name: "door", weight: 3.0, run: door::run },
     ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
     ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },

@@ -243,7 +243,7 @@ impl StormFarm {
         let outcomes: [&[&str]; 3] = [&["complete"], &["interrupted"], &["failed", "--keep"]];
         let outcome = outcomes[self.rng.random_range(0..3)];
         let build = self.rng.random_range(1..=self.printer.taken.len().max(1)).to_string();
-        self.run_command(&[&["outcome", build.as_str()], outcome].concat());
+        self.run_command(&[&["outcome", build.as_str(), "--anyway"], outcome].concat());
     }
 
     fn make_backup(&mut self) {

@@ -19,11 +19,15 @@ use super::super::{
     layout::CopyId,
     machine_setup,
     open::open_farm,
+    operate::operate,
     restore::{repair_ledger, restore_ledger},
     time_source::{ClockHands, TimeSource},
 };
 use crate::{
-    ledger::{BuildState, CommandId, CommandKind, CommandRow, Ledger, NewCommand, PartId, PartRow, PartState},
+    ledger::{
+        BuildState, CommandId, CommandKind, CommandRow, Ledger, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
+        PartState, WordAnswer,
+    },
     settings::{self, MachineProfile},
 };
 
@@ -290,6 +294,12 @@ impl HandDrivenFarm {
     /// Runs a query on the ledger.
     pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
         self.runtime.block_on(question(&self.farm.as_ref().unwrap().ledger))
+    }
+
+    /// Says a word of a person, as every face does.
+    pub fn say(&self, word: &OperatorWord, anyway: bool) -> Result<WordAnswer, LedgerError> {
+        let settings = &self.farm.as_ref().unwrap().settings;
+        self.ask(async |ledger| operate(ledger, settings, word, "ann@farm", anyway).await)
     }
 
     pub fn parts(&self, state: PartState) -> Vec<PartRow> {

@@ -19,6 +19,7 @@ mod printers;
 mod repair;
 mod reprints;
 mod tickets;
+mod told;
 mod triggers;
 mod week;
 mod withdrawals;

@@ -28,7 +28,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 13] = [
+const MIGRATIONS: [ServerMigration; 14] = [
     migration(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
@@ -64,6 +64,12 @@ const MIGRATIONS: [ServerMigration; 13] = [
         is_additive: true,
         ..migration(31, "withdrawn views", include_str!("../../../migrations/postgres/0031_withdrawn_views.sql"))
     },
+    // An older node would carry out no word: it would have the copies wait again.
+    migration(
+        36,
+        "words on queued builds",
+        include_str!("../../../migrations/postgres/0036_words_on_queued_builds.sql"),
+    ),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

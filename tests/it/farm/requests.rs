@@ -92,7 +92,12 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     let first = printed_copies(&farm.wait_for_queued(1)[0]);
     assert_eq!(first, [(("cover.stl".to_owned(), 254, "upright".to_owned()), 3)].into());
     farm.wait_for_parts(PartState::Built, 1);
-    farm.nestd_ok(&["outcome", "1", "failed"]);
+    let refused = farm.nestd(&["outcome", "1", "failed"]);
+    assert!(
+        !refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("lies untouched"),
+        "{refused:?}"
+    );
+    farm.nestd_ok(&["outcome", "1", "failed", "--anyway"]);
     farm.wait_for_parts(PartState::Waiting, 1);
 
     farm.drop_part("brandt/hinge.stl", &block(10.0, 12.0, 14.0));
@@ -101,7 +106,7 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     farm.wait_for_parts(PartState::Rejected, 1);
     await_that(&farm, "the revision waits", || waiting(&farm, "hinge.stl").is_some());
     farm.flush();
-    let file = farm.wait_for_queued(2).remove(1);
+    let file = farm.wait_for_queued(1).remove(0);
     let mut second = printed_copies(&file);
     let hinge = second.remove(&("hinge.stl".to_owned(), 160, "free".to_owned()));
     assert_eq!((&second, hinge), (&first, Some(1)), "the covers as they were, and the newer hinge alone");

@@ -59,7 +59,7 @@ impl OrdersFarm {
             bad_words = format!("{}={copies}", row.part_id);
             named.insert(self.hash_of(row.part_id.0), copies);
         }
-        let mut words = vec!["outcome".to_owned(), build.to_string(), word.to_owned()];
+        let mut words = vec!["outcome".to_owned(), build.to_string(), word.to_owned(), "--anyway".to_owned()];
         if !bad_words.is_empty() {
             words.extend(["--bad".to_owned(), bad_words]);
         }
@@ -105,12 +105,16 @@ impl OrdersFarm {
                 (format!("{}={copies}", row.part_id), BadClaim::OfFile(hash, copies))
             }
         };
-        self.run_outcome(vec!["reprint".to_owned(), word], Asked::Other, &claim);
+        self.run_outcome(vec!["reprint".to_owned(), word, "--anyway".to_owned()], Asked::Other, &claim);
     }
 
     pub fn requeue_at_random(&mut self) {
         let Some((build, _)) = self.pick_taken_build() else { return };
-        self.run_outcome(vec!["requeue".to_owned(), build.to_string()], Asked::Other, &BadClaim::All(build));
+        self.run_outcome(
+            vec!["requeue".to_owned(), build.to_string(), "--anyway".to_owned()],
+            Asked::Other,
+            &BadClaim::All(build),
+        );
     }
 
     fn pick_taken_build(&mut self) -> Option<(i64, Vec<PlacementRow>)> {

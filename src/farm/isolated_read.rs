@@ -63,6 +63,8 @@ struct SolidHeader {
     name: String,
     copies: u32,
     warnings: Vec<String>,
+    question: Option<String>,
+    coordinate_step_mm: f64,
     #[serde(default)]
     request: Option<Box<SolidRequest>>,
     vertices: usize,
@@ -194,7 +196,15 @@ fn receive_solid(head: SolidHeader, from: &mut impl Read) -> Result<PartFileSoli
         triangles.push(corners.map(u32::from_le_bytes));
     }
     let mesh = Arc::new(Mesh::new(vertices, triangles)?);
-    Ok(PartFileSolid { name: head.name, mesh, copies: head.copies, warnings: head.warnings, request: head.request })
+    Ok(PartFileSolid {
+        name: head.name,
+        mesh,
+        copies: head.copies,
+        warnings: head.warnings,
+        question: head.question,
+        coordinate_step_mm: head.coordinate_step_mm,
+        request: head.request,
+    })
 }
 
 /// Runs in the separate process: reads the request from `asked`, reads the file, and writes the response.
@@ -228,6 +238,8 @@ fn solid_header(solid: &PartFileSolid) -> SolidHeader {
         name: solid.name.clone(),
         copies: solid.copies,
         warnings: solid.warnings.clone(),
+        question: solid.question.clone(),
+        coordinate_step_mm: solid.coordinate_step_mm,
         request: solid.request.clone(),
         vertices: solid.mesh.vertices().len(),
         triangles: solid.mesh.triangles().len(),

@@ -17,6 +17,9 @@ use crate::{
     settings::MachineProfile,
 };
 
+/// Coarser coordinates than this share of a layer are told.
+const MAX_STEP_PER_LAYER: f64 = 0.1;
+
 /// Result of reading a part's file.
 #[derive(Debug)]
 pub enum PartReadOutcome {
@@ -73,8 +76,10 @@ pub fn read_part(
         let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
+        warnings.extend(far_warning(&solid, profile));
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
-        let question = size_question(&solid, part, profile);
+        let asked = [size_question(&solid, part, profile), solid.question.clone().unwrap_or_default()];
+        let question = asked.into_iter().filter(|one| !one.is_empty()).collect::<Vec<_>>().join("; ");
         facts.push(SolidFacts { question, request, ..solid_facts(&solid, index as u32, part, warnings) });
         let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
@@ -104,6 +109,17 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         warnings,
         request: None,
     }
+}
+
+/// Tells of a solid so far from the origin of its file that the numbers of its coordinates are coarse beside a layer.
+fn far_warning(solid: &PartFileSolid, profile: &MachineProfile) -> Option<String> {
+    let step = solid.coordinate_step_mm;
+    (step > profile.space.layer_mm * MAX_STEP_PER_LAYER).then(|| {
+        format!(
+            "Its coordinates are so far from the origin of the file that 32-bit numbers are {step:.4} mm apart there: its \
+             details may be off by as much. Move it to the origin in the CAD program and export it again."
+        )
+    })
 }
 
 /// What a person must confirm of a solid that is hardly printable: a speck, which may be one of a wrong unit too.

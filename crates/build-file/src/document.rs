@@ -3,10 +3,11 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::{
-    FileReadError, ReadLimits, format_count,
+    FileReadError, ReadLimits, escape_invisible, format_count,
     model::{ModelBudget, ModelObject, ModelPart, ObjectBody, ObjectReference},
     model_parse,
     package::PackageReader,
+    slicer_project::SlicerProject,
 };
 
 /// Identifies an object within the package.
@@ -22,6 +23,8 @@ pub(super) struct ModelDocument {
     parts: Vec<ModelPart>,
     /// Lower-case path -> part.
     paths: HashMap<String, usize>,
+    /// What a slicer says of the objects of the start part.
+    pub(super) project: SlicerProject,
     /// Warnings about the package, for people.
     pub(super) warnings: Vec<String>,
 }
@@ -32,7 +35,8 @@ impl ModelDocument {
         let mut package = PackageReader::open(file, limits)?;
         let mut budget = ModelBudget::new(limits);
         let (start, starts) = package.start_part_path()?;
-        let mut document = Self { parts: Vec::new(), paths: HashMap::new(), warnings: Vec::new() };
+        let project = SlicerProject::read_package(&mut package, &mut budget)?;
+        let mut document = Self { parts: Vec::new(), paths: HashMap::new(), project, warnings: Vec::new() };
         if starts > 1 {
             document.warnings.push(format!("the package names {starts} 3D models to start from; only {start} is read"));
         }
@@ -81,6 +85,21 @@ impl ModelDocument {
         Ok(key)
     }
 
+    /// The name of an object, as the model or the slicer's project has it; empty = none.
+    pub(super) fn object_name(&self, key: ObjectKey) -> &str {
+        let own = self.object(key).name.as_deref().unwrap_or_default().trim();
+        let in_project = if key.is_in_start_part() { self.project.object_name(key.id).trim() } else { "" };
+        if own.is_empty() { in_project } else { own }
+    }
+
+    /// An object for people.
+    pub(super) fn shown_object(&self, key: ObjectKey) -> String {
+        match self.object_name(key) {
+            "" => format!("object {}", key.id),
+            name => format!("\"{}\"", escape_invisible(name)),
+        }
+    }
+
     /// Returns the object of a key from [`ModelDocument::key`].
     pub(super) fn object(&self, key: ObjectKey) -> &ModelObject {
         &self.parts[key.part].objects[&key.id]
@@ -88,6 +107,11 @@ impl ModelDocument {
 }
 
 impl ObjectKey {
+    /// Whether it is in the start part, whose objects a slicer's project describes.
+    pub(super) fn is_in_start_part(self) -> bool {
+        self.part == 0
+    }
+
     pub(super) fn id(self) -> u32 {
         self.id
     }

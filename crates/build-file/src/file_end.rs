@@ -8,16 +8,17 @@ use std::{
 use super::{
     package::{MAX_END, end_record},
     sniff::{FileFormat, HEAD_BYTES, detect_format},
-    stl_read::{binary_len, claimed_count},
+    stl_read::{STL_FACET_BYTES, STL_HEAD_BYTES, binary_len, claimed_count},
+    unfinished::ends_in_zero,
 };
 
 /// Length of the file's end that is searched for the last `endsolid`; a name and white space may follow it.
 const TEXT_TAIL: u64 = 1 << 16;
 
-/// Whether the file has the end that its format promises: a binary STL is 84 + 50 n bytes or longer, an ASCII STL has
-/// its `endsolid`, a 3MF its end-of-central-directory record. Returns `true` for any other file, since reading will
-/// refuse it. Only the head and the tail are read. A file with a wrong length field never has its end, so the caller
-/// must limit the wait.
+/// Whether the file has the end that its format promises: a binary STL is 84 + 50 n bytes or longer, and its last triangle
+/// is not all zeros; an ASCII STL has its `endsolid`, and no zeros behind it; a 3MF its end-of-central-directory record.
+/// Returns `true` for any other file, since reading will refuse it. Only the head and the tail are read. A file with a
+/// wrong length field never has its end, so the caller must limit the wait.
 pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
@@ -27,11 +28,15 @@ pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     }
     match detect_format(&head, len, name) {
         FileFormat::Package | FileFormat::Camspec => Ok(end_record(&read_tail(opened, len, MAX_END)?).is_some()),
+        FileFormat::TextStl if ends_in_zero(opened, len)? => Ok(false),
         FileFormat::TextStl => {
             let tail = read_tail(opened, len, TEXT_TAIL)?;
             Ok(tail.windows(8).any(|w| w.eq_ignore_ascii_case(b"endsolid")))
         }
-        FileFormat::BinaryStl => Ok(claimed_count(&head).is_some_and(|count| len >= binary_len(count))),
+        FileFormat::BinaryStl => match claimed_count(&head).map(binary_len) {
+            Some(end) if len >= end => Ok(!is_zero_facet(opened, end)?),
+            _ => Ok(false),
+        },
         FileFormat::Other(_) => Ok(true),
     }
 }
@@ -44,12 +49,31 @@ pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
     Ok(is_barely_begun(&head, name) || !matches!(detect_format(&head, len, name), FileFormat::Other(_)))
 }
 
+/// Whether more may be written behind the end that a file has now, because its format tells no length: an ASCII STL.
+pub fn may_grow(opened: &mut File, name: &str) -> io::Result<bool> {
+    let len = opened.metadata()?.len();
+    let mut head = Vec::new();
+    opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
+    Ok(detect_format(&head, len, name) == FileFormat::TextStl)
+}
+
 /// Whether the file has too few bytes, or is allocated but not yet written: it may still become an STL or 3MF.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
     let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
     let awaited = matches!(extension.as_str(), "stl" | "3mf" | "camspec");
     let prefix = |of: &[u8]| of.starts_with(&head.to_ascii_lowercase());
     awaited && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
+}
+
+/// Whether the facet before this end of a binary STL was never written.
+fn is_zero_facet(file: &mut File, end: u64) -> io::Result<bool> {
+    let mut facet = [0; STL_FACET_BYTES as usize];
+    if end < STL_HEAD_BYTES + STL_FACET_BYTES {
+        return Ok(false);
+    }
+    file.seek(SeekFrom::Start(end - STL_FACET_BYTES))?;
+    file.read_exact(&mut facet)?;
+    Ok(facet.iter().all(|&byte| byte == 0))
 }
 
 fn read_tail(file: &mut File, len: u64, at_most: u64) -> io::Result<Vec<u8>> {

@@ -1,11 +1,14 @@
 //! Flattens objects made of components into one triangle soup each, and checks cycles, depth and counts.
 
+use std::{borrow::Cow, collections::BTreeSet};
+
 use glam::{DAffine3, DVec3};
 
 use super::{
     FileReadError, ReadLimits,
     document::{ModelDocument, ObjectKey},
-    model::{ModelObject, ObjectBody},
+    model::{ModelObject, ObjectBody, ObjectKind, ObjectReference},
+    solid::step_of,
 };
 
 /// Flattens objects of one document and counts the copied elements.
@@ -23,6 +26,10 @@ pub(super) struct FlattenedObject {
     pub(super) vertices: Vec<DVec3>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) sliced: bool,
+    /// See [`super::PartFileSolid::coordinate_step_mm`].
+    pub(super) coordinate_step_mm: f64,
+    /// What is in it and no model volume.
+    pub(super) left_out: BTreeSet<String>,
 }
 
 impl<'a> ComponentFlattener<'a> {
@@ -67,16 +74,78 @@ impl<'a> ComponentFlattener<'a> {
         check_object(key, object, transform)?;
         flat.sliced |= object.sliced;
         match &object.body {
-            ObjectBody::Mesh { vertices, triangles } => self.append_mesh(vertices, triangles, transform, flat),
+            ObjectBody::Mesh { vertices, triangles } => {
+                let kept = self.model_triangles(key, triangles, flat)?;
+                self.append_mesh(vertices, &kept, transform, flat)
+            }
             ObjectBody::Components(components) => {
                 above.push(key);
-                for component in components {
+                for (at, component) in components.iter().enumerate() {
                     let inner = self.document.resolve_reference(component, Some(key))?;
+                    if !self.is_model_volume(key, (at, component), inner, flat)? {
+                        continue;
+                    }
                     self.collect_meshes(inner, transform * component.transform, above, flat)?;
                 }
                 above.pop();
                 Ok(())
             }
+        }
+    }
+
+    /// The triangles of an object's mesh without those of volumes that are no model volumes.
+    fn model_triangles(
+        &self,
+        key: ObjectKey,
+        triangles: &'a [[u32; 3]],
+        flat: &mut FlattenedObject,
+    ) -> Result<Cow<'a, [[u32; 3]]>, FileReadError> {
+        if !key.is_in_start_part() {
+            return Ok(triangles.into());
+        }
+        let shown = self.document.shown_object(key);
+        let ranges =
+            self.document.project.left_out_triangles((key.id(), &shown), triangles.len(), &mut flat.left_out)?;
+        if ranges.is_empty() {
+            return Ok(triangles.into());
+        }
+        let (mut kept, mut from) = (Vec::new(), 0);
+        for range in ranges {
+            kept.extend_from_slice(&triangles[from..range.start.max(from)]);
+            from = from.max(range.end);
+        }
+        kept.extend_from_slice(&triangles[from..]);
+        Ok(kept.into())
+    }
+
+    /// Whether a component is printed: the slicer's project says what it is for, or else the type of its object does.
+    fn is_model_volume(
+        &self,
+        object: ObjectKey,
+        (at, component): (usize, &ObjectReference),
+        inner: ObjectKey,
+        flat: &mut FlattenedObject,
+    ) -> Result<bool, FileReadError> {
+        let project = &self.document.project;
+        let volume = project.volume_of_component(object.id(), at, component.object);
+        if let Some(volume) = volume.filter(|_| object.is_in_start_part()) {
+            return volume.is_model(&self.document.shown_object(object), &mut flat.left_out);
+        }
+        let shown = || self.document.shown_object(inner);
+        match self.document.object(inner).kind {
+            ObjectKind::Part => Ok(true),
+            ObjectKind::Support => {
+                flat.left_out.insert(format!("support {}", shown()));
+                Ok(false)
+            }
+            ObjectKind::Other => Err(FileReadError::Unsupported {
+                what: format!(
+                    "{} contains {}, which is of the type \"other\": it must not be printed, and may have to be cut out",
+                    self.document.shown_object(object),
+                    shown()
+                ),
+                remedy: "Export what is to be printed from the slicer or the CAD program as STL, and drop that.",
+            }),
         }
     }
 
@@ -94,6 +163,9 @@ impl<'a> ComponentFlattener<'a> {
             let what = "all its instances together have too many triangles".to_owned();
             return Err(FileReadError::TooLarge { what, limit: self.limits.max_triangles, key: "max_triangles" });
         }
+        let farthest = vertices.iter().fold(DVec3::ZERO, |farthest, vertex| farthest.max(vertex.abs())).max_element();
+        let [x, y, z] = [0, 1, 2].map(|axis| transform.matrix3.col(axis).length());
+        flat.coordinate_step_mm = flat.coordinate_step_mm.max(step_of(farthest) * x.max(y).max(z));
         let first = flat.vertices.len() as u32;
         if transform == DAffine3::IDENTITY {
             flat.vertices.extend_from_slice(vertices);

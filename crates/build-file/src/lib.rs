@@ -28,6 +28,7 @@ mod error;
 mod file_end;
 mod file_name;
 mod flatten;
+mod item_contact;
 mod model;
 mod model_parse;
 mod model_write;
@@ -36,16 +37,19 @@ mod part_read;
 mod pick_map;
 mod plural;
 mod second_reader;
+mod slicer_project;
 mod sniff;
 mod solid;
 mod stl_read;
 mod stl_text;
 mod stl_write;
 mod threemf_read;
+mod unfinished;
 mod unpack_guard;
 mod uuid;
 mod visible_text;
 mod xml;
+mod xml_names;
 
 pub use build_file::{
     BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, BuildMetadata, HeadingMetadata,
@@ -55,7 +59,7 @@ pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;
 pub use camspec::{MAX_CLEARANCE_MM, SolidRequest, is_camspec_name};
 pub use error::{FileReadError, FileWriteError};
-pub use file_end::{has_end, may_be_part};
+pub use file_end::{has_end, may_be_part, may_grow};
 pub use file_name::build_file_name;
 pub use model_write::sanitize_name as name_in_build_file;
 pub use part_read::read_part_file;
@@ -70,3 +74,11 @@ pub use visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_in
 mod build_tests;
 #[cfg(test)]
 mod camspec_tests;
+#[cfg(test)]
+mod item_contact_tests;
+#[cfg(test)]
+mod slicer_project_tests;
+#[cfg(test)]
+mod test_package;
+#[cfg(test)]
+mod unfinished_tests;

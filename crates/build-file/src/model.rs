@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3};
 
-use super::{FileReadError, LengthUnit, ReadLimits, xml::XmlNamespace};
+use super::{FileReadError, LengthUnit, ReadLimits, xml_names::XmlNamespace};
 
 /// Metadata without a namespace or in this project's namespace.
 #[derive(Debug, Clone, Default)]
@@ -43,12 +43,22 @@ pub(super) struct ObjectReference {
     pub(super) transform: DAffine3,
 }
 
+/// What an object is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ObjectKind {
+    /// It is printed: `model` and `solidsupport`.
+    Part,
+    /// It helps to print a part: `support` and `surface`.
+    Support,
+    /// It must not be printed, and the model does not say what it is for: `other`.
+    Other,
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct ModelObject {
     pub(super) name: Option<String>,
     pub(super) part_number: Option<String>,
-    /// Whether it is printed: `model` and `solidsupport`.
-    pub(super) is_part: bool,
+    pub(super) kind: ObjectKind,
     pub(super) body: ObjectBody,
     /// Its true shape is in a slice stack.
     pub(super) sliced: bool,

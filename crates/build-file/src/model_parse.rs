@@ -8,18 +8,20 @@ use super::{
     FileReadError, LengthUnit,
     decimal::parse_decimal,
     model::{
-        CountedElement, ModelBudget, ModelItem, ModelMetadata, ModelObject, ModelPart, ObjectBody, ObjectReference,
+        CountedElement, ModelBudget, ModelItem, ModelMetadata, ModelObject, ModelPart, ObjectBody, ObjectKind,
+        ObjectReference,
     },
     unpack_guard::UnpackGuard,
-    xml::{DocumentStep, ElementTag, XmlNamespace, XmlReader},
+    xml::{DocumentStep, XmlReader},
+    xml_names::{CORE, ElementTag, NESTD, PRODUCTION, SLICE, XmlNamespace},
 };
 
 /// Extensions that a file may require: they do not change the triangles, or their effect is marked per object.
 const KNOWN_EXTENSIONS: [&str; 9] = [
-    super::xml::CORE,
-    super::xml::PRODUCTION,
-    super::xml::SLICE,
-    super::xml::NESTD,
+    CORE,
+    PRODUCTION,
+    SLICE,
+    NESTD,
     "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
     "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02",
@@ -173,9 +175,10 @@ fn parse_object<R: BufRead>(
     budget: &mut ModelBudget,
     id: u32,
 ) -> Result<ModelObject, FileReadError> {
-    let is_part = match xml.plain_attribute("type").unwrap_or("model") {
-        "model" | "solidsupport" => true,
-        "support" | "surface" | "other" => false,
+    let kind = match xml.plain_attribute("type").unwrap_or("model") {
+        "model" | "solidsupport" => ObjectKind::Part,
+        "support" | "surface" => ObjectKind::Support,
+        "other" => ObjectKind::Other,
         other => {
             return Err(xml.invalid_document(&format!("object {id} is of the type {other:?}, which 3MF does not know")));
         }
@@ -183,7 +186,7 @@ fn parse_object<R: BufRead>(
     let mut object = ModelObject {
         name: xml.plain_attribute("name").map(str::to_owned),
         part_number: xml.plain_attribute("partnumber").map(str::to_owned),
-        is_part,
+        kind,
         body: ObjectBody::Components(Vec::new()),
         sliced: xml.attribute_value(XmlNamespace::Slice, "slicestackid").is_some(),
         lattice: false,

@@ -10,7 +10,7 @@ use solids::Mesh;
 use super::{
     Arrangement, BuildFile, BuildFileItem, InstanceSharing, OrderWords, is_invisible,
     uuid::derive_uuid,
-    xml::{CORE, NESTD, PRODUCTION},
+    xml_names::{CORE, NESTD, PRODUCTION},
 };
 
 /// Greatest excess over the volume that counts as rounding, mm. A greater excess is written unchanged, so that the

@@ -13,7 +13,8 @@ use zip::{ZipArchive, result::ZipError};
 use super::{
     FileReadError, ReadLimits,
     unpack_guard::UnpackGuard,
-    xml::{DocumentStep, ElementTag, XmlReader},
+    xml::{DocumentStep, XmlReader},
+    xml_names::ElementTag,
 };
 
 /// Relationship types of the model.

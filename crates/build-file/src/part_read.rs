@@ -13,6 +13,7 @@ use super::{
     sniff::{FileFormat, ForeignFormat, HEAD_BYTES, detect_format},
     stl_read::{StlContents, read_ascii, read_binary},
     threemf_read::{self, AskedUnit},
+    unfinished::blame_unwritten_blocks,
 };
 
 /// Reads a dropped file. `name` is the name under which it was dropped (the store may use another name). The content
@@ -48,13 +49,18 @@ fn read_file(
     (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
     let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
     let stl_unit = unit.map_or(default_unit, AskedUnit::unit);
-    let contents = match detect_format(&head, len, name) {
+    let read = match detect_format(&head, len, name) {
         FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
         FileFormat::Camspec => return read_camspec(file, unit, limits),
-        FileFormat::TextStl => stl_contents(read_ascii(File::open(file)?, stl_unit, limits)?, stem),
-        FileFormat::BinaryStl => stl_contents(read_binary(opened, (&head, len), stl_unit, limits)?, stem),
+        FileFormat::TextStl => {
+            read_ascii(File::open(file)?, stl_unit, limits).and_then(|read| stl_contents(read, stem))
+        }
+        FileFormat::BinaryStl => {
+            read_binary(opened, (&head, len), stl_unit, limits).and_then(|read| stl_contents(read, stem))
+        }
         FileFormat::Other(ForeignFormat { what, remedy }) => Err(FileReadError::Unknown { what, remedy }),
-    }?;
+    };
+    let contents = read.map_err(|error| blame_unwritten_blocks(error, file))?;
     for solid in &contents.solids {
         let shells = solid.mesh.shell_count() as u64;
         if shells > limits.max_shells {

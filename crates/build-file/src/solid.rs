@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use solids::{Mesh, MeshBuilder, MeshError};
 
-use super::{FileReadError, LengthUnit, camspec::SolidRequest, format_count};
+use super::{FileReadError, LengthUnit, camspec::SolidRequest, format_count, unfinished::ZeroFacets};
 
 /// Parts with a smaller largest extent were probably drawn in metres or inches.
 const SUSPICIOUSLY_SMALL_MM: f64 = 2.0;
 /// Parts with a greater largest extent were probably drawn in microns.
 const SUSPICIOUSLY_LARGE_MM: f64 = 10_000.0;
-/// Coordinates beyond 10 km are invalid: their precision is too low for a part.
-const MAX_COORDINATE_MM: f64 = 1e7;
+/// Coordinates beyond 1 km are invalid: 32-bit numbers there are 0.0625 mm apart, and soon 0.125 mm, more than a layer.
+const MAX_COORDINATE_MM: f64 = 1e6;
 
 /// The contents of a dropped file.
 #[derive(Debug, Clone)]
@@ -34,6 +34,11 @@ pub struct PartFileSolid {
     pub copies: u32,
     /// Warnings about this part, for people; sentences.
     pub warnings: Vec<String>,
+    /// What a person must confirm before it is printed.
+    pub question: Option<String>,
+    /// The distance of neighbouring 32-bit numbers at its coordinate farthest from the origin of its file, mm: details may be
+    /// off by as much.
+    pub coordinate_step_mm: f64,
     /// What its file says of it beyond the mesh, as CAMSPEC packages do.
     pub request: Option<Box<SolidRequest>>,
 }
@@ -79,7 +84,15 @@ fn described_solid(name: String, mesh: Mesh, copies: u32, unit: LengthUnit) -> P
         ));
     }
     warnings.extend(suspicious_size(mesh.bounds().size().max_element(), unit));
-    PartFileSolid { name, mesh: Arc::new(mesh), copies, warnings, request: None }
+    PartFileSolid {
+        name,
+        mesh: Arc::new(mesh),
+        copies,
+        warnings,
+        question: None,
+        coordinate_step_mm: 0.0,
+        request: None,
+    }
 }
 
 /// The triangles of an STL file while it is read: welded and checked one by one.
@@ -90,12 +103,20 @@ pub(super) struct StlSurface {
     scale: f64,
     /// The first corner beyond [`MAX_COORDINATE_MM`].
     far: Option<usize>,
+    /// Facets of zeros, in a binary file.
+    pub(super) zero_facets: ZeroFacets,
 }
 
 impl StlSurface {
     /// An empty surface with room for so many triangles, whose coordinates are in a unit.
     pub(super) fn new(unit: LengthUnit, triangles: usize) -> Self {
-        Self { builder: MeshBuilder::with_capacity(triangles), unit, scale: unit.mm_per_unit(), far: None }
+        Self {
+            builder: MeshBuilder::with_capacity(triangles),
+            unit,
+            scale: unit.mm_per_unit(),
+            far: None,
+            zero_facets: ZeroFacets::default(),
+        }
     }
 
     /// Adds a triangle in the file's unit.
@@ -121,9 +142,19 @@ impl StlSurface {
         if let Some(vertex) = far {
             return Err(far_error(&name, vertex));
         }
+        self.zero_facets.check(made.as_ref().is_ok_and(|mesh| mesh.defects().is_closed()))?;
         let mesh = made.map_err(|source| FileReadError::NoSolid { name: format!("{name:?}"), source })?;
-        Ok(described_solid(name, mesh, 1, unit))
+        let reach = mesh.bounds().min.abs().max(mesh.bounds().max.abs()).max_element();
+        let mut solid = described_solid(name, mesh, 1, unit);
+        solid.coordinate_step_mm = step_of(reach / unit.mm_per_unit()) * unit.mm_per_unit();
+        Ok(solid)
     }
+}
+
+/// The distance of a coordinate to the next 32-bit number.
+pub(super) fn step_of(coordinate: f64) -> f64 {
+    let nearest = coordinate.abs() as f32;
+    f64::from(nearest.next_up()) - f64::from(nearest)
 }
 
 fn is_far(place: &DVec3) -> bool {
@@ -132,7 +163,7 @@ fn is_far(place: &DVec3) -> bool {
 
 fn far_error(name: &str, vertex: usize) -> FileReadError {
     FileReadError::Unsupported {
-        what: format!("vertex {} of {name:?} lies farther than 10 km from the origin", vertex + 1),
+        what: format!("vertex {} of {name:?} lies farther than 1 km from the origin", vertex + 1),
         remedy: "Move the part to the origin in the CAD program, or give the right unit in a ticket; then drop it again.",
     }
 }

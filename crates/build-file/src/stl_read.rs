@@ -12,6 +12,7 @@ use super::{
     FileReadError, LengthUnit, ReadLimits, format_count,
     solid::StlSurface,
     stl_text::{TextStlContents, read_text_stl},
+    unfinished::{ends_in_zero, unfinished_copy},
 };
 
 /// Bytes before the first facet: an 80-byte header and the count.
@@ -44,6 +45,11 @@ pub(super) fn binary_len(count: u64) -> u64 {
 
 /// Reads ASCII.
 pub(super) fn read_ascii(mut file: File, unit: LengthUnit, limits: &ReadLimits) -> Result<StlContents, FileReadError> {
+    let len = file.metadata()?.len();
+    if ends_in_zero(&mut file, len)? {
+        return Err(unfinished_copy("which ends in zeros"));
+    }
+    file.seek(SeekFrom::Start(0))?;
     let mut mark = [0; 3];
     let got = file.read(&mut mark)?;
     if mark[..got] != *b"\xef\xbb\xbf" {
@@ -87,7 +93,7 @@ pub(super) fn read_binary(
     }
     let mut warnings = Vec::new();
     if len > wanted {
-        check_trailer(&mut file, wanted, len - wanted, count)?;
+        check_trailer(&mut file, wanted, len - wanted, (count, limits))?;
         warnings.push(format!(
             "{} ignored",
             format_count(len - wanted, "byte after the last triangle is", "bytes after the last triangle are")
@@ -100,9 +106,11 @@ pub(super) fn read_binary(
     while left > 0 {
         let piece = left.min(bytes.len());
         file.read_exact(&mut bytes[..piece])?;
-        bytes[..piece]
-            .chunks_exact(STL_FACET_BYTES as usize)
-            .for_each(|facet| surface.add_triangle(facet_corners(facet)));
+        bytes[..piece].chunks_exact(STL_FACET_BYTES as usize).for_each(|facet| {
+            let corners = facet_corners(facet);
+            surface.zero_facets.add_facet(facet, corners == [DVec3::ZERO; 3]);
+            surface.add_triangle(corners);
+        });
         left -= piece;
     }
     Ok(StlContents { surface, warnings })
@@ -114,12 +122,26 @@ fn facet_corners(facet: &[u8]) -> [DVec3; 3] {
     [12, 24, 36].map(|at| Vec3::new(number(at), number(at + 4), number(at + 8)).as_dvec3())
 }
 
-/// Refuses a trailer that consists of whole facets and not only of zeros: it is geometry that the count omits, and it
-/// must not be lost silently.
-fn check_trailer(file: &mut File, at: u64, length: u64, count: u64) -> Result<(), FileReadError> {
+/// Refuses a trailer that holds geometry, which must not be lost silently: whole facets, not only of zeros, that the count
+/// omits, or another STL file, whole or cut off.
+fn check_trailer(
+    file: &mut File,
+    at: u64,
+    length: u64,
+    (count, limits): (u64, &ReadLimits),
+) -> Result<(), FileReadError> {
     file.seek(SeekFrom::Start(at))?;
     let mut bytes = Vec::new();
     file.take(length.min(MAX_TRAILER_BYTES)).read_to_end(&mut bytes)?;
+    let second = claimed_count(&bytes).filter(|more| (1..=limits.max_triangles).contains(more));
+    if let Some(more) = second.filter(|_| count > 0) {
+        let reason = format!("a second STL with {more} more triangles follows the {count} triangles of the first");
+        return Err(FileReadError::invalid_stl(reason));
+    }
+    let is_solid = |word: &[u8]| word.eq_ignore_ascii_case(b"solid");
+    if count > 0 && bytes.trim_ascii_start().get(..5).is_some_and(is_solid) {
+        return Err(FileReadError::invalid_stl(format!("an ASCII STL follows its {count} triangles")));
+    }
     if count > 0 && length.is_multiple_of(STL_FACET_BYTES) && bytes.iter().any(|&b| b != 0) {
         let more = length / STL_FACET_BYTES;
         return Err(FileReadError::invalid_stl(format!("{count} triangles are counted, but {more} more follow")));

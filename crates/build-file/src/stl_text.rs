@@ -7,7 +7,7 @@ use std::io::{self, BufRead};
 
 use glam::DVec3;
 
-use super::{FileReadError, ReadLimits, decimal::parse_decimal};
+use super::{FileReadError, ReadLimits, decimal::parse_decimal, unfinished::unfinished_copy};
 
 /// Longer words cannot be numbers or keywords. The limit keeps an endless word out of memory.
 const MAX_WORD: usize = 256;
@@ -168,6 +168,9 @@ impl<R: BufRead> StlTokenizer<R> {
             self.word_line = self.line;
             self.input.consume(length);
             self.last = 0;
+            if self.word.len() > MAX_WORD && self.word.ends_with(&[0; MAX_WORD / 2]) {
+                return Err(unfinished_copy(&format!("with zeros in line {}", self.line)));
+            }
             if self.word.len() > MAX_WORD && self.in_name {
                 self.word.truncate(MAX_WORD);
             } else if self.word.len() > MAX_WORD {

@@ -2,15 +2,16 @@
 
 use std::{collections::HashMap, path::Path};
 
-use glam::{DAffine3, DMat3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::{
     FileReadError, LengthUnit, PartFileContents, PartFileSolid, ReadLimits,
     document::{ModelDocument, ObjectKey},
     escape_invisible,
     flatten::{ComponentFlattener, FlattenedObject},
-    format_count,
-    model::ModelItem,
+    format_count, item_contact,
+    model::{ModelItem, ObjectKind},
+    slicer_project::listed,
     solid,
 };
 
@@ -23,7 +24,8 @@ type ItemGroupKey = (ObjectKey, [i64; 9]);
 struct ItemGroup {
     key: ObjectKey,
     linear: DMat3,
-    copies: u32,
+    /// Translations of its items, in the file's unit.
+    places: Vec<DVec3>,
     part_number: Option<String>,
 }
 
@@ -64,21 +66,37 @@ pub(super) fn read_threemf_parts(
         warnings.push(format!("the ticket's unit {unit:?} is used instead of the file's {file_unit:?}"));
     }
     let groups = group_items(&document, &mut warnings)?;
+    warnings.extend(plates_warning(&document)?);
     let mut flattener = ComponentFlattener::new(&document, limits);
     let many = groups.len() > 1;
     let mut solids = Vec::with_capacity(groups.len());
+    let mut places = Vec::with_capacity(groups.len());
     for group in groups {
-        let object = document.object(group.key);
-        let own = object.name.as_deref().or(group.part_number.as_deref()).map(str::trim).filter(|n| !n.is_empty());
-        let name = match own {
+        let own = [document.object_name(group.key), group.part_number.as_deref().unwrap_or_default().trim()];
+        let name = match own.into_iter().find(|name| !name.is_empty()) {
             Some(name) => escape_invisible(name),
             None if many => format!("{stem} {}", group.key.id()),
             None => stem.to_owned(),
         };
         let flat = flattener.flatten_object(group.key, DAffine3::from_mat3(group.linear), unit.mm_per_unit())?;
-        solids.push(part_from_flat(name, flat, group.copies, unit)?);
+        solids.push(part_from_flat(name, flat, group.places.len() as u32, unit)?);
+        places.push(group.places.into_iter().map(|place| place * unit.mm_per_unit()).collect());
     }
+    item_contact::ask_about_contacts(&mut solids, &places);
     Ok(PartFileContents { solids, warnings })
+}
+
+/// Tells of the plates of a slicer's project.
+fn plates_warning(document: &ModelDocument) -> Result<Option<String>, FileReadError> {
+    let items = &document.start_part().items;
+    let keys = items.iter().map(|item| document.resolve_reference(&item.reference, None));
+    let keys: HashMap<u32, ObjectKey> = keys.map(|key| key.map(|key| (key.id(), key))).collect::<Result<_, _>>()?;
+    let objects: Vec<u32> = items.iter().map(|item| item.reference.object).collect();
+    let shown = |object: u32| match keys.get(&object).map_or("", |&key| document.object_name(key)) {
+        "" => format!("object {object}"),
+        name => escape_invisible(name),
+    };
+    Ok(document.project.plates_warning(&objects, shown))
 }
 
 fn part_from_flat(
@@ -87,7 +105,18 @@ fn part_from_flat(
     copies: u32,
     unit: LengthUnit,
 ) -> Result<PartFileSolid, FileReadError> {
+    if flat.triangles.is_empty() && !flat.left_out.is_empty() {
+        let left_out = listed(&flat.left_out);
+        return Err(FileReadError::Unsupported {
+            what: format!("\"{name}\" has no model volume, only {left_out}"),
+            remedy: "Make the volume that is to be printed a part in the slicer, and export it again.",
+        });
+    }
     let mut solid = solid::check_solid(name, flat.vertices, flat.triangles, copies, unit)?;
+    solid.coordinate_step_mm = flat.coordinate_step_mm;
+    if !flat.left_out.is_empty() {
+        solid.warnings.push(format!("left out, as no model volume: {}", listed(&flat.left_out)));
+    }
     if flat.sliced {
         solid.warnings.push(
             "the file also has this part as a slice stack, which is ignored: its triangles may be only an approximation"
@@ -109,8 +138,9 @@ fn group_items(document: &ModelDocument, warnings: &mut Vec<String>) -> Result<V
     for item in items {
         let key = document.resolve_reference(&item.reference, None)?;
         unprintable += u32::from(!item.printable);
-        helpers += u32::from(!document.object(key).is_part);
-        if !item.printable || !document.object(key).is_part {
+        let is_part = document.object(key).kind == ObjectKind::Part;
+        helpers += u32::from(!is_part);
+        if !item.printable || !is_part {
             continue;
         }
         let linear = item.reference.transform.matrix3;
@@ -119,7 +149,7 @@ fn group_items(document: &ModelDocument, warnings: &mut Vec<String>) -> Result<V
             groups.push(empty_group(item, key, linear));
             groups.len() - 1
         });
-        groups[at].copies += 1;
+        groups[at].places.push(item.reference.transform.translation);
     }
     if unprintable > 0 {
         warnings.push(format!(
@@ -144,5 +174,5 @@ fn group_items(document: &ModelDocument, warnings: &mut Vec<String>) -> Result<V
 }
 
 fn empty_group(item: &ModelItem, key: ObjectKey, linear: DMat3) -> ItemGroup {
-    ItemGroup { key, linear, copies: 0, part_number: item.part_number.clone() }
+    ItemGroup { key, linear, places: Vec::new(), part_number: item.part_number.clone() }
 }

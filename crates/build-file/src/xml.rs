@@ -9,97 +9,16 @@ use quick_xml::{
     name::{NamespaceResolver, Prefix, QName, ResolveResult},
 };
 
-use super::{FileReadError, unpack_guard::UnpackGuard};
+use super::{
+    FileReadError,
+    unpack_guard::UnpackGuard,
+    xml_names::{ElementTag, XmlNamespace},
+};
 
 /// Deeper XML is not a 3MF.
 const MAX_DEPTH: usize = 64;
 /// A 3MF element has about a dozen. Finding duplicates compares each attribute with each.
 const MAX_ATTRIBUTES: usize = 64;
-
-/// This project's namespace, for metadata that 3MF does not define.
-pub(super) const NESTD: &str = "https://nestd.org/2026/build";
-pub(super) const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
-pub(super) const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
-/// 3MF before 1.0; meshes, components and items are as in the core.
-const CORE_2013: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01";
-pub(super) const SLICE: &str = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07";
-const LATTICE: &str = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02";
-const RELATIONSHIPS: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
-
-/// The namespaces that the reader knows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum XmlNamespace {
-    /// No prefix, no default.
-    None,
-    Core,
-    Production,
-    Slice,
-    Lattice,
-    Relationships,
-    Nestd,
-    Other,
-}
-
-impl XmlNamespace {
-    pub(super) fn from_uri(uri: &str) -> Self {
-        match uri {
-            CORE | CORE_2013 => Self::Core,
-            PRODUCTION => Self::Production,
-            SLICE => Self::Slice,
-            LATTICE => Self::Lattice,
-            RELATIONSHIPS => Self::Relationships,
-            NESTD => Self::Nestd,
-            _ => Self::Other,
-        }
-    }
-}
-
-/// The elements that the reader knows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ElementTag {
-    Model,
-    Metadata,
-    MetadataGroup,
-    Resources,
-    Object,
-    Mesh,
-    Vertices,
-    Vertex,
-    Triangles,
-    Triangle,
-    Components,
-    Component,
-    Build,
-    Item,
-    BeamLattice,
-    Relationship,
-    /// Anything else, to be skipped.
-    Other,
-}
-
-impl ElementTag {
-    fn from_name(space: XmlNamespace, local: &str) -> Self {
-        match (space, local) {
-            (XmlNamespace::Core, "vertex") => Self::Vertex,
-            (XmlNamespace::Core, "triangle") => Self::Triangle,
-            (XmlNamespace::Core, "model") => Self::Model,
-            (XmlNamespace::Core, "metadata") => Self::Metadata,
-            (XmlNamespace::Core, "metadatagroup") => Self::MetadataGroup,
-            (XmlNamespace::Core, "resources") => Self::Resources,
-            (XmlNamespace::Core, "object") => Self::Object,
-            (XmlNamespace::Core, "mesh") => Self::Mesh,
-            (XmlNamespace::Core, "vertices") => Self::Vertices,
-            (XmlNamespace::Core, "triangles") => Self::Triangles,
-            (XmlNamespace::Core, "components") => Self::Components,
-            (XmlNamespace::Core, "component") => Self::Component,
-            (XmlNamespace::Core, "build") => Self::Build,
-            (XmlNamespace::Core, "item") => Self::Item,
-            (XmlNamespace::Lattice, "beamlattice") => Self::BeamLattice,
-            (XmlNamespace::Relationships, "Relationship") => Self::Relationship,
-            _ => Self::Other,
-        }
-    }
-}
 
 /// One event of the document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

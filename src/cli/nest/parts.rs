@@ -46,8 +46,10 @@ pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<
         if !known.contains_key(&source_hash) {
             let contents = build_file::read_part_file(&row.file, &row.name, None, setup.unit, &setup.limits)
                 .map_err(|error| unusable(error.into()))?;
-            let solid_warnings =
-                contents.solids.iter().flat_map(|s| s.warnings.iter().map(move |w| format!("{}: {w}", s.name)));
+            let solid_warnings = contents
+                .solids
+                .iter()
+                .flat_map(|s| s.warnings.iter().chain(&s.question).map(move |w| format!("{}: {w}", s.name)));
             for warning in contents.warnings.iter().cloned().chain(solid_warnings) {
                 print_to_stderr(&format!("{}: {warning}", row.name));
             }

@@ -21,10 +21,10 @@ use super::{
 };
 use crate::{
     intake::{
-        self, ClaimedPart, ContentStore, EmptiedFolders, InboxEntry, InboxFolder, OrderListRules, OrderListTracker,
-        ScanLimits, SettleRules, SettleTracker, StoreError, TakeDecision, TicketError,
+        self, ClaimedPart, ContentStore, EmptiedFolders, InboxEntry, InboxFolder, LateWriting, OrderListRules,
+        OrderListTracker, ScanLimits, SettleRules, SettleTracker, StoreError, StoredFile, TakeDecision, TicketError,
     },
-    ledger::{LedgerError, PartId, PartRow},
+    ledger::{LedgerError, PartId, PartRow, find_network_file_system},
     settings::MachineProfile,
 };
 
@@ -62,6 +62,8 @@ pub struct HotFolderScanner {
     refused: RefusedFileCount,
     /// Device and inode of the hot folder at the last scan.
     inbox_identity: Option<(u64, u64)>,
+    /// Originals into which more may be written after they were taken.
+    late_writing: LateWriting,
     /// Claims with a file that may not be read, and since when.
     unreadable_since: HashMap<String, Instant>,
     /// Keys of the late tickets and lists that were offered for the last time.
@@ -83,6 +85,7 @@ impl HotFolderScanner {
             pending: None,
             refused: RefusedFileCount::default(),
             inbox_identity: None,
+            late_writing: LateWriting::default(),
             unreadable_since: HashMap::new(),
             last_offers: HashSet::new(),
             farm_id: String::new(),
@@ -130,6 +133,7 @@ impl HotFolderScanner {
         scan.may_refuse = leases.error.check_usable().is_ok() && leases.archive.check_usable().is_ok();
         lease.farm_id().clone_into(&mut self.farm_id);
         self.settler.set_rules(settle_rules(profile, orphan_secs));
+        self.give_back_late_writing(profile, &mut scan);
         let mut claims = self.pending_claims(leases.inbox.farm_id(), &mut scan);
         let claims_before = claims.len();
         if leases.may_take_files() && !scan.may_have_unknown_claims {
@@ -235,7 +239,10 @@ impl HotFolderScanner {
                     let row = new_part_row(profile, &claim, &stored, part_spec.as_ref().ok());
                     let note = ClaimNote::new(&self.farm_id, row, part_spec.as_ref().err());
                     match store.write_note(&stored.hash, &claim.id, &note.to_text()) {
-                        Ok(()) => scan.drops.push(ClaimedDrop { claim, stored, part_spec, row: note.part }),
+                        Ok(()) => {
+                            self.keep_open(&claim, &stored, scan);
+                            scan.drops.push(ClaimedDrop { claim, stored, part_spec, row: note.part });
+                        }
                         Err(error) => {
                             scan.warnings.push(error_chain(&error));
                             self.keep_pending(claim);
@@ -260,6 +267,28 @@ impl HotFolderScanner {
                 scan.warnings.push(error_chain(&error));
                 self.keep_pending(claim);
             }
+        }
+    }
+
+    /// Keeps the original of a claim open, in case more is written into it. On a network file system an open file could not be
+    /// removed with its folder; a writer on another host is told there that its file is gone.
+    fn keep_open(&mut self, claim: &ClaimedPart, stored: &StoredFile, scan: &mut HotFolderScan) {
+        let now_secs = self.time.passed_since(self.started_at).as_secs_f64();
+        let kept = match find_network_file_system(self.inbox.path()) {
+            Ok(Some(_)) => Ok(()),
+            Ok(None) => self.late_writing.keep_open(claim, stored, &self.farm_id, now_secs),
+            Err(error) => Err(error),
+        };
+        if let Err(error) = kept {
+            scan.warnings.push(format!("keeping {} open: {error}", claim.display_name()));
+        }
+    }
+
+    /// Gives back what was written into originals after they were taken.
+    fn give_back_late_writing(&mut self, profile: &MachineProfile, scan: &mut HotFolderScan) {
+        let (now_secs, intake) = (self.time.passed_since(self.started_at).as_secs_f64(), &profile.intake);
+        if let Err(error) = self.late_writing.give_back_changed(now_secs, intake.settle_secs, intake.unfinished_secs) {
+            scan.warnings.push(format!("taking again what was written later: {error}"));
         }
     }
 

@@ -75,7 +75,7 @@ pub(super) fn claim_stepwise(
     claim.ok_or_else(|| ClaimError::Gone(part.path.clone()))
 }
 
-fn create_claim_dir(inbox: &Path, farm: &str) -> Result<(String, PathBuf), ClaimError> {
+pub(super) fn create_claim_dir(inbox: &Path, farm: &str) -> Result<(String, PathBuf), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
     disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
     let name = claim_folder_name(&new_claim_id(), farm);

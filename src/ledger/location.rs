@@ -1,7 +1,7 @@
 //! Checks the location of a ledger: it must be on a local disk. SQLite's locks and its shared memory do not work over a
 //! network.
 
-use std::path::Path;
+use std::{io, path::Path};
 
 use super::{LedgerError, error::Result};
 
@@ -28,13 +28,18 @@ pub fn parent_folder(path: &Path) -> &Path {
 
 /// Refuses a ledger on a network file system.
 pub fn reject_network_location(path: &Path) -> Result<()> {
-    let found = rustix::fs::statfs(parent_folder(path))
-        .map_err(|error| LedgerError::Folder { path: path.to_owned(), source: error.into() })?;
-    // The field is signed or wider on some platforms; the magic number is its low 32 bits.
-    match network_file_system(found.f_type as u32) {
+    let found = find_network_file_system(parent_folder(path))
+        .map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
+    match found {
         Some(kind) => Err(LedgerError::NetworkFileSystem { path: path.to_owned(), kind }),
         None => Ok(()),
     }
+}
+
+/// The kind of network file system that a folder is on; `None` = a local disk.
+pub fn find_network_file_system(folder: &Path) -> io::Result<Option<&'static str>> {
+    // The field is signed or wider on some platforms; the magic number is its low 32 bits.
+    Ok(network_file_system(rustix::fs::statfs(folder)?.f_type as u32))
 }
 
 fn network_file_system(magic: u32) -> Option<&'static str> {

@@ -99,6 +99,7 @@ pub use id::{BuildId, CommandId, PartId};
 pub use in_queue_error::InQueueError;
 pub use lane::{LaneId, LaneProgress, LaneRow, LaneSearchRow, TakenLane};
 pub use ledger::Ledger;
+pub use location::find_network_file_system;
 pub use machine::{MachineRow, ObservedMachine};
 pub use month::{BadCopies, LatePart};
 pub use move_build::{FoundPlace, MoveEnd};

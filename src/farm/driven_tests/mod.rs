@@ -21,6 +21,7 @@ mod reprints;
 mod tickets;
 mod told;
 mod triggers;
+mod unfinished;
 mod week;
 mod withdrawals;
 

@@ -215,6 +215,7 @@ impl SlicerProject {
         xml: &mut SettingsReader<R>,
         budget: &mut ModelBudget,
     ) -> Result<(), FileReadError> {
+        xml.allow_undeclared_prefixes();
         loop {
             match xml.next_step()? {
                 DocumentStep::Open(ElementTag::ConfigObject) => {

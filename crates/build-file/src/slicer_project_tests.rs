@@ -26,6 +26,7 @@ fn prusa(config_name: &str, kind_entry: &str) -> Result<PartFileContents, FileRe
   <volume firstid="12" lastid="23">
    <metadata type="volume" key="name" value="Pocket"/>
    {kind_entry}
+   <slic3rpe:text text="A" style_name="Arial"/>
    <metadata type="volume" key="matrix" value="1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"/>
   </volume>
  </object>

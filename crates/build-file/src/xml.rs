@@ -60,6 +60,8 @@ struct NamespaceScope {
     /// For each open element, whether it declared namespaces, and the default namespace outside it.
     open: Vec<(bool, XmlNamespace)>,
     default: XmlNamespace,
+    /// Whether prefixes need no declaration.
+    is_lenient: bool,
 }
 
 impl NamespaceScope {
@@ -86,6 +88,7 @@ impl NamespaceScope {
         match self.resolver.resolve_prefix(prefix, true) {
             ResolveResult::Bound(namespace) => Ok(XmlNamespace::from_uri(namespace.0)),
             ResolveResult::Unbound => Ok(XmlNamespace::None),
+            ResolveResult::Unknown(_) if self.is_lenient => Ok(XmlNamespace::Other),
             ResolveResult::Unknown(prefix) => Err(format!("the prefix `{prefix}` is not declared")),
         }
     }
@@ -100,6 +103,7 @@ impl<R: BufRead> XmlReader<UnpackGuard<R>> {
                 resolver: NamespaceResolver::default(),
                 open: Vec::new(),
                 default: XmlNamespace::None,
+                is_lenient: false,
             },
             buffer: Vec::new(),
             text: String::new(),
@@ -108,6 +112,11 @@ impl<R: BufRead> XmlReader<UnpackGuard<R>> {
             path: path.to_owned(),
             seen_root: false,
         }
+    }
+
+    /// Takes prefixes that are not declared for those of other namespaces: slicers write their own ones so.
+    pub(super) fn allow_undeclared_prefixes(&mut self) {
+        self.names.is_lenient = true;
     }
 
     pub(super) fn unpacked_bytes(&mut self) -> u64 {

@@ -11,8 +11,8 @@ use super::{FileReadError, LengthUnit, camspec::SolidRequest, format_count, unfi
 const SUSPICIOUSLY_SMALL_MM: f64 = 2.0;
 /// Parts with a greater largest extent were probably drawn in microns.
 const SUSPICIOUSLY_LARGE_MM: f64 = 10_000.0;
-/// Coordinates beyond 1 km are invalid: 32-bit numbers there are 0.0625 mm apart, and soon 0.125 mm, more than a layer.
-const MAX_COORDINATE_MM: f64 = 1e6;
+/// Coordinates beyond 2^20 mm are invalid: 32-bit numbers are 0.125 mm apart there, more than a layer.
+const MAX_COORDINATE_MM: f64 = 1_048_576.0;
 
 /// The contents of a dropped file.
 #[derive(Debug, Clone)]
@@ -163,7 +163,7 @@ fn is_far(place: &DVec3) -> bool {
 
 fn far_error(name: &str, vertex: usize) -> FileReadError {
     FileReadError::Unsupported {
-        what: format!("vertex {} of {name:?} lies farther than 1 km from the origin", vertex + 1),
+        what: format!("vertex {} of {name:?} lies farther than 1.05 km from the origin", vertex + 1),
         remedy: "Move the part to the origin in the CAD program, or give the right unit in a ticket; then drop it again.",
     }
 }

@@ -61,7 +61,7 @@ async fn measure(database: &str, place: &str, args: &LedgerBench) -> Result<()> 
     let began = Instant::now();
     for first in (0..args.parts).step_by(FILL_CHUNK as usize) {
         let parts: Vec<NewPartRow> = (first..args.parts.min(first + FILL_CHUNK)).map(part).collect();
-        ledger.record_claims(&parts.iter().collect::<Vec<_>>()).await?;
+        ledger.record_drops(&parts.iter().map(|part| (part, false)).collect::<Vec<_>>()).await?;
     }
     make_all_wait(place).await?;
     let filled = began.elapsed();

@@ -15,8 +15,10 @@ pub enum AlertKind {
     LedgerBehind,
     /// The ledger is missing, although its farm has worked before.
     LedgerLost,
-    /// The ledger's file was removed or replaced while the daemon had it open.
+    /// The ledger was removed, replaced or overwritten inside its file while the daemon had it open.
     LedgerReplaced,
+    /// Another process holds the write lock of the ledger.
+    LedgerLocked,
     /// The server of the ledger cannot be reached.
     LedgerUnreachable,
     /// All changes of the ledger wait for one connection.
@@ -101,7 +103,7 @@ impl AlertKind {
         match self {
             Self::LedgerDamaged => Some("is damaged"),
             Self::LedgerBehind => Some("has lost changes"),
-            Self::LedgerReplaced => Some("was removed or replaced"),
+            Self::LedgerReplaced => Some("was removed, replaced or overwritten"),
             Self::LedgerTakenOver => Some("is served by another nestd in place of this one"),
             _ => None,
         }
@@ -113,6 +115,7 @@ impl AlertKind {
         Self::LedgerBehind,
         Self::LedgerLost,
         Self::LedgerReplaced,
+        Self::LedgerLocked,
         Self::LedgerUnreachable,
         Self::ChangesWait,
         Self::RepairDue,
@@ -156,7 +159,10 @@ impl AlertKind {
             }
             Self::LedgerLost => "The ledger is gone: nestd does not start, for it would forget all that it has taken",
             Self::LedgerReplaced => {
-                "The ledger's file was removed or replaced while nestd ran: nestd takes and publishes nothing"
+                "The ledger was removed, replaced or overwritten while nestd ran: nestd takes and publishes nothing"
+            }
+            Self::LedgerLocked => {
+                "Another process keeps the ledger from being changed: nestd takes and publishes nothing until it lets go"
             }
             Self::LedgerUnreachable => {
                 "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
@@ -209,8 +215,11 @@ impl AlertKind {
             }
             Self::LedgerLost => PUT_BACK,
             Self::LedgerReplaced => {
-                "Stop nestd. Put the copy back that nestd saved, with `nestd restore FILE`, and start nestd; another ledger that \
-                 is there now is kept aside."
+                "Stop nestd. Put the copy back that nestd saved, or else the newest backup, with `nestd restore FILE`, and start \
+                 nestd; another ledger that is there now is kept aside."
+            }
+            Self::LedgerLocked => {
+                "Wait until that process has finished its change, or end it; nestd then goes on by itself. Nothing is lost meanwhile."
             }
             Self::LedgerUnreachable => {
                 "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."

@@ -145,8 +145,12 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
         BatchDecision::AwaitClaims => Ok(()),
         BatchDecision::AnswerFlushes => {
-            let flushes = std::mem::take(&mut machine.pending_flushes);
-            commands::answer_commands(&farm.ledger, &flushes, &CommandAnswer::NothingWaits(name.to_owned())).await
+            let answer = CommandAnswer::NothingWaits(name.to_owned());
+            while let Some(&flush) = machine.pending_flushes.first() {
+                commands::answer_command(&farm.ledger, flush, &answer).await?;
+                machine.pending_flushes.remove(0);
+            }
+            Ok(())
         }
         BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
         BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
@@ -346,13 +350,15 @@ async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTree
         return Ok(());
     }
     let build = farm.ledger.open_build(name).await?.id;
-    farm.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
+    // Fired and answered in one change: no flush fires twice.
+    let answer = CommandAnswer::BuildFired(build, copies.len()).to_string();
+    let ledger = farm.ledger.for_commands(&machine.pending_flushes, &answer);
+    ledger.begin_nesting(build, &by.to_string(), &copies).await?;
     farm.nesting.just_fired.insert(build);
     machine.open.reset();
-    let flush = std::mem::take(&mut machine.pending_flushes);
+    machine.pending_flushes.clear();
     info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
-    save_layout(&farm.ledger, build, &layout).await?;
-    commands::answer_commands(&farm.ledger, &flush, &CommandAnswer::BuildFired(build, copies.len())).await
+    save_layout(&farm.ledger, build, &layout).await
 }
 
 /// Whether another search may run beside the running ones. Those that go on while a build waits do not count: they give

@@ -42,6 +42,10 @@ impl BackgroundJob<Farm> for ClaimCompletionJob {
     async fn on_done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
         on_claim_completed(farm, &self, ended).await
     }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        on_claim_completed(farm, &self, Err(anyhow::anyhow!("panicked: {message}"))).await
+    }
 }
 
 impl ClaimCompletionJob {

@@ -30,7 +30,7 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
             Ok(Some(answer)) => {
                 farm.schedule.step_backoff.record_success(&about);
                 farm.alerts.clear(AlertKind::StepFails, &command.profile, &about);
-                answer_commands(&farm.ledger, &[command.id], &answer).await?;
+                answer_command(&farm.ledger, command.id, &answer).await?;
             }
             Err(failure) => {
                 farm.report_failure(AlertKind::StepFails, &command.profile, &about, &failure);
@@ -147,7 +147,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
             Ok(Some(done))
         }
         // The disk or the database failed: the command stays open and is retried.
-        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
+        Err(error) if error.is_trouble() => Err(error.into()),
         Err(refused) => {
             if command.kind == CommandKind::Cancel {
                 deferred_refusal::remove_stray_copy(farm, &row, &refused);
@@ -171,10 +171,7 @@ async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Re
     Ok(true)
 }
 
-/// Answers commands.
-pub(super) async fn answer_commands(ledger: &Ledger, commands: &[CommandId], answer: &CommandAnswer) -> Result<()> {
-    for &command in commands {
-        ledger.answer_command(command, answer.is_done(), &answer.to_string()).await?;
-    }
-    Ok(())
+/// Answers a command.
+pub(super) async fn answer_command(ledger: &Ledger, command: CommandId, answer: &CommandAnswer) -> Result<()> {
+    Ok(ledger.answer_command(command, answer.is_done(), &answer.to_string()).await?)
 }

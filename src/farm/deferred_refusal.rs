@@ -39,7 +39,9 @@ impl BackgroundJob<Farm> for RefusedCopyJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, why: &str) {
-        on_copy_failed(farm, self.part, &anyhow::anyhow!("{why}"));
+        if let Some(refusal) = farm.completion.deferred_refusals.remove(&self.part) {
+            put_off(farm, refusal, &anyhow::anyhow!("{why}"));
+        }
     }
 }
 
@@ -94,33 +96,41 @@ pub(super) fn start_refusal(
     farm.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_before_cancel());
 }
 
-/// Processes the outcome of copying the original of a waiting part into the error folder.
+/// Processes the outcome of copying the original of a waiting part into the error folder. What fails, the ledger's change
+/// included, is done again later.
 async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> Result<()> {
-    if let Err(failure) = copied {
-        on_copy_failed(farm, id, &failure);
-        return Ok(());
-    }
-    let Some(DeferredRefusal { part, cause, reason, command }) = farm.completion.deferred_refusals.remove(&id) else {
-        return Ok(());
+    let Some(refusal) = farm.completion.deferred_refusals.remove(&id) else { return Ok(()) };
+    let refused = match copied {
+        Ok(()) => record_refusal(farm, &refusal).await,
+        failed => failed,
     };
+    if let Err(failure) = refused {
+        put_off(farm, refusal, &failure);
+    }
+    Ok(())
+}
+
+/// claimed, waiting -> rejected, as a command, a read or a search asked for.
+async fn record_refusal(farm: &mut Farm, refusal: &DeferredRefusal) -> Result<()> {
+    let DeferredRefusal { part, cause, reason, command } = refusal;
     let ledger = farm.ledger.for_command(command.as_ref().map(|command| command.id));
-    let left = match (&command, part.state) {
-        (None, PartState::Claimed) => ledger.reject_claim(id, cause, &reason).await,
-        _ => ledger.cancel_part(id, cause, &reason).await,
+    let left = match (command, part.state) {
+        (None, PartState::Claimed) => ledger.reject_claim(part.id, *cause, reason).await,
+        _ => ledger.cancel_part(part.id, *cause, reason).await,
     };
     if left.is_ok() {
-        mark_note::update_decision_count(farm, &part).await;
+        mark_note::update_decision_count(farm, part).await;
     }
     let Some(command) = command else { return Ok(left?) };
     match left {
         Ok(()) => {
-            let done = CommandAnswer::PartCancelled(id);
-            info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
+            let done = CommandAnswer::PartCancelled(part.id);
+            info!(part.id = %part.id, asked_by = %command.asked_by, "A command was carried out: {done}.");
             farm.ledger.answer_command(command.id, done.is_done(), &done.to_string()).await?;
         }
-        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+        Err(error) if error.is_trouble() => return Err(error.into()),
         Err(refused) => {
-            remove_stray_copy(farm, &part, &refused);
+            remove_stray_copy(farm, part, &refused);
             farm.ledger.answer_command(command.id, false, &refused.to_string()).await?;
         }
     }
@@ -140,8 +150,8 @@ pub(super) fn remove_stray_copy(farm: &mut Farm, part: &PartRow, refused: &Ledge
 }
 
 /// Keeps the command open. If no command asked for the refusal, a read or a search tries the part once more.
-fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
-    let Some(DeferredRefusal { part, command, .. }) = farm.completion.deferred_refusals.remove(&id) else { return };
+fn put_off(farm: &mut Farm, refusal: DeferredRefusal, failure: &anyhow::Error) {
+    let DeferredRefusal { part, command, .. } = refusal;
     if let Some(command) = command {
         let about = format!("command {}", command.id);
         farm.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
@@ -149,7 +159,7 @@ fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
     }
     farm.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
     if part.state == PartState::Claimed {
-        farm.reading.backoff.record_failure(id);
+        farm.reading.backoff.record_failure(part.id);
     } else if let Some(machine) = farm.machines.get_mut(&part.profile) {
         machine.open.retry_tried_later(farm.schedule.time.instant());
     }

@@ -19,13 +19,14 @@ use super::{
     ledger_changes::LedgerFingerprint,
     ledger_service, machine_setup, nest,
     night_search::{self, NightSearchJob},
-    open, publish, queue_look, revisions, second_copies,
+    open, publish, queue_look, revisions, scan_jobs, second_copies,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
     tick_tasks::TimedTask,
     tidy, watching, withdrawal,
 };
+use crate::ledger::{Ledger, LedgerError};
 
 /// How long an orderly stop waits for jobs; the service manager allows 10 s.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(8);
@@ -41,7 +42,8 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
     let mut signals = SignalListener::listen()?;
     let Some(mut farm) = open::open_with_retry(load, settings, &mut signals).await? else { return Ok(()) };
     farm.lifecycle.services = outside;
-    run_tick(&mut farm).await;
+    let ledger = farm.ledger.clone();
+    show_life(&ledger, run_tick(&mut farm)).await;
     farm.lifecycle.services.set_open(!farm.lifecycle.is_halted);
     systemd::notify_ready(&farm.display.status_line);
     info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
@@ -54,15 +56,15 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
 async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result<()> {
     let mut ticks = tokio::time::interval(TICK_INTERVAL);
     ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    let mut worked_at = Instant::now();
+    let (ledger, mut worked_at) = (farm.ledger.clone(), Instant::now());
     loop {
         let mut only_read = false;
         tokio::select! {
             signal = signals.next_signal() => match signal {
                 DaemonSignal::Stop => return Ok(()),
-                DaemonSignal::Reload => machine_setup::reload_configuration(farm).await,
+                DaemonSignal::Reload => show_life(&ledger, machine_setup::reload_configuration(farm)).await,
             },
-            Some(event) = farm.jobs.next_event() => only_read = handle_events(farm, event).await,
+            Some(event) = farm.jobs.next_event() => only_read = show_life(&ledger, handle_events(farm, event)).await,
             _ = ticks.tick() => {}
         }
         if only_read && !farm.lifecycle.is_halted && worked_at.elapsed() < TICK_INTERVAL_WHILE_READING {
@@ -71,8 +73,25 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result
                 continue;
             }
         }
-        run_tick(farm).await;
+        show_life(&ledger, run_tick(farm)).await;
         worked_at = Instant::now();
+    }
+}
+
+/// Does work of the loop. As long as it only waits for another process to let go of the ledger, the service manager is told that the
+/// daemon lives, and by whom the ledger is held.
+async fn show_life<T>(ledger: &Ledger, work: impl Future<Output = T>) -> T {
+    tokio::pin!(work);
+    loop {
+        tokio::select! {
+            done = &mut work => return done,
+            () = tokio::time::sleep(TICK_INTERVAL) => {
+                if let Some(holder) = ledger.waited_for_lock() {
+                    systemd::notify_watchdog();
+                    systemd::notify_status(&format!("waits until {holder} has changed the ledger"));
+                }
+            }
+        }
     }
 }
 
@@ -82,7 +101,8 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     let now = farm.now();
     status::publish_alerts(farm);
     if !farm.lifecycle.is_halted
-        && let Err(replaced) = farm.ledger.ensure_files_in_place()
+        && let Err(replaced @ (LedgerError::Replaced { .. } | LedgerError::Overwritten { .. })) =
+            farm.ledger.ensure_in_place().await
     {
         status::abandon_replaced_ledger(farm, &replaced).await;
     }
@@ -93,7 +113,7 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     let is_due = farm.schedule.tasks.is_due(TimedTask::RenewLeases, now);
     lease_renewal::renew_leases(farm, is_due);
     farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
-    intake_jobs::start_scans(farm);
+    scan_jobs::start_scans(farm);
     // Lanes of other nodes' builds are no news to this one.
     farm.run_step("lanes", lane_job::search_lanes).await;
     if may_have_work(farm).await {

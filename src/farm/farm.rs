@@ -86,6 +86,8 @@ impl Farm {
         match ledger_alert(failure) {
             // The next tick detects it and saves what is known.
             Some((AlertKind::LedgerReplaced, _)) => {}
+            // The next tick sees it, and what failed is done again when the lock is free.
+            Some((AlertKind::LedgerLocked, _)) => {}
             // What failed is done again when the server is back.
             Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
             // What failed is done again when it is its turn.

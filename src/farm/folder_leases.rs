@@ -52,8 +52,10 @@ pub struct FolderLeases {
     pub error: FolderLease,
     /// The problem of each lease, in the order of [`FolderLeases::all_leases`].
     pub errors: Vec<Option<LeaseProblem>>,
-    /// When the leases were last renewed; `None` = never.
+    /// When the leases were last renewed and what that told was acted on; `None` = never.
     renewed_at: Option<LeaseTimestamp>,
+    /// When the last renewal began.
+    renewing_at: Option<LeaseTimestamp>,
     /// Claims of this farm that another farm has taken over.
     pub taken_over: Vec<String>,
     /// Number of claims of other farms in the hot folder.
@@ -72,6 +74,7 @@ impl FolderLeases {
             queues: profile.queue_folders().map(|queue| lease(queue)).collect(),
             errors: vec![None; 3 + profile.printers.len()],
             renewed_at: None,
+            renewing_at: None,
             taken_over: Vec::new(),
             foreign_claims: 0,
         }
@@ -106,9 +109,14 @@ impl FolderLeases {
         others.into_iter().chain(&self.queues).map(FolderLease::interruption_count).sum()
     }
 
+    /// What the last renewal told was acted on: from here on the folders count as checked at that time.
+    pub fn confirm_renewal(&mut self) {
+        self.renewed_at = self.renewing_at;
+    }
+
     /// Renews all leases, and checks what other farms have done in the hot folder.
     pub fn renew_all(&mut self) {
-        self.renewed_at = Some(LeaseTimestamp::now());
+        self.renewing_at = Some(LeaseTimestamp::now());
         self.errors =
             (self.all_leases().into_iter()).map(|lease| lease.renew().err().as_ref().map(LeaseProblem::new)).collect();
         if let Ok(taken_over) = intake::taken_over_claims(self.inbox.folder_path(), self.inbox.farm_id()) {

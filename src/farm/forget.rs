@@ -9,7 +9,7 @@ use super::{
     alert::AlertKind,
     farm::Farm,
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
-    jobs::BackgroundJob,
+    jobs::{BackgroundJob, Carried},
 };
 use crate::{intake::StoreError, ledger::Ledger};
 
@@ -32,9 +32,13 @@ impl BackgroundJob<Farm> for ForgetJob {
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
         on_forgotten(farm, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
+}
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        // The next cleanup finds them again.
+/// The mark that files are being removed. What was not removed, the next cleanup finds again.
+struct RemovalMark;
+
+impl Carried<Farm> for RemovalMark {
+    fn give_back(self, farm: &mut Farm) {
         farm.completion.forgetting.end();
     }
 }
@@ -47,22 +51,22 @@ pub(super) async fn forget_data(farm: &mut Farm, unneeded: impl IntoIterator<Ite
         return Ok(());
     }
     let mut work = Vec::new();
-    for wanted in farm.completion.forgetting.take_wanted() {
+    for wanted in farm.completion.forgetting.wanted().clone() {
         if let Forgettable::StoredFile(hash) = &wanted
             && is_content_needed(&farm.ledger, farm.date(), hash).await?
         {
             continue;
         }
-        farm.completion.forgetting.begin(&wanted);
         work.push(wanted);
     }
+    farm.completion.forgetting.begin(&work);
     if work.is_empty() {
         return Ok(());
     }
     let forgetting = &farm.completion.forgetting;
     farm.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
     let store = farm.meshes.store.clone();
-    farm.jobs.start(ForgetJob, move || {
+    farm.jobs.start_with(ForgetJob, RemovalMark, move |_| {
         // If one cannot be removed, the others are still removed.
         let removed = work.iter().map(|one| one.remove_from(&store)).collect::<Vec<_>>();
         Ok(removed.into_iter().collect::<Result<(), StoreError>>()?)
@@ -71,7 +75,6 @@ pub(super) async fn forget_data(farm: &mut Farm, unneeded: impl IntoIterator<Ite
 }
 
 async fn on_forgotten(farm: &mut Farm, removed: Result<()>) -> Result<()> {
-    farm.completion.forgetting.end();
     match &removed {
         Ok(()) => farm.alerts.clear(AlertKind::StepFails, "", "forgetting"),
         Err(failure) => farm.report_failure(AlertKind::StepFails, "", "forgetting", failure),

@@ -55,16 +55,18 @@ impl ForgettingState {
         self.wanted.extend(unneeded);
     }
 
-    /// Takes all data to be removed.
-    pub(super) fn take_wanted(&mut self) -> BTreeSet<Forgettable> {
-        std::mem::take(&mut self.wanted)
+    /// All data to be removed.
+    pub(super) fn wanted(&self) -> &BTreeSet<Forgettable> {
+        &self.wanted
     }
 
-    /// Records that a job removes it now.
-    pub(super) fn begin(&mut self, one: &Forgettable) {
-        if let Forgettable::StoredFile(hash) = one {
-            self.under_way.insert(hash.clone());
-        }
+    /// Records that a job removes these now. The rest of what was to be removed is needed after all.
+    pub(super) fn begin(&mut self, removed: &[Forgettable]) {
+        self.wanted.clear();
+        self.under_way.extend(removed.iter().filter_map(|one| match one {
+            Forgettable::StoredFile(hash) => Some(hash.clone()),
+            Forgettable::ClaimNote { .. } => None,
+        }));
     }
 
     /// Records that no job removes anything any more.

@@ -20,6 +20,13 @@ pub struct ClaimedDrop {
     pub row: NewPartRow,
 }
 
+impl ClaimedDrop {
+    /// The row to record, and whether it may be a revision: only where it is known what is wanted.
+    pub(super) fn row_to_record(&self) -> (&NewPartRow, bool) {
+        (&self.row, self.part_spec.is_ok())
+    }
+}
+
 /// Why a hot folder cannot be scanned.
 #[derive(Debug)]
 pub struct UnavailableInbox {
@@ -27,6 +34,17 @@ pub struct UnavailableInbox {
     pub reason: String,
     /// Its lease is the reason, which the renewal of the leases reports.
     pub is_lease_refused: bool,
+}
+
+/// A file that was refused without becoming a part.
+#[derive(Debug)]
+pub struct RefusedFile {
+    /// Its name for people.
+    pub name: String,
+    /// The kind of refusal.
+    pub cause: RefusalCause,
+    /// The reason in whole sentences.
+    pub reason: String,
 }
 
 /// Result of one scan.
@@ -38,8 +56,8 @@ pub struct HotFolderScan {
     pub unavailable: Option<UnavailableInbox>,
     /// Seconds until the next useful scan, if something is settling.
     pub next_secs: Option<f64>,
-    /// Files that were refused without becoming a part: display name, kind and reason.
-    pub refused: Vec<(String, RefusalCause, String)>,
+    /// Files that were refused without becoming a part.
+    pub refused: Vec<RefusedFile>,
     /// Tickets and rows of lists whose part is not in its folder. The farm looks for a part that was taken before, and
     /// finishes them; those that it leaves are offered again at the next scan.
     pub late_tickets: Vec<LateTicket>,

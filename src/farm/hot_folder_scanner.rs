@@ -107,6 +107,11 @@ impl HotFolderScanner {
         self.keep_pending(claim);
     }
 
+    /// A late ticket that could not be judged is offered again by the next scan, and not refused.
+    pub fn offer_again(&mut self, key: &str) {
+        self.last_offers.remove(key);
+    }
+
     /// One scan: claims settled files and ordered lines, and copies them into the store. `find_part` finds the rows of refused parts.
     pub fn scan_and_claim(
         &mut self,

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use super::{farm::Farm, intake_jobs::HotFolderScanJob};
+use super::{farm::Farm, scan_jobs::HotFolderScanJob};
 
 /// Has the hot folder of a machine scanned soon for which a line was ordered.
 pub(super) async fn hurry_scans(farm: &mut Farm) -> Result<()> {

@@ -1,65 +1,32 @@
 //! The event loop's side of "claimed" and "read": records claimed files in the ledger, and takes in what was read.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use build_file::format_count;
-use tracing::{debug, info, warn};
+use tracing::{debug, info};
 
 use super::{
     alert::AlertKind,
-    arriving_lines::ArrivingLines,
     claim_completion,
     claim_note::ClaimNote,
-    control_files, damaged_files,
+    damaged_files,
     duplicates::{self, DuplicateDecision},
     error_folder::{self, COPIES_UNKNOWN},
     farm::Farm,
     folder_leases::FolderLeases,
-    hot_folder_scanner::{ClaimedDrop, HotFolderScan, HotFolderScanner},
+    hot_folder_scan::ClaimedDrop,
     jobs::BackgroundJob,
-    late_tickets,
     mesh_source::READS_IN_THE_DAEMON,
     read::{PartReadOutcome, read_part},
     read_turn::{READERS, ReadTurn},
     standing_claim::StandingClaim,
 };
 use crate::{
-    intake::{self, PutContents, TicketError},
-    ledger::{NewPartRow, PartId, PartRow, PartState, RecordedPart, RefusalCause, TakenOver, UtcTimestamp},
+    intake::TicketError,
+    ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause},
     settings::MachineProfile,
 };
-
-/// Delay of a scan after a file-system event, so that a burst of events causes one scan.
-const SCAN_DELAY_AFTER_EVENT: Duration = Duration::from_millis(200);
-
-/// Scans a profile's hot folder; returns the scanner with its memory, and the result.
-#[derive(Clone)]
-pub(super) struct HotFolderScanJob {
-    profile: String,
-}
-
-impl BackgroundJob<Farm> for HotFolderScanJob {
-    const KIND: &'static str = "Scan";
-    type Outcome = (Box<HotFolderScanner>, HotFolderScan);
-
-    fn subject(&self) -> String {
-        self.profile.clone()
-    }
-
-    async fn on_done(self, farm: &mut Farm, (scanner, scan): Self::Outcome) -> Result<()> {
-        on_scan_done(farm, &self.profile, scanner, scan).await
-    }
-
-    async fn on_panic(self, farm: &mut Farm, _message: &str) -> Result<()> {
-        reset_scanner(farm, &self.profile);
-        Ok(())
-    }
-
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        reset_scanner(farm, &self.profile);
-    }
-}
 
 /// Reads a part's file.
 #[derive(Clone)]
@@ -91,128 +58,9 @@ impl BackgroundJob<Farm> for PartReadJob {
     }
 }
 
-/// Something changed: schedules a scan soon.
-pub(super) fn schedule_scan(farm: &mut Farm) {
-    let soon = farm.now() + SCAN_DELAY_AFTER_EVENT;
-    farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = s.inbox.next_scan_at.min(soon));
-}
-
-/// Starts a scan of every hot folder that is due.
-pub(super) fn start_scans(farm: &mut Farm) {
-    let (now, orphan_secs) = (farm.now(), farm.settings.orphan_ticket_secs);
-    for (name, machine) in &mut farm.machines {
-        if !machine.may_claim
-            || !machine.leases.are_fresh()
-            || now < machine.inbox.next_scan_at
-            || farm.jobs.is_running::<HotFolderScanJob>(name)
-        {
-            continue;
-        }
-        let Some(mut scanner) = machine.inbox.scanner.take() else { continue };
-        if std::mem::take(&mut machine.inbox.relist) {
-            scanner.relist_claims();
-        }
-        let (profile, store) = (machine.profile.clone(), farm.meshes.store.clone());
-        let mut leases = machine.leases.clone();
-        let (name, status) = (name.clone(), machine.status_files(&farm.alerts, farm.settings.scan_secs));
-        let (ledger, runtime) = (farm.ledger.clone(), tokio::runtime::Handle::current());
-        let contents = PutContents::of_farm(&farm.settings.state_dir);
-        farm.jobs.start(HotFolderScanJob { profile: name }, move || {
-            let find_part = |part| runtime.block_on(ledger.find_part(part));
-            let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
-            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
-            // The status is not written into an empty mount point that has replaced the folder meanwhile.
-            if status.1.is_empty() || scan.unavailable.is_some() || leases.inbox.check_usable().is_err() {
-                return (scanner, scan);
-            }
-            if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
-                scan.warnings.push(format!("writing STATUS.txt: {failure}"));
-            }
-            (scanner, scan)
-        });
-    }
-}
-
-/// Gives a hot folder a new scanner without memory.
-fn reset_scanner(farm: &mut Farm, name: &str) {
-    let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-    if let Some(machine) = farm.machines.get_mut(name) {
-        machine.inbox.scanner = Some(Box::new(HotFolderScanner::new(
-            &machine.profile,
-            farm.settings.orphan_ticket_secs,
-            farm.schedule.time.clone(),
-        )));
-        machine.inbox.next_scan_at = now + Duration::from_secs_f64(scan_secs);
-    }
-}
-
-/// Takes in a scan: each claimed file gets its row, and is read later. A file that cannot be recorded now is
-/// retried at the next scan.
-async fn on_scan_done(
-    farm: &mut Farm,
-    name: &str,
-    mut scanner: Box<HotFolderScanner>,
-    mut scan: HotFolderScan,
-) -> Result<()> {
-    let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut scan.drops)
-        .into_iter()
-        .partition(|drop| farm.completion.forgetting.is_under_way(&drop.stored.hash));
-    for drop in early {
-        // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
-        scanner.retry_claim(drop.claim);
-        scan.next_secs = Some(0.0);
-    }
-    let recorded = record_all(farm, name, &drops).await;
-    control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await?;
-    late_tickets::apply_late_tickets(farm, name, std::mem::take(&mut scan.late_tickets)).await?;
-    for (at, drop) in drops.into_iter().enumerate() {
-        if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
-            farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
-            scanner.retry_claim(drop.claim);
-        }
-    }
-    let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-    if let Some(machine) = farm.machines.get_mut(name) {
-        if scanner.is_for_profile(&machine.profile) {
-            machine.inbox.scanner = Some(scanner);
-        }
-        let next_secs = scan.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-        machine.inbox.next_scan_at = now + Duration::from_secs_f64(next_secs);
-        machine.inbox.refused_file_count = scan.refused_file_count.unwrap_or(machine.inbox.refused_file_count);
-        let error_dir = machine.profile.folders.error.display();
-        match scan.is_truncated || scan.unavailable.is_some() {
-            true => {}
-            false if scan.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
-            false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
-        }
-        match machine.inbox.refused_file_count {
-            0 => farm.alerts.clear(AlertKind::Refused, name, ""),
-            files => {
-                let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
-                farm.alerts.raise(AlertKind::Refused, name, "", &detail);
-            }
-        }
-    }
-    match &scan.unavailable {
-        Some(away) if away.is_lease_refused => farm.alerts.clear(AlertKind::HotFolderAway, name, ""),
-        Some(away) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", &away.reason),
-        None => mark_scanned(farm, name),
-    }
-    if let Some(warning) = scan.warnings.first() {
-        let more = scan.warnings.len() - 1;
-        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-        farm.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{warning}{more}"));
-    }
-    for (file, cause, reason) in &scan.refused {
-        warn!(profile = %name, "Refused {file} in {name}: {reason}");
-        farm.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
-    }
-    Ok(())
-}
-
 /// Writes the rows of all drops of a scan in one transaction, which costs as much as one row. Empty = each is written by
 /// itself: there is one alone, it failed (failures are reported then), or one may replace a damaged file and be no order.
-async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
+pub(super) async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
     if drops.len() < 2 || !farm.machines.contains_key(name) {
         return Vec::new();
     }
@@ -221,8 +69,8 @@ async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<Recor
         if drops.iter().any(|drop| asked_for.iter().any(|part| part.file.content_hash == drop.stored.hash)) {
             return Ok(Vec::new());
         }
-        let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
-        farm.ledger.record_claims(&rows).await
+        let drops: Vec<_> = drops.iter().map(ClaimedDrop::row_to_record).collect();
+        farm.ledger.record_drops(&drops).await
     };
     record.await.unwrap_or_else(|failure| {
         debug!("The rows of a scan are written one by one: {failure}.");
@@ -230,18 +78,9 @@ async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<Recor
     })
 }
 
-/// A hot folder is available and was scanned.
-fn mark_scanned(farm: &mut Farm, name: &str) {
-    farm.alerts.clear(AlertKind::HotFolderAway, name, "");
-    let date = farm.date();
-    if let Some(machine) = farm.machines.get_mut(name) {
-        machine.inbox.scanned_at = Some(UtcTimestamp(date));
-    }
-}
-
 /// Writes the row of a claimed file; an earlier run or the transaction for the whole scan may have written it
 /// already.
-async fn record_claimed_file(
+pub(super) async fn record_claimed_file(
     farm: &mut Farm,
     name: &str,
     drop: &ClaimedDrop,
@@ -256,19 +95,10 @@ async fn record_claimed_file(
     }
     let recorded = match recorded {
         Some(recorded) => recorded,
-        None => farm.ledger.record_claim(row).await?,
+        None => farm.ledger.record_drops(&[drop.row_to_record()]).await?.pop().context("a drop was not recorded")?,
     };
-    let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
-    // One that was cancelled while its claim was made is refused already.
-    if recorded.is_new && part.state == PartState::Claimed {
+    if recorded.is_new {
         farm.reading.counted_reads.insert(recorded.id);
-        if part_spec.is_ok() {
-            let earlier = farm.ledger.find_revised_parts(recorded.id).await?;
-            let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), earlier.len());
-            for old in earlier {
-                farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
-            }
-        }
     }
     let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
     if part.file.content_hash != stored.hash {
@@ -381,15 +211,6 @@ async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> 
             farm.alerts.report_failure(AlertKind::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
             Ok(())
         }
-    }
-}
-
-/// Joins the first of many texts.
-fn join_first_few(held: &[String]) -> String {
-    const MOST: usize = 5;
-    match held.len() {
-        0..=MOST => held.join("; "),
-        all => format!("{}; and {} more", held[..MOST].join("; "), all - MOST),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Work that would block the event loop (reading, nesting, proving, copying) runs on threads of its own. Each kind of
 //! job defines how the owner of the loop takes in its result, including a panic or a thread that could not be started.
+//! What a job has of its owner meanwhile is back before anything else is done with its end, so that no error loses it.
 
 use std::{
     any::Any,
@@ -7,6 +8,7 @@ use std::{
     fmt,
     panic::{AssertUnwindSafe, catch_unwind},
     pin::Pin,
+    sync::mpsc,
     thread,
 };
 
@@ -34,6 +36,18 @@ pub trait BackgroundJob<O>: Clone + Send + 'static {
 
     /// The thread could not be started: nothing was done, and the step will find the work again.
     fn on_not_started(self, _owner: &mut O, _why: &str) {}
+}
+
+/// What a job has of its owner while it runs: a thing, or a mark that something is under way.
+pub trait Carried<O>: Send + 'static {
+    /// Puts it back, before anything else is done with the end of the job: whether that is done, panicked or was not
+    /// started.
+    fn give_back(self, owner: &mut O);
+}
+
+/// Nothing.
+impl<O> Carried<O> for () {
+    fn give_back(self, _owner: &mut O) {}
 }
 
 /// Kind and subject of a job.
@@ -98,9 +112,15 @@ where
     Box::new(take)
 }
 
-fn job_end_event<O: 'static, J: BackgroundJob<O>>(key: JobKey, job: J, end: JobResult<J::Outcome>) -> LoopEvent<O> {
+fn job_end_event<O: 'static, J: BackgroundJob<O>>(
+    key: JobKey,
+    job: J,
+    carried: impl Carried<O>,
+    end: JobResult<J::Outcome>,
+) -> LoopEvent<O> {
     let name = key.clone();
     let take = box_handler(move |owner: &mut O| {
+        carried.give_back(owner);
         Box::pin(async move {
             match end {
                 JobResult::Completed(outcome) => job.on_done(owner, outcome).await,
@@ -180,23 +200,42 @@ impl<O: 'static> JobRunner<O> {
 
     /// Starts `work` on its own thread, unless a job of this kind and subject is running.
     pub fn start<J: BackgroundJob<O>>(&mut self, job: J, work: impl FnOnce() -> J::Outcome + Send + 'static) {
+        if !self.is_running::<J>(job.subject()) {
+            self.start_with(job, (), |()| work());
+        }
+    }
+
+    /// Same as [`JobRunner::start`], with what the work has of the owner.
+    pub fn start_with<J: BackgroundJob<O>, C: Carried<O>>(
+        &mut self,
+        job: J,
+        carried: C,
+        work: impl FnOnce(&mut C) -> J::Outcome + Send + 'static,
+    ) {
         let key = JobKey { kind: J::KIND, subject: job.subject() };
+        // If the loop has ended, nobody needs an event: every step finds its work again.
+        let sender = self.sender.clone();
         if !self.running.insert(key.clone()) {
+            let _ = sender.send(LoopEvent::new(|owner| carried.give_back(owner)));
             return;
         }
-        let sender = self.sender.clone();
         let name = key.to_string().chars().take(15).collect();
+        let (hand_over, handed_over) = mpsc::channel::<C>();
         let spawned = thread::Builder::new().name(name).spawn({
-            let (key, job) = (key.clone(), job.clone());
+            let (key, job, sender) = (key.clone(), job.clone(), sender.clone());
             move || {
-                let end = catch_unwind(AssertUnwindSafe(work))
+                let Ok(mut carried) = handed_over.recv() else { return };
+                let end = catch_unwind(AssertUnwindSafe(|| work(&mut carried)))
                     .map_or_else(|panic| JobResult::Panicked(panic_message(&*panic)), JobResult::Completed);
-                // If the loop has ended, nobody needs the event: every step finds its work again.
-                let _ = sender.send(job_end_event(key, job, end));
+                let _ = sender.send(job_end_event(key, job, carried, end));
             }
         });
-        if let Err(error) = spawned {
-            let _ = self.sender.send(job_end_event(key, job, JobResult::NotStarted(format!("no thread: {error}"))));
+        match spawned {
+            Ok(_) => drop(hand_over.send(carried)),
+            Err(error) => {
+                let end = JobResult::NotStarted(format!("no thread: {error}"));
+                let _ = sender.send(job_end_event(key, job, carried, end));
+            }
         }
     }
 }
@@ -228,8 +267,33 @@ mod tests {
 
         async fn on_panic(self, owner: &mut Vec<String>, message: &str) -> Result<()> {
             owner.push(format!("{} panicked: {message}", self.0));
-            Ok(())
+            anyhow::bail!("it cannot be taken in")
         }
+    }
+
+    /// A text that a job has while it runs.
+    struct Text(String);
+
+    impl Carried<Vec<String>> for Text {
+        fn give_back(self, owner: &mut Vec<String>) {
+            owner.push(self.0);
+        }
+    }
+
+    #[tokio::test]
+    async fn what_a_job_has_of_its_owner_is_back_before_its_end_is_taken_in_also_after_a_panic_or_twice() {
+        let (mut jobs, mut owner) = (JobRunner::default(), Vec::new());
+        let (go, wait) = std::sync::mpsc::channel::<()>();
+        jobs.start_with(Add(1), Text("a".to_owned()), move |text| {
+            text.0 += "b";
+            wait.recv().unwrap();
+            panic!("no sum")
+        });
+        jobs.start_with(Add(1), Text("of one that runs already".to_owned()), |_| 8);
+        jobs.next_event().await.unwrap().apply_to(&mut owner).await.unwrap();
+        go.send(()).unwrap();
+        jobs.next_event().await.unwrap().apply_to(&mut owner).await.unwrap_err();
+        assert_eq!(owner, ["of one that runs already", "ab", "1 panicked: no sum"]);
     }
 
     #[tokio::test]
@@ -244,7 +308,7 @@ mod tests {
         for _ in 0..2 {
             let event = jobs.next_event().await.unwrap();
             assert!(event.is_end_of::<Add>());
-            event.apply_to(&mut owner).await.unwrap();
+            let _ = event.apply_to(&mut owner).await;
         }
         owner.sort();
         assert_eq!(owner, ["1 gave 7", "2 panicked: no sum"]);

@@ -9,7 +9,7 @@ use jiff::{SignedDuration, Timestamp};
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
-use super::{claim_note::ticket_row, farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note};
+use super::{claim_note::ticket_row, farm::Farm, jobs::BackgroundJob, mark_note};
 use crate::{
     intake::{self, LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
@@ -55,21 +55,39 @@ enum LateDecision {
     Refuse(String),
 }
 
+/// Late tickets that the ledger has not taken: their keys, and the first failure. They must be offered again.
+pub(super) type UnjudgedTickets = (Vec<String>, anyhow::Error);
+
 /// Applies the late tickets of a scan.
-pub(super) async fn apply_late_tickets(farm: &mut Farm, profile: &str, tickets: Vec<LateTicket>) -> Result<()> {
+pub(super) async fn apply_late_tickets(
+    farm: &mut Farm,
+    profile: &str,
+    tickets: Vec<LateTicket>,
+) -> Result<(), UnjudgedTickets> {
     if tickets.is_empty() {
         return Ok(());
     }
     let since = farm.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
-    let parts = farm.ledger.recent_parts(profile, since).await?;
+    let parts = match farm.ledger.recent_parts(profile, since).await {
+        Ok(parts) => parts,
+        Err(failure) => return Err((tickets.into_iter().map(|late| late.key).collect(), failure.into())),
+    };
+    let (mut keys, mut first) = (Vec::new(), None);
     for late in tickets {
-        if farm.jobs.is_running::<LateTicketJob>(&late.key) {
-            continue;
+        let key = late.key.clone();
+        if !farm.jobs.is_running::<LateTicketJob>(&key)
+            && let Err(failure) = judge_late_ticket(farm, profile, late, &parts).await
+        {
+            keys.push(key);
+            first.get_or_insert(failure);
         }
-        let decision = apply_late_ticket(farm, profile, &late, &parts).await?;
-        finish(farm, profile, late, decision).await?;
     }
-    fetch_originals::fetch_originals(farm).await
+    first.map_or(Ok(()), |failure| Err((keys, failure)))
+}
+
+async fn judge_late_ticket(farm: &mut Farm, profile: &str, late: LateTicket, parts: &[PartRow]) -> Result<()> {
+    let decision = apply_late_ticket(farm, profile, &late, parts).await?;
+    finish(farm, profile, late, decision).await
 }
 
 async fn apply_late_ticket(
@@ -133,7 +151,7 @@ async fn apply_late_ticket(
             }
             // Once the build is published, the reason says so.
             Err(LedgerError::BeingBuilt { .. }) => return Ok(LateDecision::Wait),
-            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+            Err(error) if error.is_trouble() => return Err(error.into()),
             Err(refused) => {
                 let reason = late_reason(farm, part, ticket, &refused).await?;
                 return Ok(LateDecision::Refuse(reason));

@@ -13,9 +13,9 @@ use super::{
     folder_comparison,
     folder_lease::FolderLease,
     folder_leases::{FolderLeases, LeaseProblem},
-    jobs::BackgroundJob,
+    jobs::{BackgroundJob, Carried},
     lease_clock,
-    machine_state::MachineStates,
+    machine_state::{MachineState, MachineStates},
     printer_state::{MachinePrinters, alert_subject},
     tick_tasks::TimedTask,
 };
@@ -24,8 +24,7 @@ use crate::queue::QueueFolder;
 /// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
 const LEASE_ALERTS: [AlertKind; 3] = [AlertKind::HotFolderAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
 
-/// Renews the leases on a profile's folders; returns them with the error of each, and the queue folders that are not those
-/// that were opened.
+/// Renews the leases on a profile's folders.
 #[derive(Clone)]
 pub(super) struct LeaseRenewalJob {
     profile: String,
@@ -33,14 +32,55 @@ pub(super) struct LeaseRenewalJob {
 
 impl BackgroundJob<Farm> for LeaseRenewalJob {
     const KIND: &'static str = "Lease";
-    type Outcome = (Box<FolderLeases>, Vec<PathBuf>);
+    type Outcome = ();
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, (leases, replaced): Self::Outcome) -> Result<()> {
-        on_leases_renewed(farm, &self.profile, *leases, &replaced).await
+    async fn on_done(self, farm: &mut Farm, (): ()) -> Result<()> {
+        on_leases_renewed(farm, &self.profile).await
+    }
+}
+
+/// The leases of a machine that a job renews. The farm must know each beat that is in the markers, or it would take its own for that of
+/// another daemon.
+struct CarriedLeases {
+    profile: String,
+    leases: Box<FolderLeases>,
+    /// The queue folders that are not those that were opened.
+    replaced: Vec<PathBuf>,
+}
+
+impl Carried<Farm> for CarriedLeases {
+    fn give_back(self, farm: &mut Farm) {
+        let Self { profile: name, leases, replaced } = self;
+        // After a reload the folders may have changed.
+        let is_same = |machine: &&mut MachineState| machine.leases.are_of_same_folders(&leases);
+        let Some(machine) = farm.machines.get_mut(&name).filter(is_same) else { return };
+        update_lease_alerts(&mut farm.alerts, &name, &machine.printers, &leases);
+        let is_interrupted = machine.leases.interruption_count() != leases.interruption_count();
+        if is_interrupted {
+            // Another daemon, perhaps a copy of this farm, may have taken and printed the same parts: nothing is taken or
+            // printed before the folders were compared with the ledger again.
+            (machine.agreed_folders, machine.may_claim) = (None, false);
+        }
+        for folder in machine.profile.queue_folders() {
+            if replaced.contains(folder) || !leases.can_publish(folder) {
+                // It is opened anew; until then nothing is nested for it.
+                machine.printers.close_queue(folder);
+            }
+        }
+        let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
+        machine.leases = *leases;
+        if is_interrupted {
+            warn!(
+                profile = name,
+                "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
+            );
+            folder_comparison::start_folder_comparison(farm);
+        }
+        adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, &name, before, now);
     }
 }
 
@@ -78,52 +118,28 @@ pub(super) fn renew_leases(farm: &mut Farm, is_due: bool) {
         farm.schedule.tasks.record_done(TimedTask::RenewLeases, now, scan_secs);
     }
     for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
-        let (profile, mut leases) = (name.clone(), Box::new(machine.leases.clone()));
+        // A copy of what it renews is older than what it brings back.
+        if farm.jobs.is_running::<LeaseRenewalJob>(name) {
+            continue;
+        }
+        let (profile, leases) = (name.clone(), Box::new(machine.leases.clone()));
         let queues: Vec<QueueFolder> = machine.printers.0.iter().filter_map(|printer| printer.opened.clone()).collect();
-        farm.jobs.start(LeaseRenewalJob { profile }, move || {
-            leases.renew_all();
+        let carried = CarriedLeases { profile: profile.clone(), leases, replaced: Vec::new() };
+        farm.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
+            carried.leases.renew_all();
             let replaced = queues.iter().filter(|queue| queue.check_marker().is_err());
-            let replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
-            (leases, replaced)
+            carried.replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
         });
     }
 }
 
-/// Takes in the renewed leases.
-async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, replaced: &[PathBuf]) -> Result<()> {
-    // After a reload the folders may have changed.
-    let Some(machine) = farm.machines.get_mut(name).filter(|s| s.leases.are_of_same_folders(&leases)) else {
-        return Ok(());
-    };
-    update_lease_alerts(&mut farm.alerts, name, &machine.printers, &leases);
-    let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
-    let taken_over = leases.taken_over.clone();
+/// Gives up what another farm has taken over. The folders count as checked only from there on: what fails is done again by the next
+/// renewal.
+async fn on_leases_renewed(farm: &mut Farm, name: &str) -> Result<()> {
+    let Some(machine) = farm.machines.get(name) else { return Ok(()) };
+    let taken_over = machine.leases.taken_over.clone();
     adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
-    let mut is_interrupted = false;
-    // The folders count as checked only from here on.
-    if let Some(machine) = farm.machines.get_mut(name) {
-        is_interrupted = machine.leases.interruption_count() != leases.interruption_count();
-        if is_interrupted {
-            // Another daemon, perhaps a copy of this farm, may have taken and printed the same parts: nothing is taken or
-            // printed before the folders were compared with the ledger again.
-            (machine.agreed_folders, machine.may_claim) = (None, false);
-        }
-        for folder in machine.profile.queue_folders() {
-            if replaced.contains(folder) || !leases.can_publish(folder) {
-                // It is opened anew; until then nothing is nested for it.
-                machine.printers.close_queue(folder);
-            }
-        }
-        machine.leases = leases;
-    }
-    if is_interrupted {
-        warn!(
-            profile = name,
-            "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
-        );
-        folder_comparison::start_folder_comparison(farm);
-    }
-    adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, name, before, now);
+    farm.machines.get_mut(name).into_iter().for_each(|machine| machine.leases.confirm_renewal());
     Ok(())
 }
 

@@ -27,6 +27,9 @@ pub fn may_act(farm: &mut Farm) -> bool {
     if !matches!(state, ServiceState::Unsure { .. }) {
         farm.alerts.clear(AlertKind::LedgerUnreachable, "", "");
     }
+    if !matches!(state, ServiceState::Locked { .. }) {
+        farm.alerts.clear(AlertKind::LedgerLocked, "", "");
+    }
     if !matches!(state, ServiceState::RepairDue { .. }) {
         farm.alerts.clear(AlertKind::RepairDue, "", "");
     }
@@ -34,6 +37,10 @@ pub fn may_act(farm: &mut Farm) -> bool {
         ServiceState::Held => true,
         ServiceState::RepairDue { nodes } => {
             farm.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
+            false
+        }
+        ServiceState::Locked { by } => {
+            farm.alerts.raise(AlertKind::LedgerLocked, "", "", &by);
             false
         }
         ServiceState::Unsure { why } => {

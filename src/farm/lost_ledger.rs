@@ -28,7 +28,10 @@ pub fn ledger_alert(failure: &anyhow::Error) -> Option<(AlertKind, String)> {
     failure.chain().find_map(|error| match error.downcast_ref()? {
         LedgerError::Damaged { path, what } => Some((AlertKind::LedgerDamaged, format!("{}: {what}", path.display()))),
         LedgerError::Corrupt(what) => Some((AlertKind::LedgerDamaged, what.clone())),
-        LedgerError::Replaced { what, .. } => Some((AlertKind::LedgerReplaced, what.clone())),
+        LedgerError::Locked { by } => Some((AlertKind::LedgerLocked, by.clone())),
+        LedgerError::Replaced { what, .. } | LedgerError::Overwritten { what, .. } => {
+            Some((AlertKind::LedgerReplaced, what.clone()))
+        }
         LedgerError::Server(ServerError::Unreachable(what)) => Some((AlertKind::LedgerUnreachable, what.clone())),
         LedgerError::Server(ServerError::ChangesWait { holder }) => Some((AlertKind::ChangesWait, holder.clone())),
         LedgerError::Server(ServerError::RepairDue { nodes }) => Some((AlertKind::RepairDue, nodes.clone())),

@@ -7,8 +7,8 @@ use super::{
     alert::{AlertKind, FarmAlert},
     alert_registry::AlertRegistry,
     farm::Farm,
-    intake_jobs::HotFolderScanJob,
     machine_state::MachineState,
+    scan_jobs::HotFolderScanJob,
 };
 use crate::ledger::ObservedMachine;
 

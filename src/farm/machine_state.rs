@@ -13,6 +13,7 @@ use nester::SearchBudget;
 use super::{
     alert_registry::AlertRegistry,
     folder_leases::FolderLeases,
+    hot_folder_scan::RefusedFile,
     hot_folder_scanner::HotFolderScanner,
     layout::{BatchLayout, CopyId, LayoutPlacement, placed_from_json},
     lease_holder::LeaseHolder,
@@ -54,6 +55,8 @@ pub struct InboxState {
     pub arriving: Option<String>,
     /// Control files that became commands.
     pub controls: ObeyedControls,
+    /// Files that were refused without becoming a part, and of which the ledger has no event yet.
+    pub unrecorded_refusals: Vec<RefusedFile>,
 }
 
 /// When the open build of a profile is looked at.
@@ -160,6 +163,7 @@ impl MachineState {
                 relist: false,
                 arriving: None,
                 controls: Default::default(),
+                unrecorded_refusals: Vec::new(),
             },
             leases: FolderLeases::new(holder, &profile),
             printers: MachinePrinters::new(&profile, now),

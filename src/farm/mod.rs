@@ -3,7 +3,7 @@
 //! `farm` and `state` hold what the steps share. A step is a file of functions that take what they need: the ledger, the
 //! settings, the machines, the alerts or the jobs; or the whole farm. What a step decides is a function without a farm
 //! (`trigger`, `batch_decision`, `nest_decision`, `night_decision`, `publish_decision`, `tick_tasks`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
-//! and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
+//! `scan_jobs` and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
 //! writes and proves, `publish` publishes, `commands` carries out commands of operators. Only `event_loop` knows all
 //! steps.
 
@@ -119,6 +119,7 @@ mod release_preview;
 mod restore;
 mod retry_backoff;
 mod revisions;
+mod scan_jobs;
 mod search;
 mod second_copies;
 mod signals;

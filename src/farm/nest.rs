@@ -16,7 +16,7 @@ use super::{
     batch, crash_guard, damaged_files,
     farm::Farm,
     folder_lease::FolderLease,
-    jobs::BackgroundJob,
+    jobs::{BackgroundJob, Carried},
     kept_build::{self, KeptBuild},
     lane_search::LaneSearch,
     layout::{CopyId, placed_from_json, placed_from_rows},
@@ -57,7 +57,16 @@ impl BackgroundJob<Farm> for FinalNestingJob {
     }
 
     async fn on_done(self, farm: &mut Farm, written: Self::Outcome) -> Result<()> {
-        on_written(farm, self.build, written).await
+        let taken = on_written(farm, self.build, written).await;
+        if taken.is_err()
+            && let Ok(Some(row)) = farm.ledger.find_build(self.build).await
+            && row.state == BuildState::Nesting
+        {
+            // The ledger has not taken it in: no attempt of its own has failed.
+            farm.nesting.just_fired.insert(self.build);
+            farm.nesting.backoff.record_failure(self.build);
+        }
+        taken
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
@@ -65,9 +74,17 @@ impl BackgroundJob<Farm> for FinalNestingJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        farm.nesting.final_searches.remove(&self.build);
         farm.nesting.just_fired.insert(self.build);
         farm.nesting.backoff.record_failure(self.build);
+    }
+}
+
+/// The mark that the final search of a build runs.
+struct SearchMark(BuildId);
+
+impl Carried<Farm> for SearchMark {
+    fn give_back(self, farm: &mut Farm) {
+        farm.nesting.final_searches.remove(&self.0);
     }
 }
 
@@ -161,12 +178,13 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
     };
     let (config, is_in_lanes) = (&profile.search.nest, Arc::new(AtomicBool::new(false)));
     let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (config, secs), &is_in_lanes).await;
-    let best_layout = request.best_layout.clone();
-    farm.nesting.final_searches.insert(build.id, RunningFinalSearch { budget, best_layout, is_in_lanes });
+    let running = RunningFinalSearch { budget, best_layout: request.best_layout.clone(), is_in_lanes };
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     let kept = find_kept_build(farm, &write.build).await?;
-    farm.jobs.start(FinalNestingJob { build: write.build.id }, move || {
+    let id = write.build.id;
+    farm.nesting.final_searches.insert(id, running);
+    farm.jobs.start_with(FinalNestingJob { build: id }, SearchMark(id), move |_| {
         super::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
         if let Some((kept, placements)) = kept {
             let gone = request.wanted.iter().map(|(part, _)| part);
@@ -218,7 +236,6 @@ async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[C
 
 /// Commits a written and proved build; publishing follows in the same tick.
 async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
-    farm.nesting.final_searches.remove(&build);
     if let Some(build) = farm.ledger.find_build(build).await? {
         crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     }
@@ -303,7 +320,6 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
 
 /// A build's job panicked.
 async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
-    farm.nesting.final_searches.remove(&build);
     farm.ledger.end_search(build).await?;
     record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
 }

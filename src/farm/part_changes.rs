@@ -31,7 +31,7 @@ pub(super) async fn execute_change(
             Ok(Some(answer))
         }
         // The disk or the database failed: the command stays open and is retried.
-        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly | LedgerError::Server(_))) => Err(error.into()),
+        Err(error) if error.is_trouble() => Err(error.into()),
         Err(refused) => Ok(Some(CommandAnswer::NotAllowed(refused))),
     }
 }

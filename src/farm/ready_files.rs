@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::{
     failure::error_chain,
     folder_lease::FolderLease,
-    hot_folder_scan::{HotFolderScan, file_display_name},
+    hot_folder_scan::{HotFolderScan, RefusedFile, file_display_name},
 };
 use crate::{
     intake::{
@@ -117,7 +117,11 @@ impl ReadyFiles<'_> {
         match intake::finish_order_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
             Ok(ListOutcome::Refused(reason)) => {
                 received.late_tickets.retain(|late| late.entry.path != list.path);
-                received.refused.push((file_display_name(&list.path), RefusalCause::Ticket, reason));
+                received.refused.push(RefusedFile {
+                    name: file_display_name(&list.path),
+                    cause: RefusalCause::Ticket,
+                    reason,
+                });
             }
             // It may be only the first of its order to be copied.
             Ok(ListOutcome::Awaited) if quiet_secs < REPORT_AFTER_SETTLES * self.profile.intake.settle_secs => {}
@@ -129,7 +133,11 @@ impl ReadyFiles<'_> {
 
     fn refuse_file(&self, seen: &InboxEntry, cause: RefusalCause, reason: &str, received: &mut HotFolderScan) {
         match intake::refuse_entry(self.hold.folder_path(), seen, &self.profile.folders.error, reason) {
-            Ok(_) => received.refused.push((file_display_name(&seen.path), cause, reason.to_owned())),
+            Ok(_) => received.refused.push(RefusedFile {
+                name: file_display_name(&seen.path),
+                cause,
+                reason: reason.to_owned(),
+            }),
             Err(error) => received.warnings.push(error_chain(&error)),
         }
     }
@@ -157,7 +165,9 @@ pub(super) fn refuse_unreadable(
     let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
     let refused = intake::refuse_claim(claim, &profile.folders.error, &reason);
     match &refused {
-        Ok(_) => received.refused.push((claim.display_name(), RefusalCause::Unreadable, reason)),
+        Ok(_) => {
+            received.refused.push(RefusedFile { name: claim.display_name(), cause: RefusalCause::Unreadable, reason })
+        }
         Err(error) => received.warnings.push(error_chain(error)),
     }
     refused.is_ok()

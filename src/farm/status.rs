@@ -17,7 +17,6 @@ use super::{
     control_files, due_dates,
     farm::{Farm, TICK_INTERVAL},
     fire_forecast::forecast_fire,
-    intake_jobs::HotFolderScanJob,
     job_events,
     jobs::BackgroundJob,
     lane_job,
@@ -28,6 +27,7 @@ use super::{
     part_questions,
     printers::{PrinterView, printer_lines, printer_views},
     queue_depth::held_text,
+    scan_jobs::HotFolderScanJob,
     status_alerts, systemd,
     tick_tasks::TimedTask,
     time_text::floor_to_minute,
@@ -111,7 +111,7 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
         }
     }
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    let cut_off = [AlertKind::LedgerUnreachable, AlertKind::RepairDue];
+    let cut_off = [AlertKind::LedgerLocked, AlertKind::LedgerUnreachable, AlertKind::RepairDue];
     let is_cut_off = cut_off.iter().any(|&kind| farm.alerts.is_active(kind, "", ""));
     if !(farm.lifecycle.is_halted || is_cut_off)
         || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
@@ -130,8 +130,12 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
     }
 }
 
-/// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
+/// The ledger's file was removed, replaced or overwritten: saves what the daemon knows beside it, and halts.
 pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
+    if let LedgerError::Overwritten { what, .. } = why {
+        let detail = format!("{what}; what nestd had written cannot be saved, so put the newest backup back");
+        return farm.halt_farm(AlertKind::LedgerReplaced, &detail);
+    }
     let mut file = farm.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
     file.push(lost_ledger::SAVED);
     file.push(Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string());

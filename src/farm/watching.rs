@@ -12,11 +12,11 @@ use super::{
     farm::Farm,
     folder_comparison,
     folder_leases::FolderLeases,
-    intake_jobs,
     jobs::JobRunner,
-    jobs::{BackgroundJob, LoopEvent},
+    jobs::{BackgroundJob, Carried, LoopEvent},
     lease_renewal,
     machine_state::MachineStates,
+    scan_jobs,
     state::WatchedInboxes,
 };
 use crate::{
@@ -31,7 +31,7 @@ struct WatchJob;
 
 impl BackgroundJob<Farm> for WatchJob {
     const KIND: &'static str = "Watch";
-    type Outcome = Result<WatchedInboxes, WatchError>;
+    type Outcome = Result<(), WatchError>;
 
     fn subject(&self) -> String {
         String::new()
@@ -40,6 +40,15 @@ impl BackgroundJob<Farm> for WatchJob {
     async fn on_done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
         on_watched(farm, watched);
         Ok(())
+    }
+}
+
+/// The watch that a job looks at or replaces.
+struct CarriedWatch(Option<WatchedInboxes>);
+
+impl Carried<Farm> for CarriedWatch {
+    fn give_back(self, farm: &mut Farm) {
+        farm.schedule.watched = self.0;
     }
 }
 
@@ -69,21 +78,19 @@ pub(super) fn start_watcher(farm: &mut Farm) {
     if farm.jobs.is_running::<WatchJob>("") {
         return;
     }
-    let (inboxes, before) = (list_inboxes(&farm.machines), farm.schedule.watched.take());
+    let (inboxes, before) = (list_inboxes(&farm.machines), CarriedWatch(farm.schedule.watched.take()));
     let events = farm.jobs.event_sender();
-    farm.jobs.start(WatchJob, move || match before {
-        Some(mut watched) if watched.inboxes == inboxes => {
+    farm.jobs.start_with(WatchJob, before, move |CarriedWatch(watched)| {
+        if let Some(watched) = watched.as_mut().filter(|watched| watched.inboxes == inboxes) {
             for (path, why) in watched.watcher.check_roots() {
                 debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
             }
-            Ok(watched)
+            return Ok(());
         }
-        _ => {
-            let watcher = InboxWatcher::start(inboxes.clone(), move || {
-                drop(events.send(LoopEvent::new(intake_jobs::schedule_scan)))
-            })?;
-            Ok(WatchedInboxes { watcher, inboxes })
-        }
+        let watcher =
+            InboxWatcher::start(inboxes.clone(), move || drop(events.send(LoopEvent::new(scan_jobs::schedule_scan))))?;
+        *watched = Some(WatchedInboxes { watcher, inboxes });
+        Ok(())
     });
 }
 
@@ -91,11 +98,11 @@ fn list_inboxes(machines: &MachineStates) -> Vec<PathBuf> {
     machines.values().map(|machine| machine.profile.folders.inbox.clone()).collect()
 }
 
-fn on_watched(farm: &mut Farm, watched: Result<WatchedInboxes, WatchError>) {
+fn on_watched(farm: &mut Farm, watched: Result<(), WatchError>) {
     match watched {
-        Ok(watched) => {
-            let is_current = watched.inboxes == list_inboxes(&farm.machines);
-            farm.schedule.watched = Some(watched);
+        Ok(()) => {
+            let watched = farm.schedule.watched.as_ref();
+            let is_current = watched.is_some_and(|watched| watched.inboxes == list_inboxes(&farm.machines));
             farm.schedule.is_unwatched = false;
             if !is_current {
                 start_watcher(farm);

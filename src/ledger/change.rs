@@ -1,13 +1,14 @@
 //! A change of the ledger: one short immediate transaction. Every state transition of a row goes through this type,
 //! together with its event.
 
-use std::path::{Path, PathBuf};
+use std::{path::PathBuf, sync::Arc};
 
 use super::{
     BuildId, BuildState, CommandId, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
     consistency::{self, RuleScope},
     error::Result,
     health,
+    last_change::{self, LastChangeSeen},
     sql::{self, SqlTransaction},
 };
 
@@ -17,41 +18,34 @@ pub struct LedgerChange {
     /// The time used for everything in this change.
     pub now: UtcTimestamp,
     origin: ChangeOrigin,
-    /// The command that is done with this change.
-    command: Option<CommandId>,
+    /// The commands that are done with this change.
+    commands: CarriedOut,
     /// Number of the last event that this change wrote.
     last_event: i64,
 }
 
+/// Commands that are carried out by one change.
+#[derive(Debug, Clone, Default)]
+pub struct CarriedOut {
+    /// The commands.
+    pub commands: Arc<[CommandId]>,
+    /// The answer to them, "" = they get it later.
+    pub answer: Arc<str>,
+}
+
 /// Where a change is made.
 pub enum ChangeOrigin {
-    /// In this file.
-    File(PathBuf),
+    /// In this file, whose last change is compared.
+    File(PathBuf, Arc<LastChangeSeen>),
     /// On a server. A daemon's changes are counted.
     #[cfg(feature = "postgres")]
     Server(Option<super::postgres::CountedChange>),
 }
 
-impl ChangeOrigin {
-    /// The file of the ledger.
-    fn file(&self) -> Option<&Path> {
-        match self {
-            Self::File(path) => Some(path),
-            #[cfg(feature = "postgres")]
-            Self::Server(_) => None,
-        }
-    }
-}
-
 impl LedgerChange {
     /// Creates a change from a transaction that holds the write lock.
-    pub fn new(
-        transaction: SqlTransaction,
-        now: UtcTimestamp,
-        origin: ChangeOrigin,
-        command: Option<CommandId>,
-    ) -> Self {
-        Self { transaction, now, origin, command, last_event: 0 }
+    pub fn new(transaction: SqlTransaction, now: UtcTimestamp, origin: ChangeOrigin, commands: CarriedOut) -> Self {
+        Self { transaction, now, origin, commands, last_event: 0 }
     }
 
     /// The connection to run queries on.
@@ -61,11 +55,13 @@ impl LedgerChange {
 
     /// Commits the change.
     pub async fn commit(mut self) -> Result<()> {
-        if let Some(command) = self.command {
-            let done =
-                sql::query("UPDATE command SET state = 'done', answered_at = $1 WHERE id = $2 AND state = 'asked'");
+        let CarriedOut { commands, answer } = std::mem::take(&mut self.commands);
+        for command in commands.iter() {
+            let done = sql::query(
+                "UPDATE command SET state = 'done', answered_at = $1, answer = $2 WHERE id = $3 AND state = 'asked'",
+            );
             let now = self.now;
-            done.bind(now).bind(command).execute(self.db()).await?;
+            done.bind(now).bind(&*answer).bind(*command).execute(self.db()).await?;
         }
         if cfg!(debug_assertions) {
             let faults = consistency::find_inconsistencies(self.db(), &RuleScope::ALL).await?;
@@ -73,10 +69,12 @@ impl LedgerChange {
         }
         match self.transaction {
             SqlTransaction::Sqlite(mut transaction) => {
-                let changes = health::count_change(&mut transaction).await?;
+                let counted = last_change::count_change(&mut transaction).await?;
                 transaction.commit().await?;
-                if let Some(file) = self.origin.file() {
-                    health::note_changes(file, changes);
+                #[cfg_attr(not(feature = "postgres"), expect(irrefutable_let_patterns, reason = "there is no server"))]
+                if let ChangeOrigin::File(file, seen) = &self.origin {
+                    seen.record(counted);
+                    health::note_changes(file, counted.changes);
                 }
             }
             #[cfg(feature = "postgres")]

@@ -16,12 +16,17 @@ impl Ledger {
         Ok(recorded)
     }
 
-    /// Records many claims in one change, all or none. Claims that are already recorded stay unchanged.
-    pub async fn record_claims(&self, parts: &[&NewPartRow]) -> Result<Vec<RecordedPart>> {
+    /// Records the claims of many drops in one change, all or none, each with whether it may be a revision. Claims that are already
+    /// recorded stay unchanged.
+    pub async fn record_drops(&self, drops: &[(&NewPartRow, bool)]) -> Result<Vec<RecordedPart>> {
         let mut change = self.begin_change().await?;
-        let mut recorded = Vec::with_capacity(parts.len());
-        for part in parts {
-            recorded.push(record_new_part(&mut change, part).await?);
+        let mut recorded = Vec::with_capacity(drops.len());
+        for (part, may_revise) in drops {
+            let new = record_new_part(&mut change, part).await?;
+            if new.is_new && *may_revise {
+                change.replace_revised_parts(new.id, part).await?;
+            }
+            recorded.push(new);
         }
         change.commit().await?;
         Ok(recorded)

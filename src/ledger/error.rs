@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use super::{
     BuildId, CommandId, IllegalMove, InQueueError, PartId, ServerError,
-    sqlite_code::{SQLITE_CORRUPT, SQLITE_FULL, SQLITE_IOERR, SQLITE_NOTADB, SQLITE_READONLY, sqlite_code},
+    lock_wait::BUSY_TIMEOUT,
+    sqlite_code::{SQLITE_BUSY, SQLITE_FULL, sqlite_code},
 };
 
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
@@ -93,6 +94,28 @@ pub enum LedgerError {
         path: PathBuf,
         /// Which file changed, and how.
         what: String,
+    },
+    /// The content of the open file is not the one that this process has changed.
+    #[error(
+        "the ledger {} was overwritten while it was open: {what}. nestd stopped using it: stop nestd, and put the newest \
+         backup back with `nestd restore FILE`",
+        .path.display()
+    )]
+    Overwritten {
+        /// The ledger.
+        path: PathBuf,
+        /// What is missing in it.
+        what: String,
+    },
+    /// Another process holds the write lock.
+    #[error(
+        "the ledger cannot be changed now: {by} has been changing it for {} s and longer. Wait until that has ended, or end \
+         it, and try again",
+        BUSY_TIMEOUT.as_secs()
+    )]
+    Locked {
+        /// Which process, in words.
+        by: String,
     },
     /// SQLite found an invalid page or value.
     #[error(
@@ -341,50 +364,10 @@ fn edit_remedy(part: PartId, state: super::PartState) -> String {
     format!("`nestd edit {part} --copies N` orders more of it")
 }
 
-impl LedgerError {
-    /// Whether the cause is a failed or full disk and not the change. Retrying helps once the disk is repaired.
-    pub fn is_disk_failure(&self) -> bool {
-        match self {
-            Self::ReadOnly | Self::Folder { .. } => true,
-            Self::Server(error) => error.is_transient(),
-            Self::Open { error, .. } | Self::Sql(error) => {
-                matches!(error, sqlx::Error::Io(_)) || matches!(sqlite_code(error), Some(SQLITE_IOERR | SQLITE_FULL))
-            }
-            _ => false,
-        }
-    }
-}
-
-impl From<sqlx::Error> for LedgerError {
-    fn from(error: sqlx::Error) -> Self {
-        use sqlx::Error::{AnyDriverError, ColumnDecode, Decode};
-        let error = match error {
-            AnyDriverError(source) => match source.downcast::<ServerError>() {
-                Ok(server) => return Self::Server(*server),
-                Err(other) => AnyDriverError(other),
-            },
-            other => other,
-        };
-        match (sqlite_code(&error), &error) {
-            (Some(SQLITE_READONLY), _) => Self::ReadOnly,
-            (Some(SQLITE_CORRUPT | SQLITE_NOTADB), _) | (_, ColumnDecode { .. } | Decode(_)) => {
-                Self::Corrupt(error.to_string())
-            }
-            _ => Self::Sql(error),
-        }
-    }
-}
-
-impl LedgerError {
-    /// Whether the ledger file is damaged, so retrying does not help.
-    pub fn is_damage(&self) -> bool {
-        matches!(self, Self::Damaged { .. } | Self::Corrupt(_))
-    }
-}
-
 /// Why a query failed, with the remedy where there is one.
 fn query_failure(error: &sqlx::Error) -> String {
     match sqlite_code(error) {
+        Some(SQLITE_BUSY) => "another process holds the ledger. Try again when that has ended".to_owned(),
         Some(SQLITE_FULL) => "the disk is full. Free some room on the disk of the state folder".to_owned(),
         _ => error.to_string(),
     }

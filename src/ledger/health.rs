@@ -18,7 +18,7 @@ use sqlx::SqlitePool;
 use self::checksum::{ChecksumStatus, verify_checksum};
 pub use self::checksum::{checkpoint_with_checksum, checksum_path, remove_checksum, write_checksum};
 use self::lost_changes::find_lost_changes;
-pub use self::lost_changes::{CHANGES_NOTED, clear_note, count_change, has_content, note_changes};
+pub use self::lost_changes::{CHANGES_NOTED, clear_note, has_content, note_changes};
 use super::{LedgerError, error::Result};
 
 /// Maximum number of SQLite's error messages that are reported.

@@ -7,7 +7,7 @@ use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
     ServingRight, SharedFarm, UtcTimestamp,
-    change::{ChangeOrigin, LedgerChange},
+    change::{CarriedOut, ChangeOrigin, LedgerChange},
     consistency::{self, RuleScope},
     error::Result,
     health,
@@ -21,8 +21,8 @@ use jiff::Timestamp;
 pub struct Ledger {
     store: LedgerStore,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
-    /// The command that is carried out.
-    command: Option<CommandId>,
+    /// The commands that are carried out.
+    commands: CarriedOut,
     /// The node that opened it on a server to serve it, "" = none: its stored files are those of its machines.
     node: Arc<str>,
 }
@@ -132,7 +132,7 @@ impl Ledger {
     }
 
     fn of(store: LedgerStore) -> Self {
-        Self { store, clock: Arc::new(Timestamp::now), command: None, node: "".into() }
+        Self { store, clock: Arc::new(Timestamp::now), commands: CarriedOut::default(), node: "".into() }
     }
 
     /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte. A server looks after its files
@@ -149,10 +149,15 @@ impl Ledger {
     /// Whether the daemon that opened this may act on what the ledger says. Takes microseconds.
     pub fn service_state(&self) -> ServiceState {
         match &self.store {
-            LedgerStore::Sqlite(_) => ServiceState::Held,
+            LedgerStore::Sqlite(store) => store.service_state(),
             #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.service_state(),
         }
+    }
+
+    /// Who holds the lock that a change of a ledger in a file waits for at this moment; `None` = no change waits.
+    pub fn waited_for_lock(&self) -> Option<String> {
+        self.sqlite().and_then(SqliteStore::waited_for_lock)
     }
 
     /// Fails unless the daemon that opened this may act on what the ledger says.
@@ -161,6 +166,7 @@ impl Ledger {
     pub fn ensure_served(&self) -> Result<()> {
         match self.service_state() {
             ServiceState::Held => Ok(()),
+            ServiceState::Locked { by } => Err(LedgerError::Locked { by }),
             ServiceState::Unsure { why } => Err(ServerError::Unreachable(why).into()),
             ServiceState::RepairDue { nodes } => Err(ServerError::RepairDue { nodes }.into()),
             ServiceState::TakenOver => Err(ServerError::TakenOver.into()),
@@ -273,7 +279,13 @@ impl Ledger {
     /// state of the command, which is then done. After a crash the command is not carried out once more. `None` = no command
     /// asked for the change.
     pub fn for_command(&self, command: impl Into<Option<CommandId>>) -> Self {
-        Self { command: command.into(), ..self.clone() }
+        self.for_commands(command.into().as_slice(), "")
+    }
+
+    /// Same as [`Ledger::for_command`] for several, with their answer; "" = they get it later.
+    pub fn for_commands(&self, commands: &[CommandId], answer: &str) -> Self {
+        let commands = CarriedOut { commands: commands.into(), answer: answer.into() };
+        Self { commands, ..self.clone() }
     }
 
     /// The node that opened the ledger on a server to serve it, "" = none.
@@ -339,19 +351,27 @@ impl Ledger {
         self.sqlite().map_or(Ok(()), SqliteStore::ensure_files_in_place)
     }
 
+    /// Same as [`Ledger::ensure_files_in_place`], and that nothing was lost of what they held.
+    ///
+    /// `Replaced` or `Overwritten`.
+    pub async fn ensure_in_place(&self) -> Result<()> {
+        match self.sqlite() {
+            Some(store) => store.ensure_in_place().await,
+            None => Ok(()),
+        }
+    }
+
     /// Begins a change. From here to its commit, no other change of this ledger can happen.
     pub(super) async fn begin_change(&self) -> Result<LedgerChange> {
         let (transaction, origin) = match &self.store {
-            LedgerStore::Sqlite(store) => {
-                (SqlTransaction::Sqlite(store.begin_change().await?), ChangeOrigin::File(store.path.clone()))
-            }
+            LedgerStore::Sqlite(store) => (SqlTransaction::Sqlite(store.begin_change().await?), store.change_origin()),
             #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => {
                 let (transaction, counted) = store.begin_change().await?;
                 (SqlTransaction::Postgres(transaction), ChangeOrigin::Server(counted))
             }
         };
-        Ok(LedgerChange::new(transaction, self.now(), origin, self.command))
+        Ok(LedgerChange::new(transaction, self.now(), origin, self.commands.clone()))
     }
 
     /// Begins a consistent read of several tables.

@@ -11,9 +11,9 @@ use std::{
 };
 
 use super::{
-    LedgerError,
+    Ledger, LedgerError,
     error::Result,
-    health, location,
+    health, location, sql,
     sqlite_store::{SqliteStore, connect_options},
 };
 
@@ -24,6 +24,17 @@ const SIDECAR_SUFFIXES: [&str; 4] = ["-wal", "-shm", ".b3", health::CHANGES_NOTE
 const RESTORING_SUFFIX: &str = ".restoring";
 /// Suffix of a replaced ledger, followed by the time.
 const ASIDE_SUFFIX: &str = ".aside-";
+
+impl Ledger {
+    /// Begins a new line: a process that has the ledger open that this one was made of must not take it for the same.
+    pub async fn begin_line(&self) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        if self.sqlite().is_some() {
+            sql::query("UPDATE change_count SET line = random()").execute(change.db()).await?;
+        }
+        change.commit().await
+    }
+}
 
 /// Path where the new ledger is prepared.
 pub fn restoring_path(ledger: &Path) -> PathBuf {

@@ -1,10 +1,10 @@
 //! Revisions: a file that is dropped again under the same name in the same order replaces what still waits of the earlier one.
 
-use super::{EventKind, Ledger, PartId, PartRow, change::LedgerChange, error::Result, sql};
+use super::{EventKind, Ledger, NewPartRow, PartId, PartRow, change::LedgerChange, error::Result, sql};
 
 /// What a revision without a ticket of its own takes over of the part that it replaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TakenOver {
+enum TakenOver {
     /// Nothing: it has a ticket, or replaces several parts.
     Nothing,
     /// The due date and the note: the rest stands in the file itself.
@@ -15,7 +15,7 @@ pub enum TakenOver {
 
 impl TakenOver {
     /// For a file of this name that replaces so many parts.
-    pub fn of_claim(name: &str, has_ticket: bool, replaced: usize) -> Self {
+    fn of_claim(name: &str, has_ticket: bool, replaced: usize) -> Self {
         match replaced {
             _ if has_ticket => Self::Nothing,
             _ if build_file::is_camspec_name(name) => Self::Date,
@@ -30,50 +30,6 @@ impl TakenOver {
 const IN_ALL: &str = ", with all that was asked with it, and not more copies in all";
 
 impl Ledger {
-    /// The parts that a newly claimed one is a revision of, oldest first: the same name in the same named order, still waiting, with
-    /// other content, and no copy of it in a build.
-    pub async fn find_revised_parts(&self, new: PartId) -> Result<Vec<PartRow>> {
-        let query = sql::select_as(
-            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile AND p.id < n.id \
-             AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
-             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
-        );
-        Ok(query.bind(new).fetch_all(self.reader()?).await?)
-    }
-
-    /// Records that a part that was just claimed replaces an earlier revision, and what it takes over of that one.
-    pub async fn record_revision(&self, old: PartId, new: PartId, takes_over: TakenOver) -> Result<()> {
-        let mut change = self.begin_change().await?;
-        let earlier = change.require_part(old).await?;
-        sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(old).execute(change.db()).await?;
-        let take = match takes_over {
-            TakenOver::Nothing => None,
-            TakenOver::Date => Some(
-                "UPDATE part SET (due_at, due_text, note) = (SELECT due_at, due_text, note FROM part WHERE id = $1) \
-                 WHERE id = $2 AND state = 'claimed'",
-            ),
-            TakenOver::All => Some(
-                "UPDATE part SET (priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
-                 (SELECT priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
-                 WHERE id = $2 AND state = 'claimed'",
-            ),
-        };
-        if let Some(take) = take {
-            sql::query(take).bind(old).bind(new).execute(change.db()).await?;
-        }
-        let is_in_all = takes_over == TakenOver::All && take_copies_over(&mut change, &earlier, new).await?;
-        let asked = match takes_over {
-            TakenOver::Nothing => "",
-            TakenOver::Date => ", with its due date and its note",
-            TakenOver::All if is_in_all => IN_ALL,
-            TakenOver::All => ", with all that was asked with it",
-        };
-        let detail = format!("it replaces part {old}, an earlier revision{asked}");
-        change.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await?;
-        change.commit().await
-    }
-
     /// Earlier revisions that a newer one replaced and that are not taken out yet, oldest first.
     pub async fn replaced_parts(&self) -> Result<Vec<PartRow>> {
         let query =
@@ -99,6 +55,53 @@ async fn take_copies_over(change: &mut LedgerChange, old: &PartRow, new: PartId)
 }
 
 impl LedgerChange {
+    /// A part that was just claimed replaces those that it is a revision of: the same name in the same named order, still waiting, with
+    /// other content, and no copy of it in a build.
+    pub(super) async fn replace_revised_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<()> {
+        let query = sql::select_as(
+            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
+             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile \
+             AND p.id < n.id AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
+             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
+        );
+        let earlier: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
+        let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), earlier.len());
+        for old in earlier {
+            self.record_revision(&old, new, takes_over).await?;
+        }
+        Ok(())
+    }
+
+    /// Records that a part replaces an earlier revision, and what it takes over of that one.
+    async fn record_revision(&mut self, earlier: &PartRow, new: PartId, takes_over: TakenOver) -> Result<()> {
+        let old = earlier.id;
+        sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(old).execute(self.db()).await?;
+        let take = match takes_over {
+            TakenOver::Nothing => None,
+            TakenOver::Date => Some(
+                "UPDATE part SET (due_at, due_text, note) = (SELECT due_at, due_text, note FROM part WHERE id = $1) \
+                 WHERE id = $2 AND state = 'claimed'",
+            ),
+            TakenOver::All => Some(
+                "UPDATE part SET (priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
+                 (SELECT priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
+                 WHERE id = $2 AND state = 'claimed'",
+            ),
+        };
+        if let Some(take) = take {
+            sql::query(take).bind(old).bind(new).execute(self.db()).await?;
+        }
+        let is_in_all = takes_over == TakenOver::All && take_copies_over(self, earlier, new).await?;
+        let asked = match takes_over {
+            TakenOver::Nothing => "",
+            TakenOver::Date => ", with its due date and its note",
+            TakenOver::All if is_in_all => IN_ALL,
+            TakenOver::All => ", with all that was asked with it",
+        };
+        let detail = format!("it replaces part {old}, an earlier revision{asked}");
+        self.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await
+    }
+
     /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.
     pub(super) async fn has_taken_copies_over(&mut self, part: PartId) -> Result<bool> {
         let query =

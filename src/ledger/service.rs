@@ -58,6 +58,11 @@ pub struct LiveRights {
 pub enum ServiceState {
     /// It serves the ledger.
     Held,
+    /// Another process holds the write lock of the ledger: nothing is taken and published until it lets go.
+    Locked {
+        /// Which one, in words.
+        by: String,
+    },
     /// It cannot know for now, and takes and publishes nothing until it does.
     Unsure {
         /// Why.

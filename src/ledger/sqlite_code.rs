@@ -1,5 +1,7 @@
 //! The result codes of SQLite that tell one failure from another.
 
+/// The statement does not fit the database.
+pub const SQLITE_ERROR: i64 = 1;
 /// Another connection holds the lock.
 pub const SQLITE_BUSY: i64 = 5;
 /// The disk failed.

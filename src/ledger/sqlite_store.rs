@@ -12,16 +12,19 @@ use sqlx::{
 };
 
 use super::{
-    LedgerError,
+    LedgerError, ServiceState,
+    change::ChangeOrigin,
     error::Result,
     file_guard::LedgerFileGuard,
-    health, location, schema,
+    health,
+    last_change::LastChangeSeen,
+    location,
+    lock_wait::{BUSY_TIMEOUT, LockWait, TOLD_AFTER, describe_holder},
+    schema,
     sql::SqlExecutor,
     sqlite_code::{SQLITE_BUSY, sqlite_code},
 };
 
-/// Time that a writer waits for another process before it gives up. Changes take milliseconds.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of read-only connections.
 const READERS: u32 = 4;
 /// Switching a new file to WAL mode cannot wait for a lock, so opening is retried this many times ...
@@ -40,6 +43,8 @@ pub struct SqliteStore {
     /// the other connections are closed and reopened as needed.
     anchor: SqlitePool,
     file_guard: Arc<LedgerFileGuard>,
+    last_change: Arc<LastChangeSeen>,
+    lock_wait: Arc<LockWait>,
 }
 
 impl SqliteStore {
@@ -91,7 +96,8 @@ impl SqliteStore {
         sqlx::query("SELECT count(*) FROM sqlite_schema").execute(&anchor).await.map_err(|e| open_error(path, e))?;
         let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
         in_place.ensure_unchanged()?;
-        Ok(Self { path: path.to_owned(), writer, reader, anchor, file_guard: in_place })
+        let (last_change, lock_wait) = Default::default();
+        Ok(Self { path: path.to_owned(), writer, reader, anchor, file_guard: in_place, last_change, lock_wait })
     }
 
     /// Closes all connections in an orderly way.
@@ -142,22 +148,79 @@ impl SqliteStore {
         self.file_guard.ensure_unchanged()
     }
 
+    /// Same as [`SqliteStore::ensure_files_in_place`], and that nothing is missing of the changes that this process has seen.
+    ///
+    /// `Replaced` or `Overwritten`.
+    pub async fn ensure_in_place(&self) -> Result<()> {
+        self.ensure_files_in_place()?;
+        let loss = self.last_change.find_loss(&self.reader).await?;
+        self.refuse_overwritten(loss)
+    }
+
+    fn refuse_overwritten(&self, loss: Option<String>) -> Result<()> {
+        loss.map_or(Ok(()), |what| Err(LedgerError::Overwritten { path: self.path.clone(), what }))
+    }
+
+    /// Where a change is made.
+    pub fn change_origin(&self) -> ChangeOrigin {
+        ChangeOrigin::File(self.path.clone(), self.last_change.clone())
+    }
+
+    /// Whether changes can be made, as far as anybody knows.
+    pub fn service_state(&self) -> ServiceState {
+        match self.lock_wait.given_up(&self.path) {
+            Some(holder) => ServiceState::Locked { by: describe_holder(holder.as_ref()) },
+            None => ServiceState::Held,
+        }
+    }
+
+    /// Who holds the lock that a change waits for at this moment.
+    pub fn waited_for_lock(&self) -> Option<String> {
+        self.lock_wait.waited_for()
+    }
+
     /// Begins a change. It takes the write lock immediately. A deferred `BEGIN` that first reads and then writes fails
     /// with "database is locked" if another process wrote in between, whatever the busy timeout is.
     pub async fn begin_change(&self) -> Result<Transaction<'static, Sqlite>> {
         self.ensure_files_in_place()?;
-        let transaction = match self.writer.begin_with("BEGIN IMMEDIATE").await {
+        // One change has waited; the others need not wait as well.
+        if let ServiceState::Locked { by } = self.service_state() {
+            return Err(LedgerError::Locked { by });
+        }
+        let mut transaction = match self.take_write_lock().await {
             // SQLite itself rolled back an earlier change, as it may on a full disk, and the connection still expects
             // the end of that transaction.
             Err(sqlx::Error::InvalidSavePointStatement | sqlx::Error::BeginFailed) => {
                 self.writer.acquire().await?.close().await?;
-                self.writer.begin_with("BEGIN IMMEDIATE").await?
+                self.take_write_lock().await
             }
-            begun => begun?,
-        };
+            begun => begun,
+        }
+        .map_err(|error| match sqlite_code(&error) {
+            Some(SQLITE_BUSY) => {
+                LedgerError::Locked { by: describe_holder(self.lock_wait.note(&self.path, true).as_ref()) }
+            }
+            _ => error.into(),
+        })?;
+        let loss = self.last_change.find_loss(&mut *transaction).await?;
+        self.refuse_overwritten(loss)?;
         health::remove_checksum(&self.path)
             .map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
         Ok(transaction)
+    }
+
+    /// Takes the write lock, and notes who holds it meanwhile.
+    async fn take_write_lock(&self) -> Result<Transaction<'static, Sqlite>, sqlx::Error> {
+        let begin = self.writer.begin_with("BEGIN IMMEDIATE");
+        tokio::pin!(begin);
+        let begun = loop {
+            tokio::select! {
+                begun = &mut begin => break begun,
+                () = tokio::time::sleep(TOLD_AFTER) => drop(self.lock_wait.note(&self.path, false)),
+            }
+        };
+        self.lock_wait.end();
+        begun
     }
 }
 

@@ -173,7 +173,7 @@ pub(super) fn answer_page(answer: Result<Vec<String>, LedgerError>, back: &str) 
 
 /// Whether the ledger could not be read or written, so that nothing was refused.
 pub(super) fn is_failure_of_ledger(error: &LedgerError) -> bool {
-    error.is_disk_failure() || error.is_damage() || matches!(error, LedgerError::Sql(_))
+    error.is_trouble()
 }
 
 /// A page with sentences and the way back.

@@ -27,6 +27,7 @@ mod pool;
 mod postgres_cluster;
 mod power;
 mod printer;
+mod refused;
 mod restore;
 mod rot;
 mod section_result;
@@ -63,6 +64,7 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "orders", weight: 4.0, run: orders::run },
     ReliabilitySection { name: "told", weight: 2.0, run: told::run },
     ReliabilitySection { name: "door", weight: 3.0, run: door::run },
+    ReliabilitySection { name: "refused", weight: 2.0, run: refused::run },
     ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
     ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },
     ReliabilitySection { name: "hostile", weight: 2.0, run: hostile::run },

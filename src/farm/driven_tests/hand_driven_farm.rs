@@ -229,6 +229,12 @@ impl HandDrivenFarm {
         self.farm.as_ref().unwrap().alerts.active_alerts().any(|alert| alert.kind == kind)
     }
 
+    /// What the active alerts of a kind say.
+    pub fn alert_text(&self, kind: AlertKind) -> String {
+        let alerts = self.farm.as_ref().unwrap().alerts.active_alerts();
+        alerts.filter(|alert| alert.kind == kind).map(|alert| alert.alert_text()).collect()
+    }
+
     pub fn root(&self) -> &Path {
         self.dir.path()
     }
@@ -381,7 +387,7 @@ impl HandDrivenFarm {
     }
 
     fn assert_each_copy_is_queued_once(&self) {
-        let built: usize = self.parts(PartState::Built).iter().map(|p| p.owed.copies as usize).sum();
+        let built: usize = self.parts(PartState::Built).iter().map(|p| p.wanted_copies() as usize).sum();
         assert_each_copy_once(&self.queued(), built);
     }
 }

@@ -7,6 +7,7 @@ mod failing_ledger;
 mod hand_driven_farm;
 mod kept_builds;
 mod late;
+mod ledger_in_use;
 mod life;
 mod lists;
 mod night;

@@ -14,7 +14,7 @@ use std::{
 };
 
 use sqlx::{
-    SqliteConnection, SqlitePool,
+    SqlitePool,
     sqlite::{SqliteConnectOptions, SqlitePoolOptions},
 };
 
@@ -37,12 +37,6 @@ fn sidecar_path(ledger: &Path, suffix: &str) -> PathBuf {
     let mut name = ledger.as_os_str().to_owned();
     name.push(suffix);
     name.into()
-}
-
-/// Counts a change that is about to be committed. Returns the new count.
-pub async fn count_change(db: &mut SqliteConnection) -> Result<i64> {
-    let count = sqlx::query_scalar("UPDATE change_count SET changes = changes + 1 WHERE id = 1 RETURNING changes");
-    Ok(count.fetch_one(db).await?)
 }
 
 /// Writes the number of committed changes into the note. If this fails, the note stays behind, which does no harm.

@@ -230,23 +230,28 @@ async fn a_part_moves_to_another_machine_where_it_is_read_again() {
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }
 
+/// Records the drop of a hinge for an order.
+async fn drop_hinge(ledger: &Ledger, claim: &str, order: &str, has_ticket: bool) -> PartId {
+    let mut part = asked(new_part(claim, 1), |terms| terms.order_name = order.to_owned());
+    part.name = "hinge.stl".to_owned();
+    let ticket = || NewTicketRow { source: TicketSource::Sidecar, file_name: String::new(), text: String::new() };
+    part.ticket = has_ticket.then(ticket);
+    ledger.record_drops(&[(&part, true)]).await.unwrap()[0].id
+}
+
 #[tokio::test]
 async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
     let ledger = fresh().await;
-    let revision = |claim: &str, order: &str| {
-        let mut part = asked(new_part(claim, 1), |terms| terms.order_name = order.to_owned());
-        part.name = "hinge.stl".to_owned();
-        part
-    };
-    let old = ledger.record_claim(&revision("a", "brandt")).await.unwrap().id;
-    let new = ledger.record_claim(&revision("b", "brandt")).await.unwrap().id;
-    assert_eq!(ledger.find_revised_parts(new).await.unwrap().iter().map(|part| part.id).collect::<Vec<_>>(), [old]);
-    let other = ledger.record_claim(&revision("c", "meyer")).await.unwrap().id;
-    assert!(ledger.find_revised_parts(other).await.unwrap().is_empty());
-    let loose = ledger.record_claim(&revision("d", "")).await.unwrap().id;
-    assert!(ledger.find_revised_parts(loose).await.unwrap().is_empty(), "without an order both are made");
-    ledger.record_revision(old, new, TakenOver::Nothing).await.unwrap();
-    assert_eq!(ledger.find_part(old).await.unwrap().unwrap().owed.replaced_by, Some(new));
+    let old = drop_hinge(&ledger, "a", "brandt", false).await;
+    let other = drop_hinge(&ledger, "c", "meyer", false).await;
+    let loose = drop_hinge(&ledger, "d", "", false).await;
+    let again = drop_hinge(&ledger, "e", "", false).await;
+    let new = drop_hinge(&ledger, "b", "brandt", false).await;
+    let mut replaced = Vec::new();
+    for part in [old, other, loose, again, new] {
+        replaced.push(ledger.find_part(part).await.unwrap().unwrap().owed.replaced_by);
+    }
+    assert_eq!(replaced, [Some(new), None, None, None, None], "without an order both are made");
 }
 
 /// Each solid begins with what was asked with the file, and not with what the file asks for the first one.
@@ -281,28 +286,30 @@ async fn what_a_file_asks_for_one_of_its_solids_holds_for_that_one_alone() {
 async fn a_revision_takes_over_how_often_its_file_was_wanted() {
     let ledger = fresh().await;
     let cases = [
-        (TakenOver::All, true, None, 8),
-        (TakenOver::All, true, Some(10), 16),
+        (false, true, None, 8),
+        (false, true, Some(10), 16),
         // It cannot be told how often: so many in all.
-        (TakenOver::All, true, Some(7), 7),
-        (TakenOver::All, false, None, 8),
-        (TakenOver::Nothing, true, Some(10), 8),
+        (false, true, Some(7), 7),
+        (false, false, None, 8),
+        (true, true, Some(10), 8),
     ];
-    for (at, (takes_over, is_read, edited, wanted)) in cases.into_iter().enumerate() {
-        let claim = async |name: &str| ledger.record_claim(&new_part(&format!("{name}{at}"), 1)).await.unwrap().id;
+    for (at, (has_ticket, is_read, edited, wanted)) in cases.into_iter().enumerate() {
+        let claim = async |name: &str, has_ticket: bool| {
+            drop_hinge(&ledger, &format!("{name}{at}"), &format!("order {at}"), has_ticket).await
+        };
         let file = |held: u32, asked: u32| SolidFacts { file_copies: held, ..solid(0, held * asked) };
-        let (old, new) = (claim("old").await, claim("new").await);
+        let old = claim("old", false).await;
         if is_read {
             ledger.accept_solids(old, &[file(5, 1)]).await.unwrap();
         }
         if edited.is_some() {
             ledger.edit_part(old, &PartEdit { copies: edited, ..PartEdit::default() }, "a@b").await.unwrap();
         }
-        ledger.record_revision(old, new, takes_over).await.unwrap();
+        let new = claim("new", has_ticket).await;
         let asked = ledger.find_part(new).await.unwrap().unwrap().owed.copies;
         ledger.accept_solids(new, &[file(8, asked)]).await.unwrap();
         let part = ledger.find_part(new).await.unwrap().unwrap();
-        assert_eq!(part.owed.copies, wanted, "{takes_over:?} {is_read} {edited:?}");
+        assert_eq!(part.owed.copies, wanted, "{has_ticket} {is_read} {edited:?}");
     }
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }
@@ -310,9 +317,10 @@ async fn a_revision_takes_over_how_often_its_file_was_wanted() {
 #[tokio::test]
 async fn an_order_whose_part_was_replaced_is_complete_with_the_copies_of_the_newer_revision() {
     let ledger = fresh().await;
-    let old = line(&ledger, "a", 3, "brandt").await;
-    let new = line(&ledger, "b", 3, "brandt").await;
-    ledger.record_revision(old, new, TakenOver::Nothing).await.unwrap();
+    let old = drop_hinge(&ledger, "a", "brandt", true).await;
+    ledger.accept_solids(old, &[solid(0, 3)]).await.unwrap();
+    let new = drop_hinge(&ledger, "b", "brandt", true).await;
+    ledger.accept_solids(new, &[solid(0, 3)]).await.unwrap();
     ledger.cancel_part(old, RefusalCause::Replaced, "a newer one came").await.unwrap();
     assert_eq!(copies(&ledger, old).await, LineCopies { cancelled: 3, ..Default::default() });
     let build = published(&ledger, &[(new, 0), (new, 1), (new, 2)]).await;

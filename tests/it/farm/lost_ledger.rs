@@ -1,6 +1,11 @@
 //! A ledger that is gone, or that somebody put there by hand: what is told is true, and what is asked for works.
 
-use std::fs;
+use std::{
+    fs,
+    os::unix::net::UnixDatagram,
+    sync::mpsc,
+    time::{Duration, Instant},
+};
 
 use nestd::ledger::PartState;
 
@@ -32,7 +37,7 @@ fn a_ledger_that_was_removed_is_told_truly_everywhere_and_the_saved_copy_is_put_
         "it is noticed",
         20.0,
         || farm.log(),
-        || farm.log().contains("was removed or replaced while nestd ran"),
+        || farm.log().contains("removed, replaced or overwritten while nestd ran"),
     );
     let status_txt = farm.folder("inbox").join("STATUS.txt");
     let status_text = || fs::read_to_string(&status_txt).unwrap_or_default();
@@ -100,4 +105,53 @@ fn a_part_whose_file_is_gone_is_not_said_to_be_taken_back_by_retry() {
     assert!(said.contains("drop its file again") && !said.contains("nestd retry") && !said.contains(".."), "{said}");
     let said = all_output(&farm, &["check", "--deep"]);
     assert!(!said.contains("PROBLEM I4") && !said.contains("PROBLEM invariants: I4"), "{said}");
+}
+
+/// A lock is held far longer than the time within which the service manager wants a sign of life would allow for each change that waits.
+#[test]
+fn a_process_that_holds_the_ledger_is_named_and_the_daemon_tells_the_service_manager_that_it_lives() {
+    let mut farm = TestFarm::new(QUICK);
+    let socket = farm.root().join("notify");
+    let listener = UnixDatagram::bind(&socket).unwrap();
+    let (heard, signs) = mpsc::channel();
+    std::thread::spawn(move || {
+        let mut message = [0; 1024];
+        while let Ok(length) = listener.recv(&mut message) {
+            if message[..length].windows(8).any(|words| words == b"WATCHDOG") && heard.send(Instant::now()).is_err() {
+                break;
+            }
+        }
+    });
+    let mut command = farm.command(&["run"]);
+    command.env("NOTIFY_SOCKET", &socket);
+    farm.start_as(command);
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let path = format!("sqlite:{}", farm.root().join("state/nestd.db").display());
+    let pool = runtime.block_on(sqlx::SqlitePool::connect(&path)).unwrap();
+    let mut holder = runtime.block_on(pool.acquire()).unwrap();
+    runtime.block_on(sqlx::raw_sql("BEGIN IMMEDIATE").execute(&mut *holder)).unwrap();
+    farm.drop_part("b.stl", &block(21.0, 20.0, 10.0));
+    let flush = farm.command(&["flush", "test"]).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut last = Instant::now();
+    std::thread::sleep(Duration::from_secs(25));
+    let mut silence = Duration::ZERO;
+    for sign in signs.try_iter().filter(|sign| *sign > last).collect::<Vec<_>>() {
+        silence = silence.max(sign - last);
+        last = sign;
+    }
+    silence = silence.max(last.elapsed());
+    let named = format!("process {} (", std::process::id());
+    let told = all_output(&farm, &["status"]);
+    assert!(told.contains("keeps the ledger from being changed") && told.contains(&named), "{told}\n{}", farm.log());
+    assert!(silence < Duration::from_secs(5), "it gave no sign of life for {silence:?}\n{}", farm.log());
+    let flush = flush.wait_with_output().unwrap();
+    let refused = String::from_utf8_lossy(&flush.stderr);
+    assert!(!flush.status.success() && refused.contains(&named) && !refused.contains("locked"), "{refused}");
+    runtime.block_on(sqlx::raw_sql("ROLLBACK").execute(&mut *holder)).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 2);
+    farm.assert_nothing_lost_or_doubled();
 }

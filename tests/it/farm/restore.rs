@@ -355,7 +355,9 @@ fn a_ledger_that_is_removed_or_replaced_is_left_at_once_and_saved() {
             true => fs::rename(&copy, &ledger).unwrap(),
             false => fs::remove_file(&ledger).unwrap(),
         }
-        wait_until("the daemon notices it", 5.0, || farm.log().contains("removed or replaced while nestd ran"));
+        wait_until("the daemon notices it", 5.0, || {
+            farm.log().contains("removed, replaced or overwritten while nestd ran")
+        });
         farm.drop_part("b.stl", &block(21.0, 20.0, 20.0));
         std::thread::sleep(std::time::Duration::from_millis(1500));
         assert!(farm.folder("inbox").join("b.stl").exists(), "it takes files into nowhere");

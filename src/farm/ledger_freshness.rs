@@ -15,7 +15,7 @@ use super::{
     alert::AlertKind,
     claim_note,
     folder_builds::{FolderExpectations, FolderUnavailableError},
-    folder_check, newer_decisions,
+    folder_check, newer_decisions, order_notes,
     own_machines::without_other_nodes,
     reconcile::find_unknown_builds,
 };
@@ -65,6 +65,8 @@ pub async fn find_unknown_to_ledger(
         Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.profile),
         None => file.display_name(),
     }));
+    unknown
+        .extend(order_notes::find_unknown_lines(ledger, &settings.state_dir).await?.into_iter().map(|(_, line)| line));
     unknown.extend(
         newer_decisions::find_newer_decisions(settings, ledger, &kept)
             .await?
@@ -208,7 +210,8 @@ async fn find_unknown_in_store(settings: &Settings, ledger: &Ledger) -> Result<V
     let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
     let files = files.iter().filter_map(|file| Some((file.note.as_ref()?.part.profile.clone(), file.display_name())));
     let decided = decided.iter().map(|claim| (claim.profile.clone(), newer_decisions::describe_decision(claim)));
-    Ok(files.chain(decided).collect())
+    let ordered = order_notes::find_unknown_lines(ledger, &settings.state_dir).await?;
+    Ok(files.chain(decided).chain(ordered).collect())
 }
 
 /// Compares a machine's folders with the ledger, unless they are still those that agreed.

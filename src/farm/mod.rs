@@ -93,6 +93,7 @@ mod obeyed_controls;
 mod open;
 mod open_night;
 mod operate;
+mod order_notes;
 mod own_machines;
 mod part_changes;
 mod part_questions;
@@ -168,6 +169,7 @@ pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use night_text::{night_gain_text, night_text};
 pub use node_content::find_kept_content;
 pub use operate::operate;
+pub use order_notes::{note_order, update_order_notes};
 pub use own_machines::machines_of_other_nodes;
 pub use part_questions::PartQuestion;
 pub use planning::{

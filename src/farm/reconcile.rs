@@ -17,6 +17,7 @@ use super::{
     build_record, claim_note, error_folder,
     folder_builds::{self, FolderExpectations},
     newer_decisions::NewerDecisions,
+    order_notes,
     reconcile_report::{DECIDED_SINCE, DeferredFolderStep, ErrorFolderIndex, ReconcileReport, copy_to_error_folder},
 };
 use crate::{
@@ -111,6 +112,7 @@ pub async fn reconcile_ledger(
     for one in forgotten {
         again.recover_file(one).await?;
     }
+    order_notes::take_in_orders(ledger, &settings.state_dir, &mut found).await?;
     if found != ReconcileReport::default() {
         ledger.leave_gap_in_numbers(NUMBER_GAP).await?;
     }

@@ -146,7 +146,7 @@ async fn rebuild_copy(
         }
     }
     let ledger = Ledger::open(&new).await?;
-    let reconciled = reconcile_ledger(settings, &ledger, &known).await;
+    let reconciled = reconcile_copy(settings, &ledger, &known).await;
     let down = ledger.down_printers().await;
     ledger.close_with_checksum().await?;
     let mut reconciled = reconciled?;
@@ -175,6 +175,21 @@ async fn rebuild_copy(
         }
     }
     Ok(RestoreOutcome { aside, reconciled })
+}
+
+/// Brings the copy up to date with the folders. One that does not hold together afterwards is not put into place.
+async fn reconcile_copy(settings: &Settings, ledger: &Ledger, known: &FolderExpectations) -> Result<ReconcileReport> {
+    let reconciled = reconcile_ledger(settings, ledger, known).await?;
+    let faults = ledger.find_inconsistencies().await?;
+    ensure!(
+        faults.is_empty(),
+        "this ledger does not hold together with what the folders tell, so the one that is there stays: {}. Put an older backup back, or \
+         begin a new ledger from the folders with `nestd restore --empty`, and report this to nestd's makers",
+        faults.join("; ")
+    );
+    // A process that has the present ledger open must not take this one for the same.
+    ledger.begin_line().await?;
+    Ok(reconciled)
 }
 
 /// Which printers are down is said by people, and only the ledger keeps it.

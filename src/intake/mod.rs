@@ -88,7 +88,7 @@ pub use misplaced::find_misplaced;
 pub use name::{display_name, raw_name};
 pub use name_match::fold_name;
 pub use order_list::{OrderList, OrderListRow};
-pub use ordered_claim::{OrderedFile, ordered_claim_id, place_ordered_claim};
+pub use ordered_claim::{OrderedFile, ordered_claim_id, ordered_request_id, place_ordered_claim};
 pub use part_spec::{COPIES_QUESTION, PartSpec, ReceivedTicket, SpecSource, is_copies_question, read_ticket};
 pub use put_content::{ArrivingContent, PutContents, PutError, is_content_hash};
 pub use put_upload::{PutUploads, UPLOAD_KEPT, UploadPart, UploadRecord, UploadState, is_upload_id};

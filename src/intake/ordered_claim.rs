@@ -39,11 +39,16 @@ pub struct OrderedFile<'a> {
 
 /// The id of the claim of a line: the same for the same line of the same request of a client, and for no other one.
 pub fn ordered_claim_id(client: &str, key: &str, fingerprint: &str, line: usize) -> String {
+    format!("{}-{line:04}", ordered_request_id(client, key, fingerprint))
+}
+
+/// The id of a request: the ids of the claims of its lines begin with it.
+pub fn ordered_request_id(client: &str, key: &str, fingerprint: &str) -> String {
     let mut hasher = blake3::Hasher::new();
     for text in [client, key, fingerprint] {
         hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
     }
-    format!("{ID_PREFIX}{}-{line:04}", &hasher.finalize().to_hex()[..32])
+    format!("{ID_PREFIX}{}", &hasher.finalize().to_hex()[..32])
 }
 
 /// Whether the folder name of a claim is that of an ordered line.

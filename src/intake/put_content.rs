@@ -102,6 +102,21 @@ impl PutContents {
         self.dir.join(hash)
     }
 
+    /// The folder of the notes of orders.
+    pub fn orders_folder(&self) -> PathBuf {
+        self.dir.join("orders")
+    }
+
+    /// Makes the folder of the notes of orders.
+    ///
+    /// # Errors
+    /// The folder of state cannot be written.
+    pub fn create_orders_folder(&self) -> io::Result<PathBuf> {
+        let folder = self.orders_folder();
+        disk::create_dirs(&folder)?;
+        Ok(folder)
+    }
+
     /// Begins a file of `announced` bytes, 0 = not said. `token` distinguishes it from every other one that is arriving.
     ///
     /// # Errors

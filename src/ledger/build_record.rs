@@ -81,7 +81,8 @@ impl Ledger {
         }
         let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = $1) WHERE id = $1";
         sql::query(count).bind(id).execute(change.db()).await?;
-        for (_, part) in taken {
+        for ((_, part), row) in taken.into_iter().zip(&parts) {
+            take_over_copies(&mut change, part, row).await?;
             update_part_state(&mut change, part, id).await?;
         }
         change.commit().await?;
@@ -290,6 +291,45 @@ async fn import_placement(
     row.insert("build_id".to_owned(), build.0.into());
     insert_row(change, "placement", &row).await?;
     Ok(None)
+}
+
+/// How many copies are wanted may have been changed after the ledger was written: the record says it if it counts more decisions. In any
+/// case, at least as many are wanted as stand in builds. The events tell the difference.
+async fn take_over_copies(change: &mut LedgerChange, part: PartId, record: &JsonRow) -> Result<()> {
+    let row = change.require_part(part).await?;
+    let (placed, numbers): (i64, i64) =
+        sql::query_as("SELECT count(*), coalesce(max(copy) + 1, 0) FROM placement WHERE part_id = $1")
+            .bind(part)
+            .fetch_one(change.db())
+            .await?;
+    let (mut copies, mut wanted) = (i64::from(row.owed.copies), i64::from(row.wanted_copies()));
+    let known = sql::query_scalar::<i64>("SELECT decisions FROM part WHERE id = $1").bind(part);
+    let decisions = record.get("decisions").and_then(Value::as_i64).unwrap_or(0);
+    if decisions > known.fetch_one(change.db()).await? {
+        let then = number_column(record, "copies")?;
+        let cancelled = record.get("cancelled_copies").and_then(Value::as_i64).unwrap_or(0);
+        (copies, wanted) = (copies.max(then), then - cancelled);
+    }
+    (copies, wanted) = (copies.max(numbers), wanted.max(placed));
+    let set = sql::query(
+        "UPDATE part SET copies = $1, cancelled_copies = $1 - $2, decisions = CASE WHEN decisions < $3 THEN $3 ELSE decisions END WHERE id = $4",
+    );
+    set.bind(copies).bind(wanted).bind(decisions).bind(part).execute(change.db()).await?;
+    let told: Option<i64> = sql::query_scalar(
+        "SELECT sum(wanted_change) FROM event WHERE part_id = $1 \
+         AND EXISTS (SELECT 1 FROM event w WHERE w.part_id = $1 AND w.kind = 'waiting' AND w.wanted_change IS NOT NULL)",
+    )
+    .bind(part)
+    .fetch_one(change.db())
+    .await?;
+    let Some(more) = told.map(|told| wanted - told).filter(|more| *more != 0) else { return Ok(()) };
+    let (kind, what) = match more > 0 {
+        true => (EventKind::CopiesWanted, "more"),
+        false => (EventKind::CopiesCancelled, "fewer"),
+    };
+    let detail = format!("{} {what} wanted, according to the record of a build", more.abs());
+    change.write_event(kind, &row.profile, Some(part), None, &detail).await?;
+    change.note_wanted_change(more).await
 }
 
 /// Sets the state of a part according to its copies. This bypasses the state machine, because the part made its

@@ -19,14 +19,14 @@ pub struct LedgerChange {
     pub now: UtcTimestamp,
     origin: ChangeOrigin,
     /// The commands that are done with this change.
-    commands: CarriedOut,
+    commands: CommandsDone,
     /// Number of the last event that this change wrote.
     last_event: i64,
 }
 
 /// Commands that are carried out by one change.
 #[derive(Debug, Clone, Default)]
-pub struct CarriedOut {
+pub struct CommandsDone {
     /// The commands.
     pub commands: Arc<[CommandId]>,
     /// The answer to them, "" = they get it later.
@@ -44,7 +44,7 @@ pub enum ChangeOrigin {
 
 impl LedgerChange {
     /// Creates a change from a transaction that holds the write lock.
-    pub fn new(transaction: SqlTransaction, now: UtcTimestamp, origin: ChangeOrigin, commands: CarriedOut) -> Self {
+    pub fn new(transaction: SqlTransaction, now: UtcTimestamp, origin: ChangeOrigin, commands: CommandsDone) -> Self {
         Self { transaction, now, origin, commands, last_event: 0 }
     }
 
@@ -55,7 +55,7 @@ impl LedgerChange {
 
     /// Commits the change.
     pub async fn commit(mut self) -> Result<()> {
-        let CarriedOut { commands, answer } = std::mem::take(&mut self.commands);
+        let CommandsDone { commands, answer } = std::mem::take(&mut self.commands);
         for command in commands.iter() {
             let done = sql::query(
                 "UPDATE command SET state = 'done', answered_at = $1, answer = $2 WHERE id = $3 AND state = 'asked'",

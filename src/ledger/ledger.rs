@@ -7,7 +7,7 @@ use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
     ServingRight, SharedFarm, UtcTimestamp,
-    change::{CarriedOut, ChangeOrigin, LedgerChange},
+    change::{ChangeOrigin, CommandsDone, LedgerChange},
     consistency::{self, RuleScope},
     error::Result,
     health,
@@ -22,7 +22,7 @@ pub struct Ledger {
     store: LedgerStore,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
     /// The commands that are carried out.
-    commands: CarriedOut,
+    commands: CommandsDone,
     /// The node that opened it on a server to serve it, "" = none: its stored files are those of its machines.
     node: Arc<str>,
 }
@@ -132,7 +132,7 @@ impl Ledger {
     }
 
     fn of(store: LedgerStore) -> Self {
-        Self { store, clock: Arc::new(Timestamp::now), commands: CarriedOut::default(), node: "".into() }
+        Self { store, clock: Arc::new(Timestamp::now), commands: CommandsDone::default(), node: "".into() }
     }
 
     /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte. A server looks after its files
@@ -284,8 +284,7 @@ impl Ledger {
 
     /// Same as [`Ledger::for_command`] for several, with their answer; "" = they get it later.
     pub fn for_commands(&self, commands: &[CommandId], answer: &str) -> Self {
-        let commands = CarriedOut { commands: commands.into(), answer: answer.into() };
-        Self { commands, ..self.clone() }
+        Self { commands: CommandsDone { commands: commands.into(), answer: answer.into() }, ..self.clone() }
     }
 
     /// The node that opened the ledger on a server to serve it, "" = none.

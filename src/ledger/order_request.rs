@@ -2,7 +2,7 @@
 //! line, and goes on making it until there is a part of that claim.
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     EventKind, Ledger, RefusalCause, UtcTimestamp,
@@ -12,7 +12,7 @@ use super::{
 };
 
 /// A request that was carried out.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AnsweredRequest {
     /// BLAKE3 of what was asked, 64 hex digits.
     pub fingerprint: String,
@@ -23,7 +23,7 @@ pub struct AnsweredRequest {
 sql_row!(AnsweredRequest { fingerprint, answer });
 
 /// A line of an order that came by request.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct OrderedLine {
     /// Its claim: one for ever, made of the client, its key and the request.
     pub claim: String,
@@ -132,6 +132,18 @@ impl Ledger {
     pub async fn arriving_lines_of_order(&self, order_name: &str) -> Result<Vec<OrderedLine>> {
         let query = sql::select_as(&format!("{ARRIVING} AND order_name = $1 ORDER BY ordered_at, claim"));
         Ok(query.bind(order_name).fetch_all(self.reader()?).await?)
+    }
+
+    /// The lines of a request of which the ledger has no part. The ids of their claims begin with that of the request.
+    pub async fn arriving_lines_of_request(&self, request_id: &str) -> Result<Vec<OrderedLine>> {
+        let query = sql::select_as(&format!("{ARRIVING} AND claim >= $1 || '-' AND claim < $1 || '.' ORDER BY claim"));
+        Ok(query.bind(request_id).fetch_all(self.reader()?).await?)
+    }
+
+    /// Those of these claims of lines of which the ledger has neither the line nor a part.
+    pub async fn unknown_ordered_lines(&self, claims: &[String]) -> Result<Vec<String>> {
+        let unknown = self.unknown_claims(claims).await?;
+        self.find_unknown("ordered_line WHERE claim = value", &unknown).await
     }
 
     /// How many lines arrive for each machine for which any do.

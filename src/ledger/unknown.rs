@@ -28,7 +28,7 @@ impl Ledger {
         self.find_unknown("part WHERE content_hash = value", hashes).await
     }
 
-    async fn find_unknown(&self, rows: &str, asked: &[String]) -> Result<Vec<String>> {
+    pub(super) async fn find_unknown(&self, rows: &str, asked: &[String]) -> Result<Vec<String>> {
         let query = format!("SELECT value FROM json_each($1) WHERE NOT EXISTS (SELECT 1 FROM {rows})");
         let mut unknown = Vec::new();
         for some in asked.chunks(CHUNK_LEN) {

@@ -22,6 +22,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
+    farm,
     intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads},
     settings::MachineProfile,
 };
@@ -164,6 +165,7 @@ async fn on_disk<T: Send + 'static>(
 
 /// Forgets keys of requests, and removes files that were put and that nobody needs any more.
 async fn sweep_put_files(web: &DashboardState) -> HandlerResult<()> {
+    farm::update_order_notes(&web.ledger, &web.current_settings().state_dir).await?;
     let before = jiff::Timestamp::now().checked_sub(KEYS_KEPT).context("the clock is at the begin of time")?;
     web.ledger.forget_order_requests(before.into()).await?;
     let needed = web.ledger.contents_of_arriving_lines().await?.into_iter().collect();

@@ -7,7 +7,10 @@ use super::{
     error::{HandlerError, HandlerResult},
     state::DashboardState,
 };
-use crate::ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState};
+use crate::{
+    farm,
+    ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState},
+};
 
 /// How often what came meanwhile is looked for: a file that is read becomes several parts once.
 const MAX_ROUNDS: usize = 8;
@@ -83,6 +86,9 @@ async fn cancel_arriving(web: &DashboardState, target: CancelTarget<'_>, by: &st
         if is_meant && web.ledger.cancel_arriving_line(&line, &format!("cancelled by {by}")).await? {
             done.push(format!("{} was cancelled before it was taken.", line.name));
         }
+    }
+    if !done.is_empty() {
+        farm::update_order_notes(&web.ledger, &web.current_settings().state_dir).await?;
     }
     Ok(done)
 }

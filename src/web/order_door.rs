@@ -125,7 +125,7 @@ async fn take_order(
 ) -> HandlerResult<Response> {
     let fingerprint = order.fingerprint();
     if let Some(known) = web.ledger.find_answered_request(client.key_name(), &key).await? {
-        return answer_again(&known, &fingerprint);
+        return answer_again(web, client, &key, &known, &fingerprint).await;
     }
     let settings = web.current_settings();
     let Some(profile) = settings.profiles.get(&order.machine) else {
@@ -138,8 +138,11 @@ async fn take_order(
     judge_lines(web, profile, &lines).await?;
     let new = new_order(client, key, fingerprint, &order, lines)?;
     match web.ledger.record_order_request(&new).await? {
-        RecordedRequest::New => Ok(accepted(new.answered.answer)),
-        RecordedRequest::Known(known) => answer_again(&known, &new.answered.fingerprint),
+        RecordedRequest::New => {
+            farm::note_order(&web.ledger, &settings.state_dir, &new.client, &new.key, &new.answered).await?;
+            Ok(accepted(new.answered.answer))
+        }
+        RecordedRequest::Known(known) => answer_again(web, client, &new.key, &known, &new.answered.fingerprint).await,
     }
 }
 
@@ -175,10 +178,18 @@ fn accepted(answer: String) -> Response {
     (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], answer).into_response()
 }
 
-fn answer_again(known: &AnsweredRequest, fingerprint: &str) -> HandlerResult<Response> {
+async fn answer_again(
+    web: &DashboardState,
+    client: &RequestClient,
+    key: &str,
+    known: &AnsweredRequest,
+    fingerprint: &str,
+) -> HandlerResult<Response> {
     if known.fingerprint != fingerprint {
         return Err(unprocessable("this Idempotency-Key was used for another request: take a new key for a new order"));
     }
+    // The daemon may have ended before it was noted.
+    farm::note_order(&web.ledger, &web.current_settings().state_dir, client.key_name(), key, known).await?;
     Ok(([(REPLAYED_HEADER, "true")], accepted(known.answer.clone())).into_response())
 }
 

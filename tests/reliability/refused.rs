@@ -50,7 +50,7 @@ fn live_with_refusals(every: i64, offset: i64) -> SectionResult {
     let mut life = LifeCycle::new();
     life.farm.start();
     life.wait_for_sign_of_life();
-    let refused = RefusedChanges::begin(&life.farm.root().join("state/nestd.db"), every, offset);
+    let refused = ChangeRefusals::begin(&life.farm.root().join("state/nestd.db"), every, offset);
     let pid = life.farm.pid();
     let end = life.play(pid, &mut || false);
     let faults = refused.end();
@@ -71,12 +71,12 @@ fn live_with_refusals(every: i64, offset: i64) -> SectionResult {
 }
 
 /// Refuses one in so many changes of a ledger, each until no other was made for a while.
-struct RefusedChanges {
+struct ChangeRefusals {
     is_over: Arc<AtomicBool>,
     watch: JoinHandle<u64>,
 }
 
-impl RefusedChanges {
+impl ChangeRefusals {
     fn begin(ledger: &Path, every: i64, offset: i64) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         let (ledger, over) = (ledger.to_owned(), is_over.clone());

@@ -19,6 +19,7 @@ mod printer_recovery;
 mod printers;
 mod repair;
 mod reprints;
+mod restored;
 mod tickets;
 mod told;
 mod triggers;

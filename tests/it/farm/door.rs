@@ -22,13 +22,13 @@ const UPLOAD_MIB: usize = 24;
 const CUTS: usize = 20;
 
 /// A farm with a door, whose tokens are in a file.
-struct OpenFarm {
-    farm: TestFarm,
+pub(super) struct OpenFarm {
+    pub(super) farm: TestFarm,
     token: Option<String>,
 }
 
 impl OpenFarm {
-    fn start(web: &str) -> Self {
+    pub(super) fn start(web: &str) -> Self {
         let farm = TestFarm::new(QUICK);
         let config = fs::read_to_string(farm.config()).unwrap();
         let socket = farm.root().join("web.sock");
@@ -42,26 +42,26 @@ impl OpenFarm {
         self.farm.root().join("web.sock")
     }
 
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         self.farm.kill();
         self.farm.start();
         let answers = || send_request(&self.socket(), "GET /healthz", b"").is_some();
         wait_until_or("the dashboard answers", 30.0, || self.farm.log(), answers);
     }
 
-    fn send(&self, words: &str, body: &[u8]) -> HttpAnswer {
+    pub(super) fn send(&self, words: &str, body: &[u8]) -> HttpAnswer {
         let token = self.token.as_ref().map(|token| format!("\nauthorization: Bearer {token}")).unwrap_or_default();
         send_request(&self.socket(), &format!("{words}{token}"), body).unwrap_or_else(|| panic!("{}", self.farm.log()))
     }
 
-    fn put(&self, bytes: &[u8]) -> String {
+    pub(super) fn put(&self, bytes: &[u8]) -> String {
         let hash = blake3::hash(bytes).to_hex().to_string();
         let answer = self.send(&format!("PUT /api/v1/content/{hash}"), bytes);
         assert_eq!(answer.status, 201, "{answer:?}");
         hash
     }
 
-    fn order(&self, key: &str, lines: Value) -> HttpAnswer {
+    pub(super) fn order(&self, key: &str, lines: Value) -> HttpAnswer {
         let order = json!({ "machine": PROFILE, "order": "K-1", "lines": lines }).to_string();
         let words = format!("POST /api/v1/orders\ncontent-type: application/json\nidempotency-key: {key}");
         self.send(&words, order.as_bytes())
@@ -237,41 +237,6 @@ fn an_order_that_is_cancelled_at_once_is_not_printed_at_any_step_of_its_lines() 
     }
     assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
     assert!(open.farm.queued().is_empty());
-    assert!(open.farm.broken_invariants(&Default::default()).is_empty());
-}
-
-#[test]
-fn a_restored_ledger_that_has_forgotten_an_order_does_not_print_it_twice() {
-    let mut open = OpenFarm::start("");
-    let backup = open.farm.root().join("ledger.backup");
-    open.farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
-    let line = |open: &OpenFarm, name: &str, side: f64| {
-        let hash = blake3::hash(&stl(&block(side, 15.0, 10.0))).to_hex().to_string();
-        open.send(&format!("PUT /api/v1/content/{hash}"), &stl(&block(side, 15.0, 10.0)));
-        json!([{ "name": name, "content": hash, "copies": 2 }])
-    };
-    let built = line(&open, "built.stl", 20.0);
-    let first = open.order("k1", built.clone());
-    open.farm.wait_for_parts(PartState::Waiting, 1);
-    open.farm.flush();
-    open.farm.wait_for_parts(PartState::Built, 1);
-    let waiting = line(&open, "waiting.stl", 25.0);
-    assert_eq!(open.order("k2", waiting.clone()).status, 202);
-    open.farm.wait_for_parts(PartState::Waiting, 1);
-    open.farm.stop();
-    open.farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
-    open.restart();
-    let again = open.order("k1", built);
-    assert_eq!((again.status, again.header("idempotency-replayed")), (202, None), "its key is forgotten");
-    assert_eq!(again.body, first.body);
-    assert_eq!(open.order("k2", waiting).status, 202);
-    std::thread::sleep(Duration::from_secs(2));
-    let numbers = [PartState::Claimed, PartState::Waiting, PartState::Built].map(|state| open.farm.parts(state).len());
-    assert_eq!(numbers, [0, 1, 1], "{}", open.farm.log());
-    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
-    open.farm.flush();
-    open.farm.wait_for_parts(PartState::Built, 2);
-    open.farm.assert_nothing_lost_or_doubled();
     assert!(open.farm.broken_invariants(&Default::default()).is_empty());
 }
 

@@ -34,6 +34,7 @@ mod printers;
 mod privilege;
 mod requests;
 mod restore;
+mod restored_orders;
 mod returned;
 mod rot;
 mod share;

@@ -1,0 +1,142 @@
+//! Ledgers that are put back to a time before copies were edited and printed, or orders came by request.
+
+use std::fs;
+
+use super::{HandDrivenFarm, PROFILE, QUICK, block, stl};
+use crate::{
+    farm::{note_order, update_order_notes},
+    intake::{PutContents, ordered_claim_id},
+    ledger::{AnsweredRequest, CommandKind, NewOrderRequest, OrderedLine, PartEdit, PartId, PartState},
+};
+
+fn publish(farm: &mut HandDrivenFarm, builds: usize) {
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(builds);
+    farm.pass_secs(1.0);
+}
+
+fn edit(farm: &HandDrivenFarm, part: PartId, copies: u32) {
+    let edit = PartEdit { copies: Some(copies), ..PartEdit::default() };
+    farm.ask(async |ledger| ledger.edit_part(part, &edit, "ann@farm").await.unwrap());
+}
+
+#[test]
+fn a_restored_ledger_wants_at_least_the_copies_that_were_printed_since_and_holds_together() {
+    type Since = fn(&mut HandDrivenFarm, PartId);
+    let stories: [(&str, Since, PartState, u32); 4] = [
+        (
+            "more were wanted before the print",
+            |farm, part| (edit(farm, part, 3), publish(farm, 1)).1,
+            PartState::Built,
+            3,
+        ),
+        (
+            "more were wanted after the print",
+            |farm, part| {
+                publish(farm, 1);
+                edit(farm, part, 3);
+                publish(farm, 2);
+            },
+            PartState::Built,
+            3,
+        ),
+        (
+            "some of them were cancelled",
+            |farm, part| {
+                edit(farm, part, 5);
+                farm.ask(async |ledger| ledger.cancel_copies(part, 2, "ann@farm").await.unwrap());
+                publish(farm, 1);
+            },
+            PartState::Built,
+            3,
+        ),
+        (
+            "it was refused, taken back and wanted more often",
+            |farm, part| {
+                farm.order_and_wait(CommandKind::Cancel, Some(part));
+                farm.order_and_wait(CommandKind::Retry, Some(part));
+                farm.wait_for_parts(PartState::Waiting, 1);
+                edit(farm, part, 4);
+                publish(farm, 1);
+            },
+            PartState::Built,
+            4,
+        ),
+    ];
+    for (story, since, state, wanted) in stories {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+        let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+        let backup = farm.write_backup("backup");
+        since(&mut farm, part);
+        for _ in 0..2 {
+            farm.stop();
+            farm.restore(&backup);
+            farm.start();
+            farm.pass_secs(2.0);
+            let parts = farm.parts(state);
+            let found: Vec<u32> = parts.iter().map(|part| part.wanted_copies()).collect();
+            assert_eq!(found, [wanted], "{story}");
+            farm.assert_nothing_lost_or_doubled();
+        }
+    }
+}
+
+/// Records an order of two lines as the door does, and its note.
+fn take_order(farm: &HandDrivenFarm) -> NewOrderRequest {
+    let bytes = stl(&block(10.0, 12.0, 14.0));
+    let contents = PutContents::of_farm(&farm.root().join("state"));
+    contents.create_folder().unwrap();
+    let content_hash = blake3::hash(&bytes).to_hex().to_string();
+    fs::write(contents.path_of(&content_hash), bytes).unwrap();
+    let line = |at: usize| OrderedLine {
+        claim: ordered_claim_id("mes", "k1", "f", at),
+        client: "mes".to_owned(),
+        profile: PROFILE.to_owned(),
+        order_name: "K-1".to_owned(),
+        name: format!("line{at}.stl"),
+        content_hash: content_hash.clone(),
+        copies: 2,
+        ticket: r#"{"copies":2,"order":"K-1"}"#.to_owned(),
+    };
+    let answered = AnsweredRequest { fingerprint: "f".to_owned(), answer: "{}".to_owned() };
+    let (client, key) = ("mes".to_owned(), "k1".to_owned());
+    let order = NewOrderRequest { client, key, answered, lines: vec![line(1), line(2)] };
+    farm.ask(async |ledger| {
+        ledger.record_order_request(&order).await.unwrap();
+        note_order(ledger, &farm.root().join("state"), "mes", "k1", &order.answered).await.unwrap();
+    });
+    order
+}
+
+#[test]
+fn an_order_that_was_answered_is_taken_in_by_a_restore_whatever_became_of_its_lines_since() {
+    // Whether a line is cancelled and the others become parts before the ledger is put back.
+    for (is_cancelled, is_taken) in [(false, false), (true, false), (false, true)] {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let backup = farm.write_backup("backup");
+        let order = take_order(&farm);
+        let state = farm.root().join("state");
+        if is_cancelled {
+            farm.ask(async |ledger| {
+                assert!(ledger.cancel_arriving_line(&order.lines[0], "by ann").await.unwrap());
+                update_order_notes(ledger, &state).await.unwrap();
+            });
+        }
+        if is_taken {
+            farm.wait_for_parts(PartState::Waiting, 2);
+        }
+        farm.stop();
+        let told = farm.restore(&backup).done.join("\n");
+        assert_eq!(told.contains("line1.stl of order K-1"), !is_cancelled && !is_taken, "{told}");
+        assert_eq!(told.contains("line2.stl of order K-1"), !is_taken, "{told}");
+        farm.start();
+        let parts = if is_cancelled { 1 } else { 2 };
+        farm.wait_for_parts(PartState::Waiting, parts);
+        publish(&mut farm, 1);
+        assert_eq!(farm.parts(PartState::Built).len(), parts);
+        farm.assert_nothing_lost_or_doubled();
+        farm.ask(async |ledger| update_order_notes(ledger, &state).await.unwrap());
+        assert_eq!(fs::read_dir(state.join("put/orders")).unwrap().count(), 0, "its lines are parts");
+    }
+}

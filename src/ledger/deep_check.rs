@@ -4,6 +4,7 @@ use jiff::Timestamp;
 
 use super::{
     BuildId, BuildRow, Ledger, PartId, PartState, UtcTimestamp,
+    consistency::{self, RuleScope},
     error::Result,
     sql::{self, sql_row},
 };
@@ -53,6 +54,22 @@ pub struct BuiltPartRow {
 sql_row!(BuiltPartRow { build, profile, file_name, part, name, content_hash });
 
 impl Ledger {
+    /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
+    pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
+        self.find_inconsistencies_in(&RuleScope::ALL).await
+    }
+
+    /// The same for some of the rules.
+    pub async fn find_inconsistencies_of(&self, scope: RuleScope) -> Result<Vec<String>> {
+        self.find_inconsistencies_in(&[scope]).await
+    }
+
+    async fn find_inconsistencies_in(&self, scopes: &[RuleScope]) -> Result<Vec<String>> {
+        let mut snapshot = self.begin_snapshot().await?;
+        snapshot.allow_whole_ledger().await?;
+        consistency::find_inconsistencies(&mut snapshot, scopes).await
+    }
+
     /// All parts that are not built, oldest first.
     pub async fn unbuilt_part_files(&self) -> Result<Vec<PartFileRow>> {
         let query = sql::query_as(

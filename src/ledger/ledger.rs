@@ -8,7 +8,6 @@ use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
     ServingRight, SharedFarm, UtcTimestamp,
     change::{ChangeOrigin, CommandsDone, LedgerChange},
-    consistency::{self, RuleScope},
     error::Result,
     health,
     sql::{SqlExecutor, SqlTransaction},
@@ -380,22 +379,6 @@ impl Ledger {
             #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_snapshot().await?),
         })
-    }
-
-    /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
-    pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
-        self.find_inconsistencies_in(&RuleScope::ALL).await
-    }
-
-    /// The same for some of the rules.
-    pub async fn find_inconsistencies_of(&self, scope: RuleScope) -> Result<Vec<String>> {
-        self.find_inconsistencies_in(&[scope]).await
-    }
-
-    async fn find_inconsistencies_in(&self, scopes: &[RuleScope]) -> Result<Vec<String>> {
-        let mut snapshot = self.begin_snapshot().await?;
-        snapshot.allow_whole_ledger().await?;
-        consistency::find_inconsistencies(&mut snapshot, scopes).await
     }
 }
 

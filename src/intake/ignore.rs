@@ -3,19 +3,85 @@
 
 use std::ffi::OsStr;
 
-/// Suffixes that copying programs and browsers add to incomplete files.
-const SUFFIXES: [&str; 5] = [".tmp", ".partial", ".part", ".crdownload", ".filepart"];
-/// Prefix of Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`) are always
+/// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
+/// and editors to their backups.
+const SUFFIXES: [&str; 30] = [
+    ".tmp",
+    ".temp",
+    ".partial",
+    ".part",
+    ".crdownload",
+    ".opdownload",
+    ".download",
+    ".downloading",
+    ".filepart",
+    ".upload",
+    ".uploading",
+    ".uploadpart",
+    ".upload_part",
+    ".incomplete",
+    ".unfinished",
+    ".inprogress",
+    ".aria2",
+    ".gstmp",
+    ".driveupload",
+    ".!sync",
+    ".bts",
+    ".!ut",
+    ".!qb",
+    "~",
+    ".bak",
+    ".backup",
+    ".old",
+    ".orig",
+    ".swp",
+    ".autosave",
+];
+/// Prefix of Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`, `.snapshot`) are always
 /// ignored.
 const PREFIXES: [&str; 1] = ["~$"];
-/// Files and folders that operating systems and sync tools put into every folder.
-const NAMES: [&str; 5] = ["desktop.ini", "thumbs.db", "@eadir", "__macosx", "lost+found"];
+/// Files and folders that operating systems, sync tools and network storage put into every folder: among them recycle bins and
+/// snapshots, whose parts nobody has ordered.
+const NAMES: [&str; 29] = [
+    "desktop.ini",
+    "thumbs.db",
+    "__macosx",
+    "lost+found",
+    "system volume information",
+    "$recycle.bin",
+    "recycler",
+    "recycled",
+    "found.000",
+    "#recycle",
+    "@recycle",
+    "@recycle_bin",
+    "_recycle",
+    "recycle.bin",
+    "network trash folder",
+    "temporary items",
+    "thevolumesettingsfolder",
+    "#snapshot",
+    "~snapshot",
+    "@snapshot",
+    "@snapshots",
+    "@gmt",
+    "@recently-snapshot",
+    "@eadir",
+    "@tmp",
+    "@sharebin",
+    "@syncignore",
+    "@__thumb",
+    "_gsdata_",
+];
 
 /// Whether a file or folder of this name is ignored, at any depth. Case does not matter, because Windows and macOS do
 /// not distinguish `THUMBS.DB` from `Thumbs.db`.
 pub fn is_ignored(name: &OsStr) -> bool {
     let name = name.as_encoded_bytes().to_ascii_lowercase();
+    // Emacs saves `x.stl` as `#x.stl#` meanwhile.
+    let is_autosave = name.len() > 2 && name.starts_with(b"#") && name.ends_with(b"#");
     name.starts_with(b".")
+        || is_autosave
         || SUFFIXES.iter().any(|s| name.ends_with(s.as_bytes()))
         || PREFIXES.iter().any(|p| name.starts_with(p.as_bytes()))
         || NAMES.iter().any(|n| name == n.as_bytes())
@@ -47,6 +113,19 @@ mod tests {
             "Desktop.ini",
             "Thumbs.db",
             "THUMBS.DB",
+            "#recycle",
+            "$RECYCLE.BIN",
+            "~snapshot",
+            "@Recently-Snapshot",
+            "System Volume Information",
+            "part.stl~",
+            "part.stl.BAK",
+            "part.stl.old",
+            "part.stl.!sync",
+            "part.stl.uploading",
+            "part.stl.opdownload",
+            "part.stl.download",
+            "#part.stl#",
             ".hidden.stl",
             "@eaDir",
             ".stfolder",
@@ -62,9 +141,19 @@ mod tests {
 
     #[test]
     fn parts_and_tickets_are_not_ignored() {
-        for name in
-            ["part.stl", "PART.3MF", "part", "tmp", "a~b.stl", "part.stl.toml", "order.csv", "x.part.stl", "partial"]
-        {
+        for name in [
+            "part.stl",
+            "PART.3MF",
+            "part",
+            "tmp",
+            "a~b.stl",
+            "part.stl.toml",
+            "order.csv",
+            "x.part.stl",
+            "partial",
+            "#7.stl",
+            "@a.stl",
+        ] {
             assert!(!is_ignored(OsStr::new(name)), "{name}");
         }
     }

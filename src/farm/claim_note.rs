@@ -15,7 +15,7 @@ use crate::{
     intake::{
         self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
     },
-    ledger::{Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource},
+    ledger::{DroppedFile, Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource},
     settings::{MachineProfile, Settings},
 };
 
@@ -60,6 +60,7 @@ impl ClaimNote {
             terms,
             warnings: part.warnings.lines().map(str::to_owned).collect(),
             ticket: None,
+            dropped: DroppedFile::default(),
         };
         Self { farm: farm.to_owned(), part, unclear: None }
     }
@@ -258,6 +259,7 @@ pub(super) fn new_part_row(
         },
         warnings,
         ticket: source,
+        dropped: DroppedFile { folder: claim.order.clone(), mtime_ns: claim.dropped_mtime_ns() },
     }
 }
 

@@ -1,11 +1,11 @@
-//! Checks files that were dropped before. Such a file orders more copies, or has another size because of another unit.
+//! Checks files that were dropped before. Such a file orders more copies, has another size because of another unit, or was put back
+//! by a sync program: its modification time tells the last from a new drop.
 
 use anyhow::Result;
 
-use super::machine_state::MachineStates;
+use super::{doubtful_drops::add_question, machine_state::MachineStates};
 use crate::{
-    ledger::Ledger,
-    ledger::{PartRow, SolidFacts},
+    ledger::{Ledger, PartId, PartRow, SolidFacts},
     settings::DuplicatePolicy,
 };
 
@@ -16,13 +16,36 @@ pub(super) enum DuplicateDecision {
     None,
     /// The part is accepted with this warning.
     Warn(String),
+    /// It is asked whether the part is to be printed, for this reason (part of a sentence).
+    Ask(String),
     /// The part is refused. The reason is in whole sentences.
     Refuse(String),
 }
 
 impl DuplicateDecision {
+    /// Notes a warning or a question on the solids of an accepted file.
+    pub fn note_on(self, solids: &mut [SolidFacts]) {
+        match (self, solids.first_mut()) {
+            (Self::Warn(warning), Some(first)) => first.warnings.push(warning),
+            (Self::Ask(doubt), _) => add_question(solids, &doubt),
+            _ => {}
+        }
+    }
+
     /// The consequence for a part that was read, according to the duplicate policy of its profile.
-    fn of(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow, duplicates: DuplicatePolicy) -> Self {
+    fn of(
+        part: &PartRow,
+        solids: &[SolidFacts],
+        earlier: &PartRow,
+        put_back: Option<PartId>,
+        duplicates: DuplicatePolicy,
+    ) -> Self {
+        if let Some(taken) = put_back.filter(|_| duplicates == DuplicatePolicy::Warn) {
+            return Self::Ask(format!(
+                "it has the folder, the name, the bytes and the time of part {taken}, so a sync program may have put back what was \
+                 taken already"
+            ));
+        }
         if is_in_another_unit(part, solids, earlier) {
             return Self::Warn(format!(
                 "The same file as part {}, but in another unit: it is a part of another size.",
@@ -52,9 +75,10 @@ pub(super) async fn decide_on_duplicate(
     let Some(earlier) = ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await? else {
         return Ok(DuplicateDecision::None);
     };
+    let put_back = ledger.find_put_back_part(part.id).await?;
     let earlier = ledger.find_part(earlier).await?;
     Ok(earlier.map_or(DuplicateDecision::None, |earlier| {
-        DuplicateDecision::of(part, solids, &earlier, machine.profile.intake.duplicates)
+        DuplicateDecision::of(part, solids, &earlier, put_back, machine.profile.intake.duplicates)
     }))
 }
 

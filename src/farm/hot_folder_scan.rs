@@ -64,7 +64,8 @@ pub struct HotFolderScan {
     /// Control files, the oldest first. The farm obeys and removes them; those that it leaves are offered again at the next
     /// scan.
     pub controls: Vec<ControlFile>,
-    /// What waits because it does not match an order list, as parts of sentences.
+    /// What waits because it does not match a ticket or an order list, as parts of sentences. What the farm leaves of the late
+    /// tickets is added to it.
     pub waiting_reasons: Vec<String>,
     /// Whether more is ready than one scan takes: `held` is incomplete.
     pub is_truncated: bool,

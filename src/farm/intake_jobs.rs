@@ -10,7 +10,7 @@ use super::{
     alert::AlertKind,
     claim_completion,
     claim_note::ClaimNote,
-    damaged_files,
+    damaged_files, doubtful_drops,
     duplicates::{self, DuplicateDecision},
     error_folder::{self, COPIES_UNKNOWN},
     farm::Farm,
@@ -189,12 +189,12 @@ async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> 
     match outcome {
         PartReadOutcome::Solids(mut solids) => {
             match duplicates::decide_on_duplicate(&farm.ledger, &farm.machines, &part, &solids).await? {
-                DuplicateDecision::None => {}
-                DuplicateDecision::Warn(warning) => solids[0].warnings.push(warning),
                 DuplicateDecision::Refuse(reason) => {
                     return claim_completion::refuse_part(farm, &part, RefusalCause::Duplicate, &reason).await;
                 }
+                accepted => accepted.note_on(&mut solids),
             }
+            doubtful_drops::ask_about_doubts(&farm.ledger, &part, &mut solids, farm.date()).await?;
             let ids = farm.ledger.accept_solids(id, &solids).await?;
             let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
             let parts = format_count(ids.len(), "part", "parts");

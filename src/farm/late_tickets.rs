@@ -9,7 +9,7 @@ use jiff::{SignedDuration, Timestamp};
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
-use super::{claim_note::ticket_row, farm::Farm, jobs::BackgroundJob, mark_note};
+use super::{claim_note::ticket_row, farm::Farm, hot_folder_scan::HotFolderScan, jobs::BackgroundJob, mark_note};
 use crate::{
     intake::{self, LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
@@ -47,23 +47,47 @@ impl BackgroundJob<Farm> for LateTicketJob {
 /// What becomes of a late ticket.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum LateDecision {
-    /// It waits: perhaps its part still comes, or is being read or nested.
+    /// It waits until its part is read or nested.
     Wait,
+    /// It waits for its part to be dropped.
+    AwaitPart(AwaitedPart),
     /// It was applied to this part.
     Accept(String),
     /// It is refused for this reason.
     Refuse(String),
 }
 
+/// A part that a late ticket waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AwaitedPart {
+    /// No part is meant: it may still come.
+    Missing,
+    /// It was refused, and is to be dropped again together with its ticket.
+    Refused,
+}
+
+impl AwaitedPart {
+    /// What is said of one part or several (end of a sentence).
+    fn text(self, parts: usize) -> &'static str {
+        match (self, parts) {
+            (Self::Missing, 1) => "which is not there",
+            (Self::Missing, _) => "which are not there",
+            (Self::Refused, 1) => "which was refused: drop it again",
+            (Self::Refused, _) => "which were refused: drop them again",
+        }
+    }
+}
+
 /// Late tickets that the ledger has not taken: their keys, and the first failure. They must be offered again.
 pub(super) type UnjudgedTickets = (Vec<String>, anyhow::Error);
 
-/// Applies the late tickets of a scan.
+/// Applies the late tickets of a scan. What still waits for a part is added to what waits.
 pub(super) async fn apply_late_tickets(
     farm: &mut Farm,
     profile: &str,
-    tickets: Vec<LateTicket>,
+    scan: &mut HotFolderScan,
 ) -> Result<(), UnjudgedTickets> {
+    let tickets = std::mem::take(&mut scan.late_tickets);
     if tickets.is_empty() {
         return Ok(());
     }
@@ -72,22 +96,56 @@ pub(super) async fn apply_late_tickets(
         Ok(parts) => parts,
         Err(failure) => return Err((tickets.into_iter().map(|late| late.key).collect(), failure.into())),
     };
-    let (mut keys, mut first) = (Vec::new(), None);
+    let (mut keys, mut first, mut left) = (Vec::new(), None, Vec::new());
     for late in tickets {
         let key = late.key.clone();
-        if !farm.jobs.is_running::<LateTicketJob>(&key)
-            && let Err(failure) = judge_late_ticket(farm, profile, late, &parts).await
-        {
-            keys.push(key);
-            first.get_or_insert(failure);
+        if farm.jobs.is_running::<LateTicketJob>(&key) {
+            continue;
+        }
+        match judge_late_ticket(farm, profile, late, &parts).await {
+            Ok(awaiting) => left.extend(awaiting),
+            Err(failure) => {
+                keys.push(key);
+                first.get_or_insert(failure);
+            }
         }
     }
+    scan.waiting_reasons.extend(waiting_reasons(&left));
     first.map_or(Ok(()), |failure| Err((keys, failure)))
 }
 
-async fn judge_late_ticket(farm: &mut Farm, profile: &str, late: LateTicket, parts: &[PartRow]) -> Result<()> {
-    let decision = apply_late_ticket(farm, profile, &late, parts).await?;
-    finish(farm, profile, late, decision).await
+/// Returns a ticket that waits for its part.
+async fn judge_late_ticket(
+    farm: &mut Farm,
+    profile: &str,
+    late: LateTicket,
+    parts: &[PartRow],
+) -> Result<Option<(LateTicket, AwaitedPart)>> {
+    match apply_late_ticket(farm, profile, &late, parts).await? {
+        LateDecision::AwaitPart(part) => Ok(Some((late, part))),
+        decision => finish(farm, profile, late, decision).await.map(|()| None),
+    }
+}
+
+/// Maximum number of files that are named for one list.
+const MAX_NAMED: usize = 5;
+
+/// What waits for a part: a ticket by itself, the rows of a list together.
+fn waiting_reasons(left: &[(LateTicket, AwaitedPart)]) -> Vec<String> {
+    let of_same_file =
+        left.chunk_by(|(one, part), (other, other_part)| one.entry.path == other.entry.path && part == other_part);
+    let reason = |tickets: &[(LateTicket, AwaitedPart)]| {
+        let (first, part) = tickets.first()?;
+        let order = if first.order().is_empty() { String::new() } else { format!("{}/", first.order()) };
+        let says = if first.source.source == SpecSource::OrderList { "names" } else { "is for" };
+        let shown = tickets.iter().map(|(late, _)| intake::display_name(late.part_name.as_ref()));
+        let mut names: Vec<String> = shown.take(MAX_NAMED).collect();
+        let more = tickets.len() - names.len();
+        names.extend((more > 0).then(|| format!("and {more} more")));
+        let (names, state) = (names.join(", "), part.text(tickets.len()));
+        Some(format!("{order}{} {says} {names}, {state}", first.source.file_name))
+    };
+    of_same_file.filter_map(reason).collect()
 }
 
 async fn apply_late_ticket(
@@ -104,8 +162,7 @@ async fn apply_late_ticket(
     names.dedup();
     let name = match intake::find_named_part(&late.part_name, &names) {
         NamedPart::Only(at) => names[at],
-        // Perhaps its part still comes.
-        NamedPart::Missing => return Ok(LateDecision::Wait),
+        NamedPart::Missing => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
         NamedPart::Several => {
             let reason = format!(
                 "It came after its part was taken, and it may mean several parts: {}. Change the one that is meant with \
@@ -125,10 +182,11 @@ async fn apply_late_ticket(
     if solids.iter().any(|part| part.state == PartState::Claimed) {
         return Ok(LateDecision::Wait);
     }
-    // A refused part is dropped again together with its ticket; a new file of the name of a part that is printed may
-    // still come.
-    if newest.state == PartState::Rejected || newest.state == PartState::Built && !late.is_last_offer {
-        return Ok(LateDecision::Wait);
+    match newest.state {
+        PartState::Rejected => return Ok(LateDecision::AwaitPart(AwaitedPart::Refused)),
+        // A new file of the name of a part that is printed may still come.
+        PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
+        _ => {}
     }
     if ticket.copies.is_some() && solids.len() > 1 {
         return Ok(LateDecision::Refuse(several_solids_reason(newest, solids.len())));
@@ -244,7 +302,7 @@ async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: Late
     let job =
         LateTicketJob { profile: profile.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
     match decision {
-        LateDecision::Wait => {}
+        LateDecision::Wait | LateDecision::AwaitPart(_) => {}
         LateDecision::Accept(meant) => farm.jobs.start(job, move || {
             let archive = || -> Result<LateTicketEnd> {
                 leases.archive.clone().check_usable()?;

@@ -28,6 +28,7 @@ mod crash_guard;
 mod damaged_files;
 mod deferred_refusal;
 mod disk_cache;
+mod doubtful_drops;
 #[cfg(test)]
 mod driven_tests;
 mod due_dates;

@@ -16,7 +16,7 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// Rows of an order list without a file are reported when the list has not changed for this many settle times.
+/// A list that cannot be read is reported when it has not changed for this many settle times.
 const REPORT_AFTER_SETTLES: f64 = 2.0;
 
 /// Handles the settled files of one scan.
@@ -68,16 +68,11 @@ impl ReadyFiles<'_> {
                     Some(reason) if self.earlier_offers.contains(&late.key) => {
                         self.refuse_file(ticket, RefusalCause::Ticket, reason, received);
                     }
-                    _ => {
-                        let (ticket, part) = (file_display_name(&ticket.path), intake::display_name(part_name));
-                        let order = if late.order().is_empty() { String::new() } else { format!("{}/", late.order()) };
-                        received.waiting_reasons.push(format!("{order}{ticket} is for {part}, which is not there"));
-                        self.offer_late_tickets(vec![late], received);
-                    }
+                    _ => self.offer_late_tickets(vec![late], received),
                 }
             }
             // It waits, or was made into a refusal, before it comes here.
-            SettledEntry::RivalList { .. } => {}
+            SettledEntry::RivalList { .. } | SettledEntry::Blocked { .. } => {}
             SettledEntry::Refuse { seen, reason } => self.refuse_file(seen, refusal_kind(seen), reason, received),
         }
         None
@@ -107,7 +102,6 @@ impl ReadyFiles<'_> {
                     let is_offered = late.iter().all(|late| self.earlier_offers.contains(&late.key));
                     self.offer_late_tickets(late, received);
                     if is_last_offer && !is_offered {
-                        received.waiting_reasons.extend(lists.list_wait_reason(list));
                         return;
                     }
                 }
@@ -125,7 +119,7 @@ impl ReadyFiles<'_> {
             }
             // It may be only the first of its order to be copied.
             Ok(ListOutcome::Awaited) if quiet_secs < REPORT_AFTER_SETTLES * self.profile.intake.settle_secs => {}
-            Ok(ListOutcome::Awaited) => received.waiting_reasons.extend(lists.list_wait_reason(list)),
+            Ok(ListOutcome::Awaited) => received.waiting_reasons.extend(lists.list_fault(list)),
             Ok(ListOutcome::Archived(_)) => {}
             Err(error) => received.warnings.push(error_chain(&error)),
         }

@@ -131,8 +131,7 @@ async fn on_scan_done(farm: &mut Farm, name: &str, mut scan: HotFolderScan) {
     if let Err(failure) = control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await {
         farm.report_failure(AlertKind::TakingFails, name, "obeying a control file", &failure);
     }
-    let late = std::mem::take(&mut scan.late_tickets);
-    if let Err((keys, failure)) = late_tickets::apply_late_tickets(farm, name, late).await {
+    if let Err((keys, failure)) = late_tickets::apply_late_tickets(farm, name, &mut scan).await {
         farm.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
         with_scanner(farm, name, |scanner| keys.iter().for_each(|key| scanner.offer_again(key)));
     }

@@ -20,7 +20,7 @@ use super::{
     file_role::LIST_LOOKUP_NAME,
     given_back,
     recover::{give_back_files, remove_claim_dir},
-    served_rows::mark_served,
+    served_rows::{mark_row_unused, mark_served},
 };
 
 /// Result of releasing a claimed file.
@@ -54,6 +54,7 @@ pub(super) fn claim_stepwise(
     let (part, tickets, listed) = match ready {
         SettledEntry::Part { part, tickets, list, lookup: said, .. } => (part, tickets, (list.as_ref(), said.as_ref())),
         SettledEntry::List { list: seen, .. }
+        | SettledEntry::Blocked { part: seen, .. }
         | SettledEntry::RivalList { rival: seen, .. }
         | SettledEntry::Orphan { ticket: seen, .. }
         | SettledEntry::Control { file: seen, .. }
@@ -122,9 +123,15 @@ fn move_files_in(
     if let Some(said) = said {
         said.save_to(&folder.join(LIST_LOOKUP_NAME)).map_err(|e| io_error("write", &folder, e))?;
         step();
-        if let (Some(list), Some(row)) = (list, &said.file) {
-            let name = part.path.file_name().unwrap_or_default();
-            mark_served(inbox, list, row, name).map_err(|e| io_error("mark a row as served of", &list.path, e))?;
+        if let Some(list) = list {
+            let mark_failed = |e| io_error("mark a row as served of", &list.path, e);
+            for row in &said.unused_rows {
+                mark_row_unused(inbox, list, row).map_err(mark_failed)?;
+            }
+            if let Some(row) = &said.file {
+                let name = part.path.file_name().unwrap_or_default();
+                mark_served(inbox, list, row, name).map_err(mark_failed)?;
+            }
         }
         step();
     }

@@ -15,6 +15,9 @@ pub(super) const UNFINISHED_PREFIX: &str = ".new-";
 /// Prefix of a claim that is being removed.
 pub(super) const REMOVED_PREFIX: &str = ".done-";
 
+/// How the ids of the claims of ordered lines begin.
+pub(super) const ORDERED_PREFIX: &str = "order-";
+
 /// Prefix of the trace that a taken-over claim leaves: `.adopted-<id>@<former farm>`. The trace stays, because the
 /// former farm may come back at any time, even with an older ledger.
 pub(super) const ADOPTED_PREFIX: &str = ".adopted-";
@@ -45,6 +48,11 @@ pub(super) fn parse_folder_name(name: &str) -> (&str, Option<&str>) {
         .find_map(|with| name.strip_prefix(with))
         .unwrap_or(name);
     name.split_once('@').map_or((name, None), |(id, farm)| (id, Some(farm)))
+}
+
+/// Whether the folder name of a claim is that of an ordered line.
+pub(super) fn is_ordered_claim(folder_name: &str) -> bool {
+    parse_folder_name(folder_name).0.starts_with(ORDERED_PREFIX)
 }
 
 /// Returns the claim id in a folder name, whether the claim is complete or not.

@@ -9,7 +9,7 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    claim_folder::{CLAIMED_DIR, parse_folder_name},
+    claim_folder::{CLAIMED_DIR, is_ordered_claim, parse_folder_name},
     disk, display_name,
     file_role::{FileRole, file_role},
     name::order_display_name,
@@ -48,6 +48,11 @@ impl ClaimedPart {
     /// File name, escaped for display.
     pub fn display_name(&self) -> String {
         display_name(&self.name)
+    }
+
+    /// Modification time of the file as it was dropped, nanoseconds since 1970. `None` = a program ordered it over HTTP.
+    pub fn dropped_mtime_ns(&self) -> Option<i64> {
+        i64::try_from(self.mtime_ns).ok().filter(|_| !is_ordered_claim(&self.id))
     }
 
     /// Loads a claim from its folder. `None` if the folder does not hold exactly one part.

@@ -36,6 +36,11 @@ fn precious(farm: &TestInbox) -> (PathBuf, PathBuf) {
     (folder.clone(), folder.join("a.stl"))
 }
 
+/// What is decided of the entries of a folder where nothing changes any more.
+fn judged(farm: &TestInbox, incomplete_secs: f64) -> Vec<TakeDecision> {
+    farm.judged(OrderListRules { incomplete_secs, unlisted: UnlistedPolicy::Reject })
+}
+
 /// Only its owner may read it.
 fn hide(file: &Path) {
     fs::set_permissions(file, fs::Permissions::from_mode(0o600)).unwrap();
@@ -187,12 +192,12 @@ fn a_part_whose_ticket_or_list_has_a_second_name_is_refused_as_its_copies_are_no
         fs::write(farm.dir.path().join("secret"), "copies = 3").unwrap();
         hide(&farm.dir.path().join("secret"));
         fs::hard_link(farm.dir.path().join("secret"), farm.inbox.join(name)).unwrap();
-        let ready = farm.ready();
-        assert_eq!(ready.len(), 2, "{ready:?}");
-        for one in ready {
-            let SettledEntry::Refuse { reason, .. } = one else { panic!("{one:?}") };
-            assert!(reason.contains("another name") && !reason.contains("copies = 3"), "{reason}");
-        }
+        let (waiting, over) = (judged(&farm, 1000.0), judged(&farm, 0.0));
+        assert!(waiting.iter().all(|one| matches!(one, TakeDecision::Wait(_))), "{waiting:?}");
+        let said = format!("{over:?}");
+        assert!(said.contains("another name") && !said.contains("copies = 3"), "{said}");
+        let is_taken = |one: &TakeDecision| matches!(one, TakeDecision::Take(SettledEntry::Part { lookup: None, .. }));
+        assert!(!over.iter().any(is_taken), "{over:?}");
     }
 }
 

@@ -19,6 +19,18 @@ pub enum EntryKind {
     Device,
 }
 
+/// What a look into a text file of the hot folder found beside what its name says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FoundList {
+    /// Nothing.
+    #[default]
+    None,
+    /// An order list that names a file beside it, or one that was taken.
+    Readable,
+    /// A list in a format that nestd does not read, such as `order.json`, beside parts.
+    Foreign,
+}
+
 /// One entry of the hot folder, as a scan found it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InboxEntry {
@@ -43,6 +55,28 @@ pub struct InboxEntry {
     pub dev: u64,
     /// Whether this is one of several hard links to a file that is not readable by everyone.
     pub is_private_link: bool,
-    /// Whether this is a text file whose content is an order list that names a file beside it, or one that was taken.
-    pub is_text_list: bool,
+    /// Whether its content is an order list, although its name does not say so.
+    pub found_list: FoundList,
+}
+
+/// Why a ticket or list cannot be read, whatever is in it, and what helps: a sentence without its subject, which is the name of
+/// the file.
+pub(super) fn unreadable_reason(seen: &InboxEntry) -> Option<String> {
+    let kind = match seen.kind {
+        // The user who made the link may not be allowed to read the file.
+        EntryKind::File if seen.is_private_link => {
+            return Some(
+                "is a hard link (it has another name elsewhere) and not everyone may read it, so nestd neither reads it nor \
+                 prints parts according to it: drop a copy of the file"
+                    .to_owned(),
+            );
+        }
+        EntryKind::File => return None,
+        EntryKind::Symlink => "a symbolic link",
+        EntryKind::Directory => "a folder",
+        EntryKind::Socket => "a socket",
+        EntryKind::Fifo => "a named pipe",
+        EntryKind::Device => "a device",
+    };
+    Some(format!("is {kind}, so nestd does not read it: put the file itself in its place"))
 }

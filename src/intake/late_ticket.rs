@@ -113,7 +113,12 @@ impl LateTicket {
         let rows = lists.rows_without_file(inbox, list)?;
         let list_name = display_name(list.path.file_name().unwrap_or_default());
         let of_row = |row: OrderListRow| Self {
-            ticket: row.ticket.map_err(|why| broken_ticket(&list_name, why)),
+            ticket: match &row.objection {
+                Some(said) => {
+                    Err(broken_ticket(&list_name, format!("its row says {said}; `nestd cancel` takes a part out")))
+                }
+                None => row.ticket.map_err(|why| broken_ticket(&list_name, why)),
+            },
             source: ReceivedTicket { source: SpecSource::OrderList, file_name: list_name.clone(), text: row.text },
             key: format!("{}-{}", entry_key(list), &blake3::hash(row.file.as_bytes()).to_hex()[..16]),
             part_name: row.file,

@@ -3,7 +3,7 @@
 
 use build_file::LengthUnit;
 use jiff::{Timestamp, civil, tz::TimeZone};
-use unicode_normalization::UnicodeNormalization;
+use unicode_normalization::{UnicodeNormalization, char::is_combining_mark};
 
 use super::due_date::parse_due;
 use crate::intake::DueDate;
@@ -29,6 +29,15 @@ pub(super) fn bare_cell(cell: &str) -> &str {
     let unquoted = text.strip_prefix(is_quote).and_then(|rest| rest.strip_suffix(is_quote)).unwrap_or(text);
     let is_number = |rest: &&str| rest.starts_with(|c: char| c.is_ascii_digit());
     unquoted.strip_prefix('\'').filter(is_number).unwrap_or(unquoted).trim()
+}
+
+/// Normalizes a header word: removes accents, signs and text in brackets behind it, and converts to lower case. `Stück
+/// (Stk.)` becomes `stuck`.
+pub(super) fn normalize_word(word: &str) -> String {
+    let is_closed = word.trim_end().ends_with([')', ']', '）']);
+    let head = word.split(['(', '[', '（']).next().filter(|head| is_closed && !head.trim().is_empty()).unwrap_or(word);
+    let letters = head.nfkd().filter(|&c| !is_combining_mark(c)).flat_map(char::to_lowercase);
+    letters.filter(|c| c.is_alphanumeric()).collect::<String>().replace('ß', "ss")
 }
 
 /// Converts a cell to lower case and replaces the full-width digits and signs of East Asian keyboards by the common

@@ -2,8 +2,10 @@
 
 use std::{collections::HashMap, sync::LazyLock};
 
-use super::list_cells::bare_cell;
-use unicode_normalization::{UnicodeNormalization, char::is_combining_mark};
+use super::{
+    list_cells::{bare_cell, normalize_word},
+    row_state::{is_state_header, says_no},
+};
 
 /// Meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -163,15 +165,6 @@ fn index_words(of: &[(ListColumn, &str)]) -> HeaderWords {
     words
 }
 
-/// Normalizes a header word: removes accents, signs and text in brackets behind it, and converts to lower case. `Stück
-/// (Stk.)` becomes `stuck`.
-pub(super) fn normalize_word(word: &str) -> String {
-    let is_closed = word.trim_end().ends_with([')', ']', '）']);
-    let head = word.split(['(', '[', '（']).next().filter(|head| is_closed && !head.trim().is_empty()).unwrap_or(word);
-    let letters = head.nfkd().filter(|&c| !is_combining_mark(c)).flat_map(char::to_lowercase);
-    letters.filter(|c| c.is_alphanumeric()).collect::<String>().replace('ß', "ss")
-}
-
 /// Position of each column in a list.
 #[derive(Debug, Default)]
 pub(super) struct ColumnLayout {
@@ -180,6 +173,8 @@ pub(super) struct ColumnLayout {
     pub count: usize,
     /// Headers that nestd does not know, as written, with their positions.
     unknown_at: Vec<(usize, String)>,
+    /// All headers, as written.
+    headers: Vec<String>,
     /// Further columns that may hold the files, each with its header, if the header does not tell.
     file_choices: Vec<(usize, String)>,
 }
@@ -187,7 +182,8 @@ pub(super) struct ColumnLayout {
 impl ColumnLayout {
     /// Recognises the columns of a header line. `Err` says why the line is not a header, or why it cannot be used.
     pub fn from_header<'a>(header: impl Iterator<Item = &'a str> + Clone) -> Result<Self, String> {
-        let mut columns = Self { count: header.clone().count(), ..Self::default() };
+        let headers: Vec<String> = header.clone().map(|name| name.trim().to_owned()).collect();
+        let mut columns = Self { count: headers.len(), headers, ..Self::default() };
         let mut open = Vec::new();
         for (at, name) in header.enumerate().filter(|(_, name)| !name.trim().is_empty()) {
             match CLEAR_WORDS.get(&normalize_word(name)).map(Vec::as_slice) {
@@ -251,7 +247,17 @@ impl ColumnLayout {
 
     /// Headers that nestd does not know, as written.
     pub fn unknown_headers(&self) -> Vec<String> {
-        self.unknown_at.iter().map(|(_, name)| name.clone()).collect()
+        self.unknown_at.iter().map(|(_, name)| name.clone()).filter(|name| !is_state_header(name)).collect()
+    }
+
+    /// What a row says against itself in a column without another meaning, such as `status = cancelled`.
+    pub fn objection(&self, record: &csv::StringRecord) -> Option<String> {
+        let has_meaning = |at: usize| {
+            self.positions.iter().any(|(column, &known)| known == at && !matches!(column, ListColumn::Note))
+        };
+        let cells = self.headers.iter().enumerate().filter(|(at, _)| !has_meaning(*at));
+        let mut cells = cells.filter_map(|(at, header)| Some((header, bare_cell(record.get(at)?))));
+        cells.find(|(header, cell)| says_no(header, cell)).map(|(header, cell)| format!("{header} = {cell}"))
     }
 
     /// Number of columns with a known meaning.

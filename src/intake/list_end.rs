@@ -78,19 +78,33 @@ fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, i
         Ok(rows) => rows,
     };
     let missing: Vec<&OrderListRow> = rows.iter().filter(|r| !r.file.is_empty() && !marks.is_served(&r.file)).collect();
+    let unused: Vec<String> =
+        rows.iter().filter(|r| marks.is_unused(&r.file)).map(|r| display_name(OsStr::new(&r.file))).collect();
+    let unused = match unused.is_empty() {
+        true => String::new(),
+        false => format!(
+            " {} could not be used for the parts that they name, which were refused or are asked about: {}. Where a part was \
+             refused, mend its row and drop this list and that part again.",
+            build_file::format_count(unused.len(), "row", "rows"),
+            unused.join(", ")
+        ),
+    };
     let nameless = rows.iter().filter(|r| r.file.is_empty()).count();
     match missing[..] {
-        [] if !rows.is_empty() && nameless == 0 => ListDecision::Served,
+        [] if !rows.is_empty() && nameless == 0 && unused.is_empty() => ListDecision::Served,
+        [] if nameless == 0 && !unused.is_empty() => {
+            ListDecision::Refuse(format!("Of this order list{unused} The other rows were served."))
+        }
         _ if !is_over => ListDecision::Wait,
         [] if rows.is_empty() => ListDecision::Refuse("This order list names no files.".to_owned()),
         [] => ListDecision::Refuse(format!(
-            "{nameless} rows of this order list name no file; the other rows were served."
+            "{nameless} rows of this order list name no file; the other rows were served.{unused}"
         )),
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
             ListDecision::Refuse(format!(
                 "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
-                 served. Drop these files together with a list for them.",
+                 served. Drop these files together with a list for them.{unused}",
                 names.len(),
                 rows.len(),
                 names.join(", ")

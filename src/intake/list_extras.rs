@@ -4,8 +4,8 @@ use std::ffi::OsStr;
 
 use super::{
     Ticket,
-    list_cells::{bare_cell, parse_whole_number},
-    list_columns::{ColumnLayout, ListColumn, normalize_word},
+    list_cells::{bare_cell, normalize_word, parse_whole_number},
+    list_columns::{ColumnLayout, ListColumn},
     name::is_part_name,
 };
 

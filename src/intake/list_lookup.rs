@@ -19,6 +19,9 @@ pub struct ListLookup {
     pub list_name: String,
     /// File name as written in the row.
     pub file: Option<String>,
+    /// File names as written in rows that mean the part and cannot be used for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unused_rows: Vec<String>,
     /// Why the number of copies is unknown.
     pub problem: Option<String>,
     /// Whether the reason is that the list does not name the part.

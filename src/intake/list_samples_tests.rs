@@ -71,7 +71,7 @@ fn differences(bytes: &[u8], meaning: &ListMeaning) -> Vec<String> {
         let read = match matches.files.get(*file).map(|found| list.matched_row(found, file)) {
             None => "unlisted".to_owned(),
             Some(Err(why)) => format!("refused {why}"),
-            Some(Ok(row)) if OrderList::parse_single_row(&row.text) != row.ticket => {
+            Some(Ok(row)) if OrderList::parse_single_row(&row.text).and_then(|alone| alone.ticket) != row.ticket => {
                 format!("a row that means another thing alone: {:?}", row.text)
             }
             Some(Ok(row)) => ticket_text(row.ticket.as_ref().unwrap()),

@@ -3,7 +3,7 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
-    ffi::{OsStr, OsString},
+    ffi::OsString,
     io,
     path::{Path, PathBuf},
 };
@@ -11,8 +11,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    InboxEntry, ListLookup, SettledEntry, Ticket, display_name,
-    folder_lists::{FolderLists, is_part_entry, is_spreadsheet, read_seen_list, rival_refusal, shown_name},
+    InboxEntry, ListLookup, SettledEntry, Ticket,
+    folder_lists::{FolderLists, is_foreign, is_part_entry, read_seen_list, rival_refusal, shown_name},
     given_back,
     loaded_list::LoadedList,
     name_match::means_file_below,
@@ -139,6 +139,9 @@ impl OrderListTracker {
         let (part, tickets, list, still_secs) = match &ready {
             SettledEntry::Part { part, tickets, list, still_secs, .. } => (part, tickets, list, *still_secs),
             SettledEntry::RivalList { rival, quiet_secs } => return self.check_rival(rival, *quiet_secs, rules),
+            SettledEntry::Blocked { part, reason, still_secs } => {
+                return check_blocked(part, reason, *still_secs, rules);
+            }
             _ => return TakeDecision::Take(ready),
         };
         let back = given_back::find_given_back(inbox, part);
@@ -174,7 +177,10 @@ impl OrderListTracker {
                         match is_covered && !needs_no_list() {
                             false => None,
                             true if !is_over => return TakeDecision::Wait(with_order_prefix(part, &what)),
-                            true => Some(unlisted_lookup(&what, rules)),
+                            true => {
+                                let unused_rows = known.rows_for(asked);
+                                Some(ListLookup { unused_rows, ..unlisted_lookup(&what, rules) })
+                            }
                         }
                     }
                 }
@@ -234,18 +240,16 @@ impl OrderListTracker {
     fn sheet_above(&self, inbox: &Path, part: &InboxEntry) -> Option<String> {
         let above = part.path.ancestors().skip(2).take_while(|folder| *folder != inbox && folder.starts_with(inbox));
         let mut rivals = above.filter_map(|folder| self.rivals.get(folder)).flat_map(|rivals| &rivals.rivals);
-        let sheet = rivals.find(|rival| is_spreadsheet(rival))?;
-        Some(format!("{} in a folder above is a spreadsheet, which nestd does not read", shown_name(sheet)))
+        let sheet = rivals.find(|rival| is_foreign(rival))?;
+        Some(format!("{} in a folder above is a list that nestd does not read", shown_name(sheet)))
     }
 
     /// Records that a part was claimed, so its row is served.
     pub fn mark_row_served(&mut self, ready: &SettledEntry) {
-        let SettledEntry::Part { part, list: Some(list), lookup: Some(ListLookup { file: Some(file), .. }), .. } =
-            ready
-        else {
-            return;
-        };
-        if let (Some(known), Some(name)) = (self.loaded.get_mut(&list.path), part.path.file_name()) {
+        let SettledEntry::Part { part, list: Some(list), lookup: Some(said), .. } = ready else { return };
+        let (Some(known), Some(name)) = (self.loaded.get_mut(&list.path), part.path.file_name()) else { return };
+        said.unused_rows.iter().for_each(|row| known.marks.add_unused(row));
+        if let Some(file) = &said.file {
             known.marks.add_served(file, name);
             known.served_secs = self.now_secs;
         }
@@ -315,24 +319,25 @@ impl OrderListTracker {
         Ok(rows.filter(is_open).map(|(_, row)| row.clone()).collect())
     }
 
-    /// Explains why a settled list waits (part of a sentence). `None` = it does not wait, or only for its parts to
-    /// settle.
-    pub fn list_wait_reason(&self, list: &InboxEntry) -> Option<String> {
-        let known = self.loaded.get(&list.path)?;
-        let name = shown_name(list);
-        let rows = match known.list.rows() {
-            Err(why) => return Some(with_order_prefix(list, &format!("{name} is not understood: {why}"))),
-            Ok(rows) => rows.iter().enumerate(),
-        };
-        let missing = rows.filter(|(at, row)| !row.file.is_empty() && !known.matches.named.contains(at));
-        let missing: Vec<String> = missing
-            .filter(|(_, row)| !known.marks.is_served(&row.file))
-            .map(|(_, row)| display_name(OsStr::new(&row.file)))
-            .collect();
-        let there = if missing.len() == 1 { "is not there" } else { "are not there" };
-        (!missing.is_empty())
-            .then(|| with_order_prefix(list, &format!("{name} names {}, which {there}", first_names(&missing))))
+    /// Explains why a settled list cannot be read (part of a sentence). `None` = it can.
+    pub fn list_fault(&self, list: &InboxEntry) -> Option<String> {
+        let why = self.loaded.get(&list.path)?.list.rows().err()?;
+        Some(with_order_prefix(list, &format!("{} is not understood: {why}", shown_name(list))))
     }
+}
+
+/// A part whose ticket cannot be read waits as one beside a list that cannot be read, and is refused in the end.
+fn check_blocked(part: &InboxEntry, reason: &str, still_secs: f64, rules: OrderListRules) -> TakeDecision {
+    let name = shown_name(part);
+    if still_secs < rules.incomplete_secs {
+        return TakeDecision::Wait(with_order_prefix(part, &format!("{name} waits, because {reason}")));
+    }
+    let reason = format!(
+        "Beside it stood a file that may say how it is wanted: {reason}. That did not change for {:.0} s, so {name} was not \
+         taken without it. Mend that file and drop both again; where it says nothing of the part, drop the part alone.",
+        rules.incomplete_secs
+    );
+    TakeDecision::Take(SettledEntry::Refuse { seen: part.clone(), reason })
 }
 
 fn ticket_sets_copies(ticket: &Path) -> bool {
@@ -356,13 +361,5 @@ fn unlisted_lookup(what: &str, rules: OrderListRules) -> ListLookup {
             let warnings = vec![format!("It was taken without its order list: {what}.")];
             ListLookup { warnings, question: Some(what.to_owned()), ..ListLookup::default() }
         }
-    }
-}
-
-/// The first few names of a long list.
-fn first_names(names: &[String]) -> String {
-    match names {
-        names if names.len() <= 5 => names.join(", "),
-        names => format!("{}, and {} more", names[..5].join(", "), names.len() - 5),
     }
 }

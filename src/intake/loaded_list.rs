@@ -78,11 +78,12 @@ impl LoadedList {
         }
         let said = ListLookup { list_name: list.clone(), ..ListLookup::default() };
         let unclear = matches!(meaning, FileNameMatch::Ambiguous(..));
+        let unused_rows = self.rows_for(name);
         match self.list.matched_row(meaning, name) {
             // The claim stores only this row, so the row must parse to the same ticket by itself.
-            Ok(row) if OrderList::parse_single_row(&row.text) != row.ticket => {
+            Ok(row) if OrderList::parse_single_row(&row.text).and_then(|alone| alone.ticket) != row.ticket => {
                 let why = "the list cannot be split into rows; save it again as UTF-8, with a header and commas";
-                Ok(ListLookup { problem: Some(why.to_owned()), ..said })
+                Ok(ListLookup { problem: Some(why.to_owned()), unused_rows, ..said })
             }
             Ok(row) => Ok(ListLookup {
                 row: Some(row.text.clone()),
@@ -91,8 +92,19 @@ impl LoadedList {
                 ..said
             }),
             Err(why) if unclear => Err(format!("is not clear in {list}: {why}")),
-            Err(why) => Ok(ListLookup { problem: Some(why), ..said }),
+            Err(why) => Ok(ListLookup { problem: Some(why), unused_rows, ..said }),
         }
+    }
+
+    /// File names as written in the rows that mean a file, or may mean it.
+    pub fn rows_for(&self, name: &OsStr) -> Vec<String> {
+        let rows = self.list.rows().unwrap_or_default();
+        let meant = match self.matches.files.get(name) {
+            Some(FileNameMatch::Only(at)) => at.clone(),
+            Some(FileNameMatch::Ambiguous(at, _)) => vec![*at],
+            None => Vec::new(),
+        };
+        meant.into_iter().filter_map(|at| Some(rows.get(at)?.file.clone())).collect()
     }
 
     /// Whether a part that the list does not name may still belong to it, because the part arrived while the list was

@@ -39,6 +39,8 @@ pub struct OrderListRow {
     pub file: String,
     /// The parsed instructions, or the error in the row.
     pub ticket: Result<Ticket, String>,
+    /// What it says against itself in a column of another kind, such as `status = cancelled`.
+    pub objection: Option<String>,
     /// Header and row as received: a valid list with only this row.
     pub text: String,
 }
@@ -67,12 +69,9 @@ impl OrderList {
         best.map_or_else(|| Self::from_text(""), |(_, list)| list)
     }
 
-    /// Parses the single row of [`Row::text`].
-    pub(super) fn parse_single_row(text: &str) -> Result<Ticket, String> {
-        match Self::from_text(text).content?.into_iter().next() {
-            Some(row) => row.ticket,
-            None => Err("its row is empty".to_owned()),
-        }
+    /// Parses the single row of [`OrderListRow::text`].
+    pub(super) fn parse_single_row(text: &str) -> Result<OrderListRow, String> {
+        Self::from_text(text).content?.into_iter().next().ok_or_else(|| "its row is empty".to_owned())
     }
 
     fn from_text(text: &str) -> Self {
@@ -186,6 +185,7 @@ fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
         };
         rows.push(OrderListRow {
             ticket,
+            objection: header.columns.objection(record).map(|said| escape_invisible(&said)),
             file: header.columns.cell_text(record, ListColumn::File).to_owned(),
             text: row,
         });

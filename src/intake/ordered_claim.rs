@@ -11,15 +11,13 @@ use std::{
 use super::{
     ClaimError, ClaimedPart, PutContents,
     claim_folder::{
-        ADOPTED_PREFIX, CLAIMED_DIR, UNFINISHED_PREFIX, claim_folder_name, list_claim_folders, lock_claims,
-        parse_folder_name,
+        ADOPTED_PREFIX, CLAIMED_DIR, ORDERED_PREFIX, UNFINISHED_PREFIX, claim_folder_name, list_claim_folders,
+        lock_claims, parse_folder_name,
     },
     claimed_part::io_error,
     disk,
 };
 
-/// How the ids of such claims begin.
-const ID_PREFIX: &str = "order-";
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// What the claim of a line is made of.
@@ -48,12 +46,7 @@ pub fn ordered_request_id(client: &str, key: &str, fingerprint: &str) -> String 
     for text in [client, key, fingerprint] {
         hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
     }
-    format!("{ID_PREFIX}{}", &hasher.finalize().to_hex()[..32])
-}
-
-/// Whether the folder name of a claim is that of an ordered line.
-pub(super) fn is_ordered_claim(folder_name: &str) -> bool {
-    parse_folder_name(folder_name).0.starts_with(ID_PREFIX)
+    format!("{ORDERED_PREFIX}{}", &hasher.finalize().to_hex()[..32])
 }
 
 /// Puts the claim of a line together. `None` = it is there already, or another farm has taken it over.
@@ -137,7 +130,7 @@ mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
     use super::*;
-    use crate::intake::recover_claims;
+    use crate::intake::{claim_folder::is_ordered_claim, recover_claims};
 
     fn file<'a>(contents: &'a PutContents, hash: &'a str) -> OrderedFile<'a> {
         OrderedFile { claim: "order-ab-0001", name: "a.stl", ticket: r#"{"copies":3,"order":"K"}"#, contents, hash }

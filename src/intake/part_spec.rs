@@ -12,7 +12,7 @@ use super::{
     copies::{CopiesInName, MAX_COPIES, read_copies_in_name},
     disk, display_name,
     dropped::open_dropped_file,
-    file_role::LIST_LOOKUP_NAME,
+    file_role::{LIST_LOOKUP_NAME, has_extension, without_hidden_txt},
     order_list::{MAX_LIST_BYTES, OrderList},
     ticket::broken_ticket,
 };
@@ -26,6 +26,20 @@ pub const COPIES_QUESTION: &str = "How many copies?";
 /// Asks the technician for a number of copies that was said unclearly.
 fn copies_question(why: &str) -> String {
     format!("{COPIES_QUESTION} Taken as 1 copy, because {why}. A ticket with `copies = N` says it.")
+}
+
+/// Start of a warning that asks whether the part is wanted at all.
+const PRINT_QUESTION: &str = "Is it to be printed? It waits for a yes, because ";
+
+/// Asks whether a part is wanted. It waits for a yes.
+fn print_question(why: &str) -> String {
+    format!("{PRINT_QUESTION}{why}.")
+}
+
+/// Why it is asked whether the part of a warning is wanted (part of a sentence).
+pub fn read_print_question(warning: &str) -> Option<&str> {
+    let why = warning.strip_prefix(PRINT_QUESTION)?;
+    Some(why.strip_suffix('.').unwrap_or(why))
 }
 
 /// Whether a warning of a part asks for its number of copies: something was said about it, but was not understood.
@@ -125,7 +139,10 @@ impl ClaimedPart {
         }
         let list_name = said.shown_list_name().to_owned();
         if let Some(text) = said.row {
-            let ticket = OrderList::parse_single_row(&text).map_err(|why| broken_ticket(&list_name, why))?;
+            let row = OrderList::parse_single_row(&text);
+            let objection = row.as_ref().ok().and_then(|row| row.objection.clone());
+            given.warnings.extend(objection.map(|said| print_question(&format!("its row in {list_name} says {said}"))));
+            let ticket = row.and_then(|row| row.ticket).map_err(|why| broken_ticket(&list_name, why))?;
             given.merge_ticket(SpecSource::OrderList, list_name, ticket, text);
         }
         Ok(said.question)
@@ -195,7 +212,7 @@ pub fn read_ticket(path: &Path) -> Result<Ticket, TicketError> {
 }
 
 fn parse_ticket_text(path: &Path, text: &str) -> Result<Ticket, TicketError> {
-    match path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+    match has_extension(&without_hidden_txt(path), &["json"]) {
         true => Ticket::from_json(text, &display_file_name(path)),
         false => Ticket::from_toml(text, &display_file_name(path)),
     }

@@ -9,14 +9,13 @@ use std::{
 
 use super::{
     ClaimError, ClaimedPart, ListLookup,
-    claim_folder::{CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, lock_claims},
+    claim_folder::{CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, is_ordered_claim, lock_claims},
     claimed_part::io_error,
     disk,
-    file_role::{FileRole, LIST_LOOKUP_NAME, file_role},
+    file_role::{FileRole, LIST_LOOKUP_NAME, file_role, without_hidden_txt},
     given_back,
     name::numbered_name,
     name_match::fold_path,
-    ordered_claim::is_ordered_claim,
     served_rows::sweep_marks,
     sidecars::short_name,
 };
@@ -209,7 +208,7 @@ fn full_ticket_names(part: &OsStr, tickets: &[&Path]) -> Vec<OsString> {
 pub(super) fn ticket_file_name(part: &OsStr, ticket: &Path) -> OsString {
     let mut name = part.to_owned();
     name.push(".");
-    name.push(ticket.extension().unwrap_or_default());
+    name.push(without_hidden_txt(ticket).extension().unwrap_or_default());
     name
 }
 

@@ -10,8 +10,9 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    EntryKind, InboxEntry, disk,
-    folder_lists::mark_text_lists,
+    EntryKind, FoundList, InboxEntry, disk,
+    file_role::{FileRole, file_role},
+    folder_lists::{list_format, mark_lists},
     ignore::{is_ignored, is_status_file},
     name::{is_part_name, order_display_name},
     sidecars::UnreadableSidecars,
@@ -107,7 +108,7 @@ pub fn scan_inbox(inbox: &Path, limits: ScanLimits) -> Result<InboxListing, Scan
     let unseen = UnreadableSidecars::from_paths(walk.listing.warnings.iter().map(|(path, _)| path.as_path()));
     walk.listing.entries.retain(|one| !unseen.may_belong_to(&one.path));
     walk.listing.entries.sort_by(|a, b| a.path.cmp(&b.path));
-    mark_text_lists(inbox, &mut walk.listing.entries);
+    mark_lists(inbox, &mut walk.listing.entries);
     Ok(walk.listing)
 }
 
@@ -164,7 +165,7 @@ impl InboxWalker<'_> {
             Err(error) => return self.handle_error(path, error),
             Ok(meta) => meta,
         };
-        if meta.is_dir() && depth < self.limits.max_depth && !is_part_name(name) {
+        if meta.is_dir() && depth < self.limits.max_depth && !is_file_name(name) {
             if meta.dev() != self.dev {
                 self.listing.warnings.push((path, "is another file system; parts cannot be claimed from it".into()));
                 return Ok(());
@@ -182,7 +183,7 @@ impl InboxWalker<'_> {
             inode: meta.ino(),
             dev: meta.dev(),
             is_private_link: disk::is_hard_link_to_private_file(&meta),
-            is_text_list: false,
+            found_list: FoundList::None,
         });
         Ok(())
     }
@@ -200,6 +201,11 @@ impl InboxWalker<'_> {
             _ => Err(error),
         }
     }
+}
+
+/// Whether a folder of this name is no order, but stands in the place of a part, a ticket or a list.
+fn is_file_name(name: &OsStr) -> bool {
+    is_part_name(name) || file_role(name.as_ref()) != FileRole::Part || list_format(name.as_ref()).is_some()
 }
 
 fn entry_kind(file_type: fs::FileType) -> EntryKind {

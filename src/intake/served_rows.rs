@@ -15,6 +15,9 @@ use super::{InboxEntry, claim_folder::CLAIMED_DIR, disk, name::MAX_NAME_BYTES};
 /// Content of the mark of a row that was applied to a part taken before the list came. No file has such a name.
 const LATE_MARK: &str = "/late";
 
+/// Content of the mark of a row that could not be used for the part that it means.
+const UNUSED_MARK: &str = "/unused";
+
 /// Marks of lists that somebody deleted are removed after this time.
 const STALE_MARKS: Duration = Duration::from_secs(7 * 24 * 3600);
 
@@ -33,6 +36,11 @@ pub(super) fn mark_served(inbox: &Path, list: &InboxEntry, row_file: &str, name:
 /// Records that a row is done with: it was applied to a part that was taken before the list came, or was refused.
 pub(super) fn mark_row_late(inbox: &Path, list: &InboxEntry, row_file: &str) -> io::Result<()> {
     mark_served(inbox, list, row_file, OsStr::new(LATE_MARK))
+}
+
+/// Records that a row means a part that was claimed, and could not be used for it: the part is refused, or asked about.
+pub(super) fn mark_row_unused(inbox: &Path, list: &InboxEntry, row_file: &str) -> io::Result<()> {
+    mark_served(inbox, list, row_file, OsStr::new(UNUSED_MARK))
 }
 
 /// The rows of a list that were served, according to the marks.
@@ -66,6 +74,11 @@ impl ServedRows {
         self.served.insert(mark_name(row_file), name.to_owned());
     }
 
+    /// Adds the mark of a row that could not be used, which is already on the disk.
+    pub fn add_unused(&mut self, row_file: &str) {
+        self.add_served(row_file, OsStr::new(UNUSED_MARK));
+    }
+
     /// Whether the row of a file was served.
     pub fn is_served(&self, row_file: &str) -> bool {
         self.served.contains_key(&mark_name(row_file))
@@ -73,7 +86,12 @@ impl ServedRows {
 
     /// The files that served a row.
     pub fn serving_files(&self) -> impl Iterator<Item = &OsString> {
-        self.served.values().filter(|name| !name.is_empty() && *name != LATE_MARK)
+        self.served.values().filter(|name| !name.is_empty() && *name != LATE_MARK && *name != UNUSED_MARK)
+    }
+
+    /// Whether a row could not be used for the part that it means.
+    pub fn is_unused(&self, row_file: &str) -> bool {
+        self.served.get(&mark_name(row_file)).is_some_and(|name| name == UNUSED_MARK)
     }
 
     /// Whether a row was applied to a part that was taken before the list came. It is for no other part then.

@@ -11,10 +11,11 @@ use super::{
     EntryKind, InboxEntry, SettledEntry,
     control_file::{ControlName, control_name, misplaced_control_reason},
     display_name,
-    file_role::{FileRole, file_role},
-    folder_lists::{entry_list_format, surplus_refusal},
+    file_role::{FileRole, file_role, part_of_other_text},
+    folder_lists::{entry_list_format, shown_name, surplus_refusal},
+    inbox_entry::unreadable_reason,
     order_folders::FolderStates,
-    sidecars::SidecarIndex,
+    sidecars::{BlockingSidecar, SidecarIndex},
 };
 
 /// A file with a hole may be an unfinished copy, or may be on a disk that compresses. It must stay unchanged for this
@@ -144,15 +145,20 @@ impl SettleTracker {
                 return None;
             }
             match (one.kind, file_role(&one.path)) {
+                _ if entry_list_format(one).is_some() => check_list(one, &beside, still_secs),
+                _ if beside.has_part(one) => None,
                 (EntryKind::File, _) if one.is_private_link => {
-                    Some(SettledEntry::Refuse { seen: one.clone(), reason: private_link_reason(one) })
+                    Some(SettledEntry::Refuse { seen: one.clone(), reason: refusal_of_link(one) })
                 }
                 (EntryKind::File, _) if is_command(one) => Some(check_control_file(one)),
-                (EntryKind::File, _) if entry_list_format(one).is_some() => check_list(one, &beside, still_secs),
-                (EntryKind::File, FileRole::Part) => this.check_part(one, &beside, now_secs, still_secs, &mut has_end),
-                (EntryKind::File, FileRole::Ticket { part }) => {
-                    this.check_orphan_ticket(one, &part, &beside, still_secs)
+                // Its part may only be slower, and would be taken without what it says.
+                (EntryKind::File, FileRole::Part)
+                    if part_of_other_text(&one.path).is_some() && still_secs < this.rules.late_secs() =>
+                {
+                    None
                 }
+                (EntryKind::File, FileRole::Part) => this.check_part(one, &beside, now_secs, still_secs, &mut has_end),
+                (EntryKind::File, FileRole::Ticket { part }) => this.check_orphan_ticket(one, &part, still_secs),
                 (EntryKind::File, FileRole::List) => None,
                 (kind, _) => Some(SettledEntry::Refuse { seen: one.clone(), reason: non_file_reason(kind).to_owned() }),
             }
@@ -213,6 +219,7 @@ impl SettleTracker {
         has_end: &mut impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Option<SettledEntry> {
         let tickets = beside.tickets_of(&part.path);
+        let blocking = beside.blocking_sidecar(&part.path);
         let beside = beside.lists_beside(&part.path);
         let list = beside.and_then(|lists| lists.list);
         let rivals = beside.into_iter().flat_map(|lists| lists.rivals.iter().copied());
@@ -221,10 +228,14 @@ impl SettleTracker {
         if !sidecars().all(|sidecar| self.is_settled(sidecar, now_secs)) {
             return None;
         }
-        // The part is refused in the same scan as its ticket or list. Without them it would be printed in a guessed
-        // number of copies.
-        if let Some(linked) = sidecars().find(|sidecar| sidecar.is_private_link) {
-            return Some(SettledEntry::Refuse { seen: part.clone(), reason: private_link_reason(linked) });
+        // Without it, the part would be printed in a guessed number of copies.
+        if let Some(BlockingSidecar { sidecar, reason }) = blocking {
+            let sidecar_still = now_secs - self.watched[&sidecar.path].since_secs;
+            return Some(SettledEntry::Blocked {
+                part: part.clone(),
+                reason: format!("{} {reason}", shown_name(sidecar)),
+                still_secs: order_still_secs.min(sidecar_still),
+            });
         }
         let still_secs = now_secs - self.watched[&part.path].since_secs;
         let name = display_name(part.path.file_name()?);
@@ -249,18 +260,12 @@ impl SettleTracker {
         })
     }
 
-    /// Reports a ticket that has no part in its folder, and after some time why it is refused. A ticket with a part there
-    /// belongs to that part, however often a part of that name was taken before.
-    fn check_orphan_ticket(
-        &self,
-        ticket: &InboxEntry,
-        part: &Path,
-        beside: &SidecarIndex,
-        still_secs: f64,
-    ) -> Option<SettledEntry> {
+    /// Reports a ticket that has no part in its folder, and after some time why it is refused. (A ticket with a part there
+    /// belongs to that part, however often a part of that name was taken before.)
+    fn check_orphan_ticket(&self, ticket: &InboxEntry, part: &Path, still_secs: f64) -> Option<SettledEntry> {
         let is_ambiguous = self.is_ambiguous(&ticket.path);
         let is_expired = still_secs >= self.rules.orphan_secs;
-        if beside.has_part(ticket) || !is_expired && (is_ambiguous || still_secs < self.rules.late_secs()) {
+        if !is_expired && (is_ambiguous || still_secs < self.rules.late_secs()) {
             return None;
         }
         let part_name = part.file_name()?.to_owned();
@@ -302,13 +307,9 @@ fn check_list(list: &InboxEntry, beside: &SidecarIndex, still_secs: f64) -> Opti
     })
 }
 
-/// Why a hard link to a private file is refused: the user who made the link may not be allowed to read the file.
-fn private_link_reason(seen: &InboxEntry) -> String {
-    let name = display_name(seen.path.file_name().unwrap_or_default());
-    format!(
-        "{name} is a hard link (it has another name elsewhere) and not everyone may read it, so nestd neither reads it \
-         nor prints parts according to it. Drop a copy of the file."
-    )
+/// Why a hard link to a private file is refused.
+fn refusal_of_link(seen: &InboxEntry) -> String {
+    format!("{} {}.", shown_name(seen), unreadable_reason(seen).unwrap_or_default())
 }
 
 /// Why an entry that is not a regular file is refused.
@@ -317,7 +318,7 @@ fn non_file_reason(kind: EntryKind) -> &'static str {
         EntryKind::File => "This is a file.",
         EntryKind::Symlink => "This is a symbolic link; nestd does not follow links. Drop the file itself.",
         EntryKind::Directory => {
-            "This is a folder with the name of a part file, or one that lies too deep. A folder is an order: \
+            "This is a folder with the name of a part, a ticket or an order list, or one that lies too deep. A folder is an order: \
              give it another name and drop it right into the hot folder."
         }
         EntryKind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",

@@ -25,6 +25,16 @@ pub enum SettledEntry {
         /// [`SettleRules::unfinished_secs`](super::SettleRules::unfinished_secs): the file is probably truncated.
         unfinished: bool,
     },
+    /// A part beside a ticket that cannot be read, or a text that may be meant as one. The part waits;
+    /// [`OrderListTracker::check_against_list`](super::OrderListTracker::check_against_list) refuses it in the end.
+    Blocked {
+        /// The part.
+        part: InboxEntry,
+        /// What it waits for: a sentence about the sidecar.
+        reason: String,
+        /// Time that both, or their whole order folder, have been unchanged, seconds.
+        still_secs: f64,
+    },
     /// An order list that has settled, for [`end_list`](super::finish_order_list).
     List {
         /// The list.

@@ -6,9 +6,10 @@ use std::{
 };
 
 use super::{
-    EntryKind, InboxEntry,
-    file_role::{FileRole, file_role},
-    folder_lists::{FolderLists, entry_list_format, list_format},
+    InboxEntry,
+    file_role::{FileRole, file_role, part_of_other_text},
+    folder_lists::{FolderLists, entry_list_format, is_part_entry, list_format},
+    inbox_entry::unreadable_reason,
     name::is_part_name,
     name_match::fold_path,
 };
@@ -21,24 +22,42 @@ pub(super) fn short_name(part: &Path) -> Option<PathBuf> {
     part.file_name().filter(|name| is_part_name(name)).and(Some(short)).filter(is_short_name)
 }
 
-/// The part that a ticket belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TicketOwner<'a> {
-    Part(&'a Path),
-    NoPart,
-    /// Its short name matches several parts.
-    SeveralParts,
+/// The part that an entry is a ticket of, or may be meant as one: the name that it says, which may be a short one.
+fn part_of_sidecar(seen: &InboxEntry) -> Option<PathBuf> {
+    match file_role(&seen.path) {
+        _ if entry_list_format(seen).is_some() => None,
+        FileRole::Ticket { part } => Some(part),
+        FileRole::Part => part_of_other_text(&seen.path),
+        FileRole::List => None,
+    }
+}
+
+fn is_ticket(path: &Path) -> bool {
+    matches!(file_role(path), FileRole::Ticket { .. })
+}
+
+/// A part that waits, because something beside it may say how it is wanted and cannot be read as its ticket.
+#[derive(Debug)]
+pub(super) struct BlockingSidecar<'a> {
+    pub sidecar: &'a InboxEntry,
+    /// Why it cannot be read and what helps: a sentence without its subject, which is the name of the sidecar.
+    pub reason: String,
 }
 
 /// Tickets and order lists of one scan, by the part that they belong to.
 pub(super) struct SidecarIndex<'a> {
     /// All parts.
-    pub parts: HashSet<&'a Path>,
+    parts: HashSet<&'a Path>,
     /// Parts by folded name (case and Unicode composition ignored): full names, and short names.
     by_folded_name: HashMap<PathBuf, Vec<&'a Path>>,
     by_short_name: HashMap<PathBuf, Vec<&'a Path>>,
-    all_tickets: Vec<&'a InboxEntry>,
     tickets: HashMap<&'a Path, Vec<&'a InboxEntry>>,
+    /// Tickets that match several parts.
+    ambiguous_tickets: Vec<&'a Path>,
+    /// The parts that wait because of a sidecar.
+    blocked: HashMap<&'a Path, BlockingSidecar<'a>>,
+    /// Tickets that a part takes, and sidecars that a part waits for.
+    with_part: HashSet<&'a Path>,
     lists: HashMap<&'a Path, FolderLists<'a>>,
 }
 
@@ -49,31 +68,26 @@ impl<'a> SidecarIndex<'a> {
             parts: HashSet::new(),
             by_folded_name: HashMap::new(),
             by_short_name: HashMap::new(),
-            all_tickets: Vec::new(),
             tickets: HashMap::new(),
+            ambiguous_tickets: Vec::new(),
+            blocked: HashMap::new(),
+            with_part: HashSet::new(),
             lists: FolderLists::by_folder(seen),
         };
-        let files = || seen.iter().filter(|one| one.kind == EntryKind::File && entry_list_format(one).is_none());
-        let has_tickets = files().any(|one| matches!(file_role(&one.path), FileRole::Ticket { .. }));
-        for one in files() {
-            match file_role(&one.path) {
-                FileRole::Part => {
-                    beside.parts.insert(&one.path);
-                    if has_tickets {
-                        beside.add_names(&one.path);
-                    }
-                }
-                FileRole::Ticket { .. } => beside.all_tickets.push(one),
-                FileRole::List => {}
+        let sidecars: Vec<(&InboxEntry, PathBuf)> =
+            seen.iter().filter_map(|one| Some((one, part_of_sidecar(one)?))).collect();
+        for part in seen.iter().filter(|one| is_part_entry(one)) {
+            beside.parts.insert(&part.path);
+            if !sidecars.is_empty() {
+                beside.add_names(&part.path);
             }
         }
-        for ticket in beside.all_tickets.clone() {
-            if let TicketOwner::Part(part) = beside.owner_of_ticket(&ticket.path)
-                && (is_clear(&ticket.path) || beside.names_part_in_full(&ticket.path, part))
-            {
-                beside.tickets.entry(part).or_default().push(ticket);
-            }
+        for (sidecar, named) in sidecars {
+            beside.add_sidecar(sidecar, &named, &is_clear);
         }
+        // Beside a ticket, another text is a note.
+        let Self { blocked, tickets, .. } = &mut beside;
+        blocked.retain(|part, blocking| is_ticket(&blocking.sidecar.path) || !tickets.contains_key(part));
         beside
     }
 
@@ -85,39 +99,54 @@ impl<'a> SidecarIndex<'a> {
         self.by_folded_name.entry(folded).or_default().push(part);
     }
 
-    /// Whether a ticket gives the full name of this part, ignoring case and Unicode composition.
-    fn names_part_in_full(&self, ticket: &Path, part: &Path) -> bool {
-        fold_path(&ticket.with_extension("")) == fold_path(part)
+    fn add_sidecar(&mut self, sidecar: &'a InboxEntry, named: &Path, is_clear: &impl Fn(&Path) -> bool) {
+        let meant: Vec<&Path> = self.parts_meant(named).into_iter().filter(|part| *part != sidecar.path).collect();
+        let is_ticket = is_ticket(&sidecar.path);
+        if is_ticket && meant.len() > 1 {
+            self.ambiguous_tickets.push(&sidecar.path);
+        }
+        let is_full_name = meant[..].iter().any(|part| fold_path(named) == fold_path(part));
+        let reason = match &meant[..] {
+            [] => return,
+            _ if !is_ticket => {
+                Some("is not read: a ticket is named like the whole part file with .toml added".to_owned())
+            }
+            _ if unreadable_reason(sidecar).is_some() => unreadable_reason(sidecar),
+            [_] if is_full_name || is_clear(&sidecar.path) => None,
+            _ => Some("may be for several parts: name it like the whole part file with .toml added".to_owned()),
+        };
+        self.with_part.insert(&sidecar.path);
+        match reason {
+            None => self.tickets.entry(meant[0]).or_default().push(sidecar),
+            Some(reason) => meant.into_iter().for_each(|part| {
+                self.blocked.entry(part).or_insert(BlockingSidecar { sidecar, reason: reason.clone() });
+            }),
+        }
     }
 
-    /// Finds the part of a ticket: first a part with exactly its full name, then the only part with that full name in
-    /// folded form, then the only part with that short name.
-    fn owner_of_ticket(&self, ticket: &Path) -> TicketOwner<'a> {
-        let name = ticket.with_extension("");
-        if let Some(&part) = self.parts.get(name.as_path()) {
-            return TicketOwner::Part(part);
+    /// The parts that a name means: one with exactly this name, else those with it in folded form, else those with it as their
+    /// short name.
+    fn parts_meant(&self, named: &Path) -> Vec<&'a Path> {
+        if let Some(&part) = self.parts.get(named) {
+            return vec![part];
         }
-        let folded = fold_path(&name);
-        let found = self.by_folded_name.get(&folded).or_else(|| self.by_short_name.get(&folded));
-        match found.map(Vec::as_slice) {
-            None | Some([]) => TicketOwner::NoPart,
-            Some(&[part]) => TicketOwner::Part(part),
-            Some(_) => TicketOwner::SeveralParts,
-        }
+        let folded = fold_path(named);
+        self.by_folded_name.get(&folded).or_else(|| self.by_short_name.get(&folded)).cloned().unwrap_or_default()
     }
 
     /// Tickets that match several parts.
     pub fn ambiguous_tickets(&self) -> impl Iterator<Item = &'a Path> {
-        self.all_tickets
-            .iter()
-            .map(|t| t.path.as_path())
-            .filter(|t| self.owner_of_ticket(t) == TicketOwner::SeveralParts)
+        self.ambiguous_tickets.iter().copied()
     }
 
-    /// Whether the ticket was matched to a part.
-    pub fn has_part(&self, ticket: &InboxEntry) -> bool {
-        let TicketOwner::Part(part) = self.owner_of_ticket(&ticket.path) else { return false };
-        self.tickets_of(part).iter().any(|t| t.path == ticket.path)
+    /// Whether a part takes this ticket or waits for it.
+    pub fn has_part(&self, sidecar: &InboxEntry) -> bool {
+        self.with_part.contains(sidecar.path.as_path())
+    }
+
+    /// What a part waits for.
+    pub fn blocking_sidecar(&self, part: &Path) -> Option<&BlockingSidecar<'a>> {
+        self.blocked.get(part)
     }
 
     pub fn tickets_of(&self, part: &Path) -> Vec<&'a InboxEntry> {

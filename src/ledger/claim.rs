@@ -24,6 +24,7 @@ impl Ledger {
         for (part, may_revise) in drops {
             let new = record_new_part(&mut change, part).await?;
             if new.is_new && *may_revise {
+                change.replace_refused_parts(new.id).await?;
                 change.replace_revised_parts(new.id, part).await?;
             }
             recorded.push(new);
@@ -175,10 +176,10 @@ impl Ledger {
     }
 }
 
-/// By how many the copies wanted of a part fell when it was last refused.
+/// By how many the copies wanted of a part fell when it was last refused, or replaced after that.
 async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
     let last = sql::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind = 'rejected' ORDER BY id DESC LIMIT 1",
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('rejected', 'revised') ORDER BY id DESC LIMIT 1",
     );
     Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
@@ -221,8 +222,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
-         due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
-         VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18) \
+         due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns) \
+         VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -243,6 +244,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(&part.terms.note)
     .bind(now)
     .bind(now)
+    .bind(&part.dropped.folder)
+    .bind(part.dropped.mtime_ns)
     .fetch_optional(change.db())
     .await?;
     Ok(id)

@@ -96,6 +96,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
         },
         warnings: Vec::new(),
         ticket: None,
+        dropped: Default::default(),
     }
 }
 

@@ -112,11 +112,12 @@ pub use node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
 pub use operator_word::{OperatorWord, WordAnswer};
 pub use order_request::{AnsweredRequest, NewOrderRequest, OrderedLine, RecordedRequest};
 pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
+pub use part::Namesake;
 pub use part_list::PartQuery;
 pub use part_question::{QuestionKind, QuestionedPart};
 pub use part_row::{
-    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow, PartTerms,
-    PartTimes, RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow,
+    PartTerms, PartTimes, RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};

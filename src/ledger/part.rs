@@ -3,8 +3,24 @@
 use jiff::Timestamp;
 
 use super::{
-    BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result, precedence::sort_by_precedence, sql,
+    BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp,
+    error::Result,
+    precedence::sort_by_precedence,
+    sql::{self, sql_row},
 };
+
+/// A part with the name of another file of its order, or one that is made of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Namesake {
+    /// Its number.
+    pub id: PartId,
+    /// File name as dropped.
+    pub name: String,
+    /// Whether a ticket or a row of a list came with it.
+    pub has_ticket: bool,
+}
+
+sql_row!(Namesake { id, name, has_ticket });
 
 impl Ledger {
     /// Finds a part by its number.
@@ -121,6 +137,35 @@ impl Ledger {
              AND claim <> (SELECT claim FROM part WHERE id = $3) ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()?).await?)
+    }
+
+    /// The latest part of an earlier claim, not rejected, whose file had the same folder, name, content and modification time: perhaps a
+    /// sync program has put that file back.
+    pub async fn find_put_back_part(&self, part: PartId) -> Result<Option<PartId>> {
+        let query = sql::query_scalar(
+            "SELECT p.id FROM part n JOIN part p ON p.content_hash = n.content_hash WHERE n.id = $1 AND p.profile = n.profile \
+             AND p.name = n.name AND p.file_folder = n.file_folder AND p.file_mtime_ns = n.file_mtime_ns AND p.id < n.id \
+             AND p.claim <> n.claim AND p.state <> 'rejected' ORDER BY p.id DESC LIMIT 1",
+        );
+        Ok(query.bind(part).fetch_optional(self.reader()?).await?)
+    }
+
+    /// The parts of other claims that have one of these names in the order of a part, oldest first: not rejected, and not built
+    /// before `since`.
+    pub async fn namesakes_of_part(&self, part: &PartRow, names: &[String], since: Timestamp) -> Result<Vec<Namesake>> {
+        let query = sql::query_as(
+            "SELECT id, name, EXISTS (SELECT 1 FROM ticket t WHERE t.part_id = part.id AND t.source <> 'name') AS has_ticket \
+             FROM part WHERE name IN (SELECT value FROM json_each($1)) AND profile = $2 AND order_name = $3 AND claim <> $4 \
+             AND object_index = 0 AND state <> 'rejected' AND (state <> 'built' OR state_at >= $5) ORDER BY id",
+        );
+        let query = query.bind(serde_json::json!(names).to_string()).bind(&part.profile).bind(&part.terms.order_name);
+        Ok(query.bind(&part.file.claim).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
+    }
+
+    /// Whether a ticket or a row of a list came with a part.
+    pub async fn has_ticket(&self, part: PartId) -> Result<bool> {
+        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM ticket WHERE part_id = $1 AND source <> 'name')");
+        Ok(query.bind(part).fetch_one(self.reader()?).await?)
     }
 
     /// Whether the stored file is needed by a part that is claimed, waiting or batched, or by one that was rejected

@@ -34,6 +34,19 @@ pub struct NewPartRow {
     pub warnings: Vec<String>,
     /// The ticket as received.
     pub ticket: Option<NewTicketRow>,
+    /// The file as it lay in the hot folder.
+    #[serde(flatten)]
+    pub dropped: DroppedFile,
+}
+
+/// A file as it lay in a hot folder.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DroppedFile {
+    /// Folders between the hot folder and the file, escaped for display and joined by `/`. Empty = none.
+    pub folder: String,
+    /// Its modification time, nanoseconds since 1970; `None` = it did not come through a folder, or that is not known.
+    pub mtime_ns: Option<i64>,
 }
 
 /// Requested terms for a claimed file, other than the copies.

@@ -102,6 +102,27 @@ impl LedgerChange {
         self.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await
     }
 
+    /// A part that was just claimed takes the place of refused ones of the same name in the same named order: their copies are not
+    /// wanted of them any more, so that the order can be complete with those of the new one.
+    pub(super) async fn replace_refused_parts(&mut self, new: PartId) -> Result<()> {
+        let query = sql::select_as(
+            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
+             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile \
+             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'rejected' AND p.replaced_by IS NULL) ORDER BY id",
+        );
+        let refused: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
+        for part in refused {
+            let unwanted = i64::from(self.waiting_count(part.id).await?);
+            let replace = sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(part.id);
+            replace.execute(self.db()).await?;
+            self.change_cancelled(part.id, unwanted).await?;
+            let detail = format!("part {new} of the same name took its place");
+            self.write_event(EventKind::Revised, &part.profile, Some(part.id), None, &detail).await?;
+            self.note_wanted_change(-unwanted).await?;
+        }
+        Ok(())
+    }
+
     /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.
     pub(super) async fn has_taken_copies_over(&mut self, part: PartId) -> Result<bool> {
         let query =

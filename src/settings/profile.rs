@@ -28,7 +28,8 @@ pub struct MachineFolders {
 pub enum DuplicatePolicy {
     /// The file is accepted as additional copies.
     Accept,
-    /// The file is accepted as additional copies, with a warning on the part.
+    /// The file is accepted as additional copies, with a warning on the part. One that a sync program may have put back waits for a
+    /// person's yes.
     #[default]
     Warn,
     /// The file is refused.

@@ -47,6 +47,7 @@ fn farm() -> tempfile::TempDir {
             },
             warnings: Vec::new(),
             ticket: None,
+            dropped: Default::default(),
         };
         let id = ledger.record_claim(&part).await.unwrap().id;
         let solid = SolidFacts {

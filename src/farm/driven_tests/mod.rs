@@ -24,6 +24,8 @@ mod tickets;
 mod told;
 mod triggers;
 mod unfinished;
+mod unordered_files;
+mod unread_tickets;
 mod week;
 mod withdrawals;
 

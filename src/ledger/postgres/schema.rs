@@ -28,7 +28,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 14] = [
+const MIGRATIONS: [ServerMigration; 15] = [
     migration(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
@@ -63,6 +63,10 @@ const MIGRATIONS: [ServerMigration; 14] = [
     ServerMigration {
         is_additive: true,
         ..migration(31, "withdrawn views", include_str!("../../../migrations/postgres/0031_withdrawn_views.sql"))
+    },
+    ServerMigration {
+        is_additive: true,
+        ..migration(33, "dropped files", include_str!("../../../migrations/postgres/0033_dropped_files.sql"))
     },
     // An older node would carry out no word: it would have the copies wait again.
     migration(

@@ -334,6 +334,36 @@ async fn an_order_whose_part_was_replaced_is_complete_with_the_copies_of_the_new
 }
 
 #[tokio::test]
+async fn an_order_whose_refused_part_was_dropped_again_is_complete_with_its_copies() {
+    let ledger = fresh().await;
+    let named = |claim: &str, name: &str, copies: u32| {
+        let part = asked(new_part(claim, copies), |terms| terms.order_name = "brandt".to_owned());
+        NewPartRow { name: name.to_owned(), ..part }
+    };
+    let refused = ledger.record_claim(&named("a", "lid.stl", 3)).await.unwrap().id;
+    let other = ledger.record_claim(&named("b", "ring.stl", 1)).await.unwrap().id;
+    for part in [refused, other] {
+        ledger.reject_claim(part, RefusalCause::Ticket, "broken").await.unwrap();
+    }
+    let new = ledger.record_drops(&[(&named("c", "lid.stl", 3), true)]).await.unwrap()[0].id;
+    ledger.accept_solids(new, &[solid(0, 3)]).await.unwrap();
+    assert_eq!(copies(&ledger, refused).await, LineCopies { cancelled: 3, ..Default::default() });
+    assert_eq!(copies(&ledger, other).await.refused, 1, "another part is still to come");
+    let build = published(&ledger, &[(new, 0), (new, 1), (new, 2)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap();
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Short);
+    let again = ledger.record_drops(&[(&named("d", "ring.stl", 1), true)]).await.unwrap()[0].id;
+    ledger.accept_solids(again, &[solid(0, 1)]).await.unwrap();
+    let build = published(&ledger, &[(again, 0)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap();
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Complete);
+    // Where both are wanted, the refused one is taken back with its copies.
+    ledger.retry_part(refused).await.unwrap();
+    assert_eq!(copies(&ledger, refused).await.wanted, 3);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
 async fn orders_are_found_by_any_part_of_their_name_in_any_case() {
     let ledger = fresh().await;
     for (claim, order) in [("a", "Brandt 1182"), ("b", "MÜLLER-7"), ("c", "meyer")] {

@@ -1,0 +1,98 @@
+//! Drops that may not be orders of their own: rows of lists that say no, conflict copies of sync programs, the same part in
+//! several formats. Such a part waits for a yes.
+
+use anyhow::Result;
+use jiff::{SignedDuration, Timestamp};
+
+use crate::{
+    intake::{self, CopyName},
+    ledger::{Ledger, Namesake, PartRow, SolidFacts},
+};
+
+/// A part that was built longer ago is not doubled by a file that comes now.
+const DOUBLED_WITHIN: SignedDuration = SignedDuration::from_hours(7 * 24);
+/// Extensions of the formats in which one part is saved, as programs write them.
+const FORMATS: [&str; 4] = ["stl", "STL", "3mf", "3MF"];
+
+/// Adds what is in doubt about a file to what is asked about its solids. What a ticket or a row of a list names is wanted.
+pub(super) async fn ask_about_doubts(
+    ledger: &Ledger,
+    part: &PartRow,
+    solids: &mut [SolidFacts],
+    now: Timestamp,
+) -> Result<()> {
+    part.warnings.lines().filter_map(intake::read_print_question).for_each(|doubt| add_question(solids, doubt));
+    let copy = intake::read_copy_name(&part.name);
+    let names = names_in_formats(copy.as_ref().map_or(&part.name, |copy| &copy.original));
+    if names.is_empty() || ledger.has_ticket(part.id).await? {
+        return Ok(());
+    }
+    let since = now.checked_sub(DOUBLED_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
+    let namesakes = ledger.namesakes_of_part(part, &names, since).await?;
+    let doubt = match copy {
+        Some(copy) => copy_doubt(&copy, &namesakes),
+        None => format_doubt(part, &namesakes),
+    };
+    doubt.iter().for_each(|doubt| add_question(solids, doubt));
+    Ok(())
+}
+
+/// Adds a doubt to what is asked about the solids of a file.
+pub(super) fn add_question(solids: &mut [SolidFacts], doubt: &str) {
+    for solid in solids {
+        let before = if solid.question.is_empty() { "" } else { "; " };
+        solid.question = format!("{}{before}{doubt}", solid.question);
+    }
+}
+
+/// A name in all formats; none if it is not that of a single part.
+fn names_in_formats(name: &str) -> Vec<String> {
+    match name.rsplit_once('.') {
+        Some((stem, extension)) if FORMATS.iter().any(|format| format.eq_ignore_ascii_case(extension)) => {
+            FORMATS.map(|format| format!("{stem}.{format}")).to_vec()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// A copy that a program made. One of a file manager is in doubt if its original is ordered too.
+fn copy_doubt(copy: &CopyName, namesakes: &[Namesake]) -> Option<String> {
+    let known = namesakes.first().map(|known| format!("{} (part {})", known.name, known.id));
+    match (copy.is_conflict, known) {
+        (true, known) => Some(format!(
+            "its name says that a sync program found two versions of {}",
+            known.as_ref().unwrap_or(&copy.original)
+        )),
+        (false, known) => known.map(|known| format!("its name is that of a copy of {known}")),
+    }
+}
+
+/// A part that was dropped before, or is ordered by a ticket, in another format.
+fn format_doubt(part: &PartRow, namesakes: &[Namesake]) -> Option<String> {
+    let format = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
+    let is_first = |known: &&Namesake| known.id < part.id || known.has_ticket;
+    let known = namesakes.iter().filter(is_first).find(|known| format(&known.name) != format(&part.name))?;
+    Some(format!("it may be {} (part {}) in another format", known.name, known.id))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::PartId;
+
+    #[test]
+    fn a_copy_of_a_file_manager_is_in_doubt_only_where_its_original_is_ordered() {
+        let known = [Namesake { id: PartId(3), name: "x.stl".to_owned(), has_ticket: false }];
+        let copy = |is_conflict| CopyName { original: "x.stl".to_owned(), is_conflict };
+        let doubt = copy_doubt(&copy(false), &known);
+        assert_eq!(doubt.as_deref(), Some("its name is that of a copy of x.stl (part 3)"));
+        assert_eq!(copy_doubt(&copy(false), &[]), None);
+        assert!(copy_doubt(&copy(true), &[]).unwrap().contains("two versions of x.stl"));
+    }
+
+    #[test]
+    fn only_names_of_single_parts_have_other_formats() {
+        assert_eq!(names_in_formats("x.v2.Stl"), ["x.v2.stl", "x.v2.STL", "x.v2.3mf", "x.v2.3MF"]);
+        assert!(names_in_formats("kit.camspec").is_empty() && names_in_formats("x").is_empty());
+    }
+}

@@ -110,7 +110,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,

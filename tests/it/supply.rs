@@ -155,7 +155,7 @@ fn expressions_of_licences_are_understood() {
 fn the_lock_files_are_kept_and_name_one_registry() {
     let ignored = fs::read_to_string(root().join(".gitignore")).unwrap();
     assert!(!ignored.contains("lock"), "{ignored}");
-    for name in ["Cargo.lock", "fuzz/Cargo.lock"] {
+    for name in ["Cargo.lock", "fuzz/Cargo.lock", "tests/mutants/Cargo.lock"] {
         let lock = toml_file(name);
         for package in lock["package"].as_array().unwrap() {
             let source = package.get("source").map(|s| s.as_str().unwrap());

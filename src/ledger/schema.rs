@@ -14,7 +14,7 @@ use super::{LedgerError, error::Result};
 
 /// Version, description and text of each file of `migrations`; a test compares the two. They are listed, because
 /// `sqlx::migrate!`, which reads the folder, has SQLite compiled a second time, for the compiler's own use.
-const FILES: [(i64, &str, &str); 26] = [
+const FILES: &[(i64, &str, &str)] = &[
     (1, "ledger", include_str!("../../migrations/0001_ledger.sql")),
     (2, "tilts", include_str!("../../migrations/0002_tilts.sql")),
     (3, "a million builds", include_str!("../../migrations/0003_a_million_builds.sql")),
@@ -44,7 +44,7 @@ const FILES: [(i64, &str, &str); 26] = [
     (37, "overwritten ledgers", include_str!("../../migrations/0037_overwritten_ledgers.sql")),
 ];
 
-pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(&FILES));
+pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));
 
 /// The migrations of a list of files.
 pub(super) fn migrator(files: &[(i64, &'static str, &'static str)]) -> Migrator {

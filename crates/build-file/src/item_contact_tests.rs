@@ -1,12 +1,12 @@
 //! Build items that belong together, or were stacked in one place, are asked about.
 
-use super::{
-    test_package::{boxes, model, read_package},
-    *,
-};
+use super::test_package::{boxes, model, read_package};
 
-/// The questions of the solids of a package with boxes (name, size, places).
-fn questions(parts: &[(&str, [f64; 3], &[[f64; 3]])]) -> Vec<Option<String>> {
+/// A box: name, size, places.
+type PlacedBox<'a> = (&'a str, [f64; 3], &'a [[f64; 3]]);
+
+/// The questions of the solids of a package with boxes.
+fn questions(parts: &[PlacedBox]) -> Vec<Option<String>> {
     let (mut resources, mut build) = (String::new(), String::new());
     for (at, (name, size, places)) in parts.iter().enumerate() {
         let id = at + 1;

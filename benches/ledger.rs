@@ -116,6 +116,7 @@ fn part(number: u64) -> NewPartRow {
         },
         warnings: Vec::new(),
         ticket: None,
+        dropped: Default::default(),
     }
 }
 

@@ -1,7 +1,12 @@
 //! What operators say of builds whose files are in the queue, taken, truncated or replaced: with and without insisting. Counts the copies
 //! in all files that printers could print; these are never more than wanted.
 
-use std::{fs, path::PathBuf, thread, time::Duration};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    thread,
+    time::Duration,
+};
 
 use nestd::ledger::{BuildState, PartState};
 
@@ -99,6 +104,6 @@ fn printable(farm: &TestFarm) -> usize {
     farm.queued().iter().filter_map(copies_in).sum()
 }
 
-fn copies_in(file: &PathBuf) -> Option<usize> {
+fn copies_in(file: &Path) -> Option<usize> {
     build_file::read_build(file, &Default::default()).ok().map(|copies| copies.len())
 }

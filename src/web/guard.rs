@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use axum::{
     extract::{ConnectInfo, Request, State},
-    http::{HeaderValue, Method, StatusCode, header},
+    http::{HeaderMap, HeaderValue, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
 };
@@ -88,7 +88,7 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClien
         "/healthz" => return Ok(RequestClient::nobody()),
         _ => identify_client(web, request)?,
     };
-    if !client.has_token && !is_known_host(web, header("host").unwrap_or_default()) {
+    if !client.has_token && !is_known_host(web, request.headers()) {
         return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");
     }
     let needed = needed_role(request.method(), request.uri().path());
@@ -113,7 +113,7 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClien
 }
 
 /// Whether a request that changes something was sent by one of our own pages, or by a program. Over plain HTTP to a
-/// name other than localhost, browsers send no `Sec-Fetch-CallSite`. They still send the page's site in `MeasurementOrigin`, or the
+/// name other than localhost, browsers send no `Sec-Fetch-Site`. They still send the page's site in `Origin`, or the
 /// page in `Referer`.
 fn is_from_own_page<'r>(web: &DashboardState, header: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
     if header("sec-fetch-site").is_some() {
@@ -141,13 +141,24 @@ fn is_followed_link<'r>(header: &impl Fn(&'static str) -> Option<&'r str>) -> bo
         && header("sec-purpose").is_none()
 }
 
-/// Whether the Host header names this machine or a configured host. On a Unix socket every name is accepted, because no
-/// browser can reach it directly.
-fn is_known_host(web: &DashboardState, host: &str) -> bool {
-    let name = match host.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
-        Some((address, _)) => address,
-        None => host.rsplit_once(':').map_or(host, |(name, _)| name),
-    };
-    let known = ["localhost", "127.0.0.1", "::1"].contains(&name) || web.hosts.iter().any(|h| h == name);
+/// Whether the Host header, which comes once, names this machine or a configured host. On a Unix socket every name is accepted,
+/// because no browser can reach it directly.
+fn is_known_host(web: &DashboardState, headers: &HeaderMap) -> bool {
+    let mut hosts = headers.get_all(header::HOST).iter();
+    let (first, others) = (hosts.next().and_then(|host| host.to_str().ok()), hosts.next());
+    let known = first.filter(|_| others.is_none()).and_then(name_of_host).is_some_and(|name| {
+        let configured = web.hosts.iter().map(String::as_str);
+        ["localhost", "127.0.0.1", "::1"].into_iter().chain(configured).any(|known| known.eq_ignore_ascii_case(name))
+    });
     known || !web.is_tcp
+}
+
+/// The name or address of a Host header: `name`, `name:port`, `[address]` or `[address]:port`, and nothing else.
+fn name_of_host(host: &str) -> Option<&str> {
+    let (name, port) = match host.strip_prefix('[') {
+        Some(rest) => rest.split_once(']')?,
+        None => host.split_at(host.find(':').unwrap_or(host.len())),
+    };
+    let is_port = |digits: &str| digits.bytes().all(|digit| digit.is_ascii_digit()) && digits.parse::<u16>().is_ok();
+    (port.is_empty() || port.strip_prefix(':').is_some_and(is_port)).then_some(name)
 }

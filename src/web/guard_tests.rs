@@ -11,9 +11,56 @@ async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured
     };
     assert_eq!(ask("evil.example.com").await, StatusCode::MISDIRECTED_REQUEST);
     assert_eq!(ask("localhost.evil.example.com:7878").await, StatusCode::MISDIRECTED_REQUEST);
-    for own in ["localhost", "127.0.0.1:7878", "[::1]:7878", "farm.example.org"] {
+    for own in
+        ["localhost", "LocalHost:80", "127.0.0.1:7878", "[::1]", "[::1]:7878", "farm.example.org", "Farm.Example.Org:1"]
+    {
         assert_eq!(ask(own).await, StatusCode::OK, "{own}");
     }
+    let hostile = [
+        "",
+        ":",
+        ":80",
+        "[::1].evil",
+        "[::1].evil:7878",
+        "[::1]evil",
+        "[::1]:evil",
+        "[::1]:80:80",
+        "[::1",
+        "::1",
+        "[localhost.evil]",
+        "[]",
+        "localhost:evil.example.com",
+        "localhost:",
+        "localhost:80:80",
+        "localhost:-1",
+        "localhost:+80",
+        "localhost:65536",
+        "localhost.evil",
+        "evil@localhost",
+        "localhost@evil",
+        "localhost/evil",
+        "localhost,evil",
+        "localhost evil",
+        "localhost.",
+        "127.0.0.1.evil",
+        "127.1",
+        "2130706433",
+        "0",
+        "0.0.0.0",
+        "[::]",
+        "[::ffff:127.0.0.1]",
+        "farm.example.org.evil",
+        "xfarm.example.org",
+    ];
+    for host in hostile {
+        assert_eq!(ask(host).await, StatusCode::MISDIRECTED_REQUEST, "{host:?}");
+    }
+    for second in ["evil.example.com", "localhost"] {
+        let twice = Request::get("/").header("host", "localhost").header("host", second).body(Body::empty()).unwrap();
+        assert_eq!(dashboard.send(twice).await.status, StatusCode::MISDIRECTED_REQUEST, "two hosts say nothing");
+    }
+    let none = Request::get("/").body(Body::empty()).unwrap();
+    assert_eq!(dashboard.send(none).await.status, StatusCode::MISDIRECTED_REQUEST);
 }
 
 #[tokio::test]
@@ -69,10 +116,9 @@ async fn a_command_of_a_page_is_of_the_user_whom_the_proxy_names() {
             tokio::time::sleep(std::time::Duration::from_millis(5)).await;
         }
     });
-    let request = Request::post("/commands").header("host", "localhost").header("x-remote-user", "ann");
-    let request = request.header("content-type", "application/x-www-form-urlencoded");
-    let request = request.body(Body::from("key=key&kind=flush&profile=cube")).unwrap();
-    assert_eq!(dashboard.send(request).await.status, StatusCode::SEE_OTHER);
+    let request = Request::post("/commands").header("x-remote-user", "ann");
+    let answer = dashboard.send_form(request, "key=key&kind=flush&profile=cube").await;
+    assert_eq!(answer.status, StatusCode::SEE_OTHER);
     assert_eq!(daemon.await.unwrap(), "ann@dashboard");
 }
 
@@ -86,7 +132,7 @@ async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin()
         }
         let form = request.header("content-type", "application/x-www-form-urlencoded");
         // An accepted command names a profile that does not exist.
-        let body = Body::from("key=key&kind=flush&profile=other");
+        let body = Body::from(dashboard.with_key("key=key&kind=flush&profile=other"));
         dashboard.send(form.body(body).unwrap()).await.status
     };
     let (own, here) = ("http://farm.example.org", "farm.example.org");

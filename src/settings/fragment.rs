@@ -59,7 +59,7 @@ impl<'t> ConfigFragment<'t> {
         Some(fragment)
     }
 
-    /// Line of a value, from 1. `key` is its dotted path, as in `trigger.copies`.
+    /// Line of a value, from 1. `key` is its dotted path, as in `trigger.copies`, or `printer.0.queue` of the first `[[printer]]`.
     pub fn line_of_key(&self, key: &str) -> Option<usize> {
         let mut table = self.table.get_ref();
         let mut steps = key.split('.').peekable();
@@ -68,7 +68,10 @@ impl<'t> ConfigFragment<'t> {
             if steps.peek().is_none() {
                 return Some(self.line_at(name.span().start));
             }
-            table = value.get_ref().as_table()?;
+            table = match value.get_ref() {
+                DeValue::Array(items) => items.get(steps.next()?.parse::<usize>().ok()?)?.get_ref().as_table()?,
+                value => value.as_table()?,
+            };
         }
     }
 

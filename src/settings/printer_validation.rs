@@ -8,6 +8,7 @@ use std::{
 use super::{
     ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
     folders::path_below,
+    printer::PrinterInputs,
     profile::is_profile_name,
     profile_inputs::{PrintingInputs, ProfileInputs},
     validator::ConfigValidator,
@@ -21,7 +22,7 @@ pub(super) fn validate_printers(
     (root, farm_queue, queue): (&Path, &Path, &Path),
     validator: &mut ConfigValidator,
 ) -> Vec<PrinterRules> {
-    let calendar = validate_calendar(&inputs.printing, validator);
+    let calendar = validate_calendar(&inputs.printing, |option| option.to_owned(), validator);
     if inputs.printer.is_empty() {
         return vec![PrinterRules { name: name.to_owned(), queue: queue.to_owned(), calendar }];
     }
@@ -30,7 +31,7 @@ pub(super) fn validate_printers(
         validator.report_problem("folders.queue", text, "give each printer its queue instead");
     }
     let mut printers = Vec::new();
-    for printer in &inputs.printer {
+    for (at, printer) in inputs.printer.iter().enumerate() {
         if !is_profile_name(&printer.name) {
             let text = format!("\"{}\" cannot be the name of a printer", printer.name.escape_debug());
             validator.report_problem("printer", text, "give 1 to 40 of a-z, 0-9 and -, as in name = \"mjf-left\"");
@@ -46,7 +47,7 @@ pub(super) fn validate_printers(
             _ => path_below(root, farm_queue).join(&printer.name),
         };
         let calendar = match printer.hours.is_some() || printer.days_off.is_some() {
-            true => validate_calendar(&own, validator),
+            true => validate_calendar(&own, |option| key_of(printer, at, option), validator),
             false => calendar.clone(),
         };
         printers.push(PrinterRules { name: printer.name.clone(), queue, calendar });
@@ -54,12 +55,24 @@ pub(super) fn validate_printers(
     printers
 }
 
-/// Reports values that make no sense, and reads the calendar.
-pub(super) fn validate_calendar(inputs: &PrintingInputs, validator: &mut ConfigValidator) -> WorkCalendar {
-    WorkCalendar::parse(&inputs.hours, &inputs.days_off).unwrap_or_else(|why| {
-        let remedy = "write hours as in \"Mon-Fri 6-22, Sat 8:30-12\" or \"always\", and days off as in \
-                      [\"2026-12-25\", \"2026-12-28..2027-01-01\"]";
-        validator.report_problem("hours", format!("hours or days_off: {why}"), remedy);
+/// The key of an option of a printer's calendar: its own, or what its machine says for all.
+fn key_of(printer: &PrinterInputs, at: usize, option: &str) -> String {
+    let is_own = if option == "hours" { printer.hours.is_some() } else { printer.days_off.is_some() };
+    if is_own { format!("printer.{at}.{option}") } else { option.to_owned() }
+}
+
+/// Reports values that make no sense, and reads the calendar. `key` says where an option of it stands.
+pub(super) fn validate_calendar(
+    inputs: &PrintingInputs,
+    key: impl Fn(&str) -> String,
+    validator: &mut ConfigValidator,
+) -> WorkCalendar {
+    WorkCalendar::parse(&inputs.hours, &inputs.days_off).unwrap_or_else(|(option, why)| {
+        let remedy = match option {
+            "hours" => "write hours as in \"Mon-Fri 6-22, Sat 8:30-12\" or \"always\"",
+            _ => "write days off as in [\"2026-12-25\", \"2026-12-28..2027-01-01\"]",
+        };
+        validator.report_problem(&key(option), format!("{option}: {why}"), remedy);
         WorkCalendar::default()
     })
 }

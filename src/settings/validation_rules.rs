@@ -111,7 +111,7 @@ pub(super) fn validate_defaults(inputs: &ProfileInputs, validator: &mut ConfigVa
     validate_values(inputs, validator);
     validate_trigger(&inputs.trigger, validator);
     validate_printing(&inputs.printing, validator);
-    validate_calendar(&inputs.printing, validator);
+    validate_calendar(&inputs.printing, |option| option.to_owned(), validator);
     if !inputs.printer.is_empty() {
         let text = "printers in [defaults] would belong to every machine".to_owned();
         validator.report_problem("printer", text, "name them in the files of their machines");

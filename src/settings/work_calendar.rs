@@ -32,14 +32,14 @@ struct WorkHours {
 }
 
 impl WorkCalendar {
-    /// Reads hours such as `Mon-Fri 6-22, Sat 8:30-12`, or `always`. The error says what is not understood.
-    pub(super) fn parse(hours: &str, days_off: &[String]) -> Result<Self, String> {
-        let hours = match hours.trim() {
-            "always" => Vec::new(),
-            hours => hours.split(',').map(|entry| parse_hours(entry.trim())).collect::<Result<_, _>>()?,
+    /// Reads hours such as `Mon-Fri 6-22, Sat 8:30-12`, or `always`. The error says which option is not understood, and what of it.
+    pub(super) fn parse(hours: &str, days_off: &[String]) -> Result<Self, (&'static str, String)> {
+        let hours: Result<_, _> = match hours.trim() {
+            "always" => Ok(Vec::new()),
+            hours => hours.split(',').map(|entry| parse_hours(entry.trim())).collect(),
         };
-        let days_off = days_off.iter().map(|text| parse_days_off(text)).collect::<Result<_, _>>()?;
-        Ok(Self { hours, days_off })
+        let days_off: Result<_, _> = days_off.iter().map(|text| parse_days_off(text)).collect();
+        Ok(Self { hours: hours.map_err(|why| ("hours", why))?, days_off: days_off.map_err(|why| ("days_off", why))? })
     }
 
     /// The first moment from `at` on in which a print may begin; `None` = there is none within two years.

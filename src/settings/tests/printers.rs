@@ -47,6 +47,28 @@ fn names_and_folders_of_printers_are_their_own() {
 }
 
 #[test]
+fn a_wrong_calendar_is_blamed_on_the_file_and_line_that_say_it() {
+    let farm = "[defaults]\nhours = \"Mon-Fri 6-22\"\n";
+    let problem = |machine: &str| {
+        let problems = TestConfig::new(farm, &[("a.toml", &format!("{CUBE}{machine}"))]).problems();
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        problems[0].clone()
+    };
+    let days = problem("hours = \"Mon-Sat 6-22\"\ndays_off = [\"25.12.\"]\n");
+    assert!(days.starts_with("profiles/a.toml:3: days_off: ") && !days.contains("write hours"), "{days}");
+    let days = problem("days_off = [\"25.12.\"]\n");
+    assert!(days.starts_with("profiles/a.toml:2: days_off: "), "{days}");
+    let two = "[[printer]]\nname = \"x\"\n[[printer]]\nname = \"y\"\n";
+    let days = problem(&format!("{two}hours = \"always\"\ndays_off = [\"25.12.\"]\n"));
+    assert!(days.starts_with("profiles/a.toml:7: days_off: "), "{days}");
+    let hours = problem(&format!("{two}hours = \"Mo 6-22\"\n"));
+    assert!(hours.starts_with("profiles/a.toml:6: hours: "), "{hours}");
+    let farm =
+        TestConfig::new("[defaults]\nhours = \"always\"\ndays_off = [\"25.12.\"]\n", &[("a.toml", CUBE)]).problems();
+    assert!(farm[0].starts_with("nestd.toml:3: days_off: "), "{farm:?}");
+}
+
+#[test]
 fn wrong_printers_are_told_with_what_helps() {
     let problem = |machine: &str| {
         let problems = TestConfig::new("", &[("a.toml", &format!("{CUBE}{machine}"))]).problems();

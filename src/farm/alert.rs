@@ -47,6 +47,8 @@ pub enum AlertKind {
     FoldersMissing,
     /// Files cannot be taken out of a hot folder.
     TakingFails,
+    /// Something in a hot folder is not looked at.
+    FolderUnseen,
     /// A claimed file cannot be read.
     ReadingFails,
     /// A stored file differs from the file that was dropped, or no archive holds an original that is needed again.
@@ -93,6 +95,9 @@ const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once 
 const END_CONNECTION: &str = "The database ends a connection that does nothing within 10 s, and nestd goes on by itself; nothing is lost meanwhile. \
      Where this stays, look at the server of that connection; `SELECT pg_terminate_backend(..)` in the database, with the number of the \
      server process, ends it, and nothing is lost by that.";
+/// What to do about a folder that cannot be read.
+const LET_IT_BE_READ: &str = "The reason names the folder. Let nestd's user read and enter it, or move what is in it into the hot folder itself, \
+     on the same file system; the files stay where they are until then.";
 /// What to do about a missing ledger.
 const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
      `nestd restore --empty` creates a new ledger from the folders.";
@@ -110,7 +115,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -130,6 +135,7 @@ impl AlertKind {
         Self::ForeignClaims,
         Self::FoldersMissing,
         Self::TakingFails,
+        Self::FolderUnseen,
         Self::ReadingFails,
         Self::FileDamaged,
         Self::EndingFails,
@@ -182,6 +188,7 @@ impl AlertKind {
             Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
             Self::FoldersMissing => "The folders cannot be made",
             Self::TakingFails => "Files cannot be taken out of the hot folder",
+            Self::FolderUnseen => "Something in the hot folder is not looked at, and nothing of it is printed",
             Self::ReadingFails => "A file that was taken cannot be read",
             Self::FileDamaged => "The file of a part is damaged or no longer kept, and must be dropped again",
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
@@ -267,11 +274,9 @@ impl AlertKind {
                 "Free some room where the disk is full, and let nestd's user write into hot folder and state folder. The files \
                  stay where they are until then."
             }
+            Self::FolderUnseen => LET_IT_BE_READ,
             Self::ReadingFails => "Check the disk of the state folder, and free some room where it is full.",
             Self::FileDamaged => DROP_AGAIN,
-            Self::EndingFails => {
-                "Free some room where the disk is full, and let nestd's user write into the error folder."
-            }
             _ => self.remedy_for_builds_and_receivers(),
         }
     }
@@ -279,6 +284,9 @@ impl AlertKind {
     /// [`AlertKind::remedy`] of alerts on builds and on receivers of messages.
     fn remedy_for_builds_and_receivers(self) -> &'static str {
         match self {
+            Self::EndingFails => {
+                "Free some room where the disk is full, and let nestd's user write into the error folder."
+            }
             Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
             Self::BuildFailed => {
                 "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::{AlertKind, alert_registry::AlertRegistry};
 use crate::{
     intake::{self, ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError},
     ledger::{NewPartRow, RefusalCause},
@@ -71,6 +72,8 @@ pub struct HotFolderScan {
     pub is_truncated: bool,
     /// Failures that will be retried.
     pub warnings: Vec<String>,
+    /// Folders and files in it that are not looked at, each with the reason.
+    pub unseen: Vec<String>,
     /// Refused files that somebody must handle; `None` = not counted this time.
     pub refused_file_count: Option<usize>,
     /// Whether error folder and archive may be written.
@@ -80,7 +83,40 @@ pub struct HotFolderScan {
     pub(super) may_have_unknown_claims: bool,
 }
 
+impl HotFolderScan {
+    /// Reports what was not taken, and what was not looked at.
+    pub(super) fn report_faults(&self, profile: &str, alerts: &mut AlertRegistry) {
+        for (kind, faults) in [(AlertKind::TakingFails, &self.warnings), (AlertKind::FolderUnseen, &self.unseen)] {
+            let Some(first) = faults.first() else { continue };
+            let more = if faults.len() > 1 { format!(", and {} more", faults.len() - 1) } else { String::new() };
+            alerts.report_failure(kind, profile, "", &format!("{first}{more}"));
+        }
+    }
+}
+
 /// Name of a file for people.
 pub(super) fn file_display_name(path: &Path) -> String {
     path.file_name().map(intake::display_name).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::{super::time_source::ClockHands, *};
+
+    #[test]
+    fn a_folder_that_cannot_be_read_is_no_question_of_room() {
+        let (clock, time) = ClockHands::make();
+        let mut alerts = AlertRegistry::by(time);
+        let scan =
+            HotFolderScan { unseen: vec!["kit: cannot be read: permission denied".to_owned()], ..Default::default() };
+        scan.report_faults("cube", &mut alerts);
+        clock.pass(Duration::from_secs(600));
+        scan.report_faults("cube", &mut alerts);
+        let told: Vec<_> = alerts.active_alerts().collect();
+        assert!(told.len() == 1 && told[0].detail.starts_with("kit: cannot be read"), "{told:?}");
+        let remedy = told[0].kind.remedy();
+        assert!(remedy.contains("read and enter it") && !remedy.contains("room"), "{remedy}");
+    }
 }

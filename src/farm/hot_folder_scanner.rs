@@ -147,7 +147,7 @@ impl HotFolderScanner {
         let has_placed = claims.len() > claims_before;
         match self.inbox.scan() {
             Ok(listing) => {
-                scan.warnings.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
+                scan.unseen.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
                 self.claim_ready_files(profile, leases, &listing.entries, &mut claims, &mut scan);
             }
             Err(error) => {

@@ -186,11 +186,7 @@ fn tell_of_scan(farm: &mut Farm, name: &str, scan: &HotFolderScan) {
         Some(away) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", &away.reason),
         None => mark_scanned(farm, name),
     }
-    if let Some(warning) = scan.warnings.first() {
-        let more = scan.warnings.len() - 1;
-        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-        farm.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{warning}{more}"));
-    }
+    scan.report_faults(name, &mut farm.alerts);
 }
 
 /// Writes the events of refused files. Those that fail are written after the next scan.

@@ -14,7 +14,7 @@ use super::{
     values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
 };
 use crate::{
-    intake,
+    intake::{self, MAX_COPIES},
     ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget},
     settings::FarmZone,
 };
@@ -26,7 +26,7 @@ pub struct EditArgs {
     #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
     targets: Vec<String>,
     /// Copies wanted in all, those in builds included
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_COPIES)))]
     copies: Option<u32>,
     /// When it is due: 2026-11-25 or 25.11.2026 (the end of that day), "2026-11-25 17:00", or none
     #[arg(long, value_name = "DATE")]

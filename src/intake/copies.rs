@@ -10,7 +10,7 @@ use super::{
 };
 
 /// More copies than this in one drop are taken for a typing error.
-pub(super) const MAX_COPIES: u32 = 10_000;
+pub const MAX_COPIES: u32 = 10_000;
 /// Words that end in x and a longer number are names, such as those of graphics cards.
 const MAX_DIGITS_BEHIND_WORD: usize = 3;
 /// `cx5` is a name, `bracketx5` may be five brackets.

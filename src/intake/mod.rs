@@ -73,7 +73,7 @@ pub use claim_folder::{claim_dir, claim_id};
 pub use claim_notes::StoredContent;
 pub use claimed_part::{ClaimError, ClaimedPart};
 pub use control_file::{ControlFile, ControlKind, finish_control_file};
-pub use copies::{CopiesInName, copies_in_name, read_copies_in_name};
+pub use copies::{CopiesInName, MAX_COPIES, copies_in_name, read_copies_in_name};
 pub use copy_name::{CopyName, read_copy_name};
 pub use disk::{files_below, hash_file, is_temporary_name, read_start, write_file_atomically};
 pub use dropped::{open_dropped_file, read_reason};

@@ -36,7 +36,7 @@ impl Default for ReadLimits {
             max_instances: 100_000,
             max_depth: 16,
             max_shells: 10_000,
-            max_copies: 20_000,
+            max_copies: 10_000,
             read_memory_bytes: 4 << 30,
         }
     }

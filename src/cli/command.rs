@@ -189,8 +189,8 @@ async fn wait_for_answer(ledger: &Ledger, id: CommandId, timeout: Duration) -> R
     let began = Instant::now();
     loop {
         match ledger.find_command(id).await? {
-            Some(row) if row.state != CommandState::Asked => return Ok(Some(row)),
-            _ if began.elapsed() >= timeout => return Ok(None),
+            Some(row) if row.is_answered() => return Ok(Some(row)),
+            row if began.elapsed() >= timeout => return Ok(row.filter(|row| row.state != CommandState::Asked)),
             _ => tokio::time::sleep(POLL_INTERVAL).await,
         }
     }

@@ -64,6 +64,7 @@ pub(super) async fn update_answers(farm: &mut Farm) -> Result<()> {
         let controls = &mut machine.inbox.controls;
         let Some((id, name)) = controls.unanswered() else { continue };
         if let Some(row) = farm.ledger.find_command(id).await?
+            && row.is_answered()
             && let Some(at) = row.answered_at
         {
             controls.answer = format!("{name}, {}: {}.", machine.profile.time_zone.format_minute(at.0), row.answer);

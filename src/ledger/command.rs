@@ -127,6 +127,15 @@ pub struct CommandRow {
 sql_row!(CommandRow { id, kind, profile, part_id, argument, asked_by, asked_at, state, answer, answered_at });
 
 impl CommandRow {
+    /// Whether its answer is there: what is done through [`Ledger::for_command`] is done a moment before.
+    pub fn is_answered(&self) -> bool {
+        match self.state {
+            CommandState::Asked => false,
+            CommandState::Done => !self.answer.is_empty(),
+            CommandState::Refused => true,
+        }
+    }
+
     /// What it says beyond its kind and its part.
     pub fn read_argument(&self) -> CommandArgument {
         serde_json::from_str(&self.argument).unwrap_or_default()

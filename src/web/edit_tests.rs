@@ -136,3 +136,29 @@ async fn what_is_done_in_part_says_what_was_done_and_what_was_refused() {
     let detail = told.json["detail"].as_str().unwrap();
     assert!(detail.contains(&done) && detail.contains(&refused), "{detail}");
 }
+
+#[tokio::test]
+async fn what_was_done_is_answered_in_words_also_while_the_daemon_still_writes_them() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    claim(&dashboard, "a", 1).await;
+    let ledger = (*dashboard.ledger).clone();
+    let daemon = tokio::spawn(async move {
+        let command = loop {
+            match ledger.pending_commands().await.unwrap().pop() {
+                Some(command) => break command,
+                None => tokio::time::sleep(std::time::Duration::from_millis(5)).await,
+            }
+        };
+        // As the farm does: the change first, with its command done, and then the words.
+        let edit = command.read_argument().edit.unwrap();
+        let part = command.part_id.unwrap();
+        let edited = ledger.for_command(command.id).edit_part(part, &edit, &command.asked_by).await.unwrap();
+        tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+        ledger.answer_command(command.id, true, &format!("part {part}: {}", edited.changes.join(", "))).await.unwrap();
+    });
+    let answer = patch(&dashboard, "/api/v1/orders/K-1/lines/1", json!({ "copies": 5 })).await;
+    daemon.await.unwrap();
+    assert_eq!((answer.status, &answer.json["done"]), (StatusCode::OK, &json!(true)), "{}", answer.json);
+    let words = answer.json["answers"][0].as_str().unwrap();
+    assert!(words.starts_with("part 1: ") && words.contains('5') && words.ends_with('.'), "{words}");
+}

@@ -5,22 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    EventKind, Ledger, RefusalCause, UtcTimestamp,
+    AnsweredRequest, EventKind, Ledger, RefusalCause, UtcTimestamp,
     change::LedgerChange,
     error::Result,
     sql::{self, sql_row},
 };
-
-/// A request that was carried out.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct AnsweredRequest {
-    /// BLAKE3 of what was asked, 64 hex digits.
-    pub fingerprint: String,
-    /// JSON that was answered.
-    pub answer: String,
-}
-
-sql_row!(AnsweredRequest { fingerprint, answer });
 
 /// A line of an order that came by request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -87,31 +76,15 @@ impl Ledger {
     /// back to a time before the order came, counts as taken.
     pub async fn record_order_request(&self, order: &NewOrderRequest) -> Result<RecordedRequest> {
         let mut change = self.begin_change().await?;
-        if let Some(known) = find_answer(&mut change, &order.client, &order.key).await? {
+        if let Some(known) = change.find_request_key(&order.client, &order.key).await? {
             return Ok(RecordedRequest::Known(known));
         }
-        let now = change.now;
-        sql::query(
-            "INSERT INTO request_key (client, key, fingerprint, answer, answered_at) VALUES ($1, $2, $3, $4, $5)",
-        )
-        .bind(&order.client)
-        .bind(&order.key)
-        .bind(&order.answered.fingerprint)
-        .bind(&order.answered.answer)
-        .bind(now)
-        .execute(change.db())
-        .await?;
+        change.write_request_key(&order.client, &order.key, &order.answered).await?;
         for line in &order.lines {
             insert_line(&mut change, line).await?;
         }
         change.commit().await?;
         Ok(RecordedRequest::New)
-    }
-
-    /// The request that was carried out with this key.
-    pub async fn find_answered_request(&self, client: &str, key: &str) -> Result<Option<AnsweredRequest>> {
-        let query = sql::select_as("FROM request_key WHERE client = $1 AND key = $2").bind(client).bind(key);
-        Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// The lines for a machine of which the ledger has no part, oldest first, at most `most`.
@@ -205,11 +178,6 @@ impl Ledger {
         }
         change.commit().await
     }
-}
-
-async fn find_answer(change: &mut LedgerChange, client: &str, key: &str) -> Result<Option<AnsweredRequest>> {
-    let query = sql::select_as("FROM request_key WHERE client = $1 AND key = $2").bind(client).bind(key);
-    Ok(query.fetch_optional(change.db()).await?)
 }
 
 async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()> {

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use axum::{
     Form,
     extract::{Path, Query, State},
-    response::{IntoResponse, Redirect, Response},
 };
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -14,10 +13,11 @@ use serde::Deserialize;
 use super::{
     break_out_card::{bins_table, current_card, mark_form, open_list, progress_line, summary_section},
     break_out_state::{BreakOutState, CopyState, mark_word},
-    command::{answer_page, check_form_key, result_page},
+    command::answer_form,
     device_name::device_user,
     error::HandlerResult,
-    operate_form::{SentForm, say_word},
+    form_answer::FormAnswer,
+    operate_form::say_word,
     page::html_page,
     request_user::{RequestUser, name_of_user},
     state::DashboardState,
@@ -75,7 +75,6 @@ fn last_line(web: &DashboardState, state: &BreakOutState, user: &str, view: &Tim
 /// What a button says of a copy.
 #[derive(Debug, Deserialize)]
 pub(super) struct MarkForm {
-    key: String,
     part: i64,
     /// From 1.
     copy: u32,
@@ -90,13 +89,12 @@ pub(super) async fn post_mark(
     Path(number): Path<i64>,
     RequestUser(by): RequestUser,
     Form(form): Form<MarkForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let copy = (PartId(form.part), form.copy.saturating_sub(1));
     let address = format!("/builds/{number}/break-out");
     let told = match web.ledger.mark_pick(BuildId(number), copy, form.mark, &by).await {
         Ok(told) => told,
-        Err(error) => return answer_page(Err(error), &address),
+        Err(error) => return answer_form(Err(error), &address),
     };
     let state = BreakOutState::read(&web, number).await?;
     let next = match form.mark {
@@ -104,20 +102,19 @@ pub(super) async fn post_mark(
         _ => state.next_open(form.at.saturating_sub(1)).map(|at| at + 1),
     };
     let back = next.map_or_else(|| address.clone(), |at| format!("{address}?at={at}"));
-    let Some(first) = told else { return Ok(Redirect::to(&back).into_response()) };
+    let Some(first) = told else { return Ok(FormAnswer::back_to(&back)) };
     let sentence = format!(
         "{} said so before, {}: {}. Is it another copy that you have in hand?",
         name_of_user(&first.told_by),
         web.time_view().time_text(first.told_at),
         mark_word(first.mark)
     );
-    Ok(result_page("Said already", &[sentence], &back))
+    Ok(FormAnswer::told("Said already", vec![sentence], &back))
 }
 
 /// A button that concerns all copies.
 #[derive(Debug, Deserialize)]
 pub(super) struct AllForm {
-    key: String,
     /// What is said of all copies of which nobody said anything yet.
     mark: Option<PickMark>,
     /// Sent if the outcome is meant although the file of the build lies in the queue.
@@ -130,17 +127,15 @@ pub(super) async fn post_all(
     Path(number): Path<i64>,
     RequestUser(by): RequestUser,
     Form(form): Form<AllForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let (build, address) = (BuildId(number), format!("/builds/{number}/break-out"));
     let Some(mark) = form.mark else {
-        let (action, back) = (format!("{address}/all"), format!("/builds/{number}"));
-        let sent = SentForm { action: &action, fields: &[], anyway: form.anyway.is_some(), back: &back };
-        return say_word(&web, &OperatorWord::BreakOut(build), &by, &sent).await;
+        let back = format!("/builds/{number}");
+        return say_word(&web, &OperatorWord::BreakOut(build), &by, form.anyway.is_some(), &back).await;
     };
     let state = BreakOutState::read(&web, number).await?;
     let open = state.map.list.copies.iter().zip(&state.states).filter(|(_, state)| matches!(state, CopyState::Open));
     let open: Vec<_> = open.map(|(copy, _)| (PartId(copy.part), copy.copy.saturating_sub(1))).collect();
     web.ledger.mark_picks(build, &open, mark, &by).await?;
-    Ok(Redirect::to(&address).into_response())
+    Ok(FormAnswer::back_to(&address))
 }

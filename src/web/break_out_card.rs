@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::{
     break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of},
+    form_answer::key_field,
     format::count,
     picture::themed_picture,
     request_user::name_of_user,
@@ -138,7 +139,7 @@ pub(super) fn open_list(web: &DashboardState, state: &BreakOutState) -> Markup {
         .collect();
     let all = |mark: PickMark, label: &str| {
         html! { form.order method="post" action=(format!("{}/all", state.address())) {
-            input type="hidden" name="key" value=(web.form_key);
+            (key_field(web))
             button type="submit" name="mark" value=(mark) { (label) }
         } }
     };
@@ -178,7 +179,7 @@ pub(super) fn summary_section(web: &DashboardState, state: &BreakOutState, count
             @if is_told { p.ok { "The outcome is told." } }
             @else if web.orders {
                 form.order method="post" action=(format!("{}/all", state.address())) {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     div.step-buttons { button.good type="submit" {
                         @if sum.bad + sum.missing > 0 { "Tell it: printed, and those copies again" } @else { "Tell it: printed, all good" }
                     } }
@@ -201,7 +202,7 @@ pub(super) fn mark_form(
 ) -> Markup {
     html! {
         form.order method="post" action=(state.address()) {
-            input type="hidden" name="key" value=(web.form_key);
+            (key_field(web))
             input type="hidden" name="part" value=(copy.part);
             input type="hidden" name="copy" value=(copy.copy);
             input type="hidden" name="at" value=(then);

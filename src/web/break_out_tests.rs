@@ -1,9 +1,6 @@
 //! Breaking a build out, with the forms as a browser without JavaScript sends them.
 
-use axum::{
-    body::Body,
-    http::{Request, StatusCode},
-};
+use axum::http::{Request, StatusCode};
 
 use super::{TestDashboard, TestResponse, with_a_build};
 use crate::ledger::{BuildId, BuildState, PartId, PartState};
@@ -11,13 +8,8 @@ use crate::ledger::{BuildId, BuildState, PartId, PartState};
 const PAGE: &str = "/builds/1/break-out";
 
 async fn post(dashboard: &TestDashboard, path: &str, form: &str, cookie: &str) -> TestResponse {
-    let request = Request::post(path)
-        .header("host", "localhost")
-        .header("sec-fetch-site", "same-origin")
-        .header("cookie", cookie)
-        .header("content-type", "application/x-www-form-urlencoded")
-        .body(Body::from(form.to_owned()));
-    dashboard.send(request.unwrap()).await
+    let request = Request::post(path).header("sec-fetch-site", "same-origin").header("cookie", cookie);
+    dashboard.send_form(request, form).await
 }
 
 async fn say(dashboard: &TestDashboard, copy: u32, mark: &str, cookie: &str) -> TestResponse {

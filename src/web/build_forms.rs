@@ -7,16 +7,16 @@ use axum::{
     Form,
     extract::{Path, State},
     http::StatusCode,
-    response::Response,
 };
 use jiff::Timestamp;
 use maud::{Markup, html};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::{
-    command::{answer_page, check_form_key},
+    command::answer_form,
     error::{HandlerError, HandlerResult},
-    operate_form::{SentForm, say_word},
+    form_answer::{FormAnswer, key_field},
+    operate_form::say_word,
     request_user::RequestUser,
     state::DashboardState,
 };
@@ -35,7 +35,6 @@ pub(super) const MAX_NOTE: u32 = 500;
 /// A form of the page of a build.
 #[derive(Debug, Deserialize)]
 pub(super) struct BuildTellForm {
-    key: String,
     act: BuildFormAct,
     #[serde(default)]
     note: String,
@@ -53,7 +52,7 @@ pub(super) struct BuildTellForm {
 }
 
 /// What a form of the page of a build asks for.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum BuildFormAct {
     Complete,
@@ -133,7 +132,7 @@ fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool
         details {
             summary { @if is_told { "Correct what was told" } @else { "Tell how it printed" } }
             form.tell method="post" action=(format!("/builds/{}/told", build.id)) {
-                input type="hidden" name="key" value=(web.form_key);
+                (key_field(web))
                 @if is_told { input type="hidden" name="correct" value="yes"; }
                 label { "The print is" select name="act" {
                     @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
@@ -157,7 +156,7 @@ fn act_form(web: &DashboardState, build: BuildId, act: &str, label: &str) -> Mar
 fn act_form_with(web: &DashboardState, build: BuildId, (act, label): (&str, &str), seen: Option<&str>) -> Markup {
     html! {
         form.order method="post" action=(format!("/builds/{build}/told")) {
-            input type="hidden" name="key" value=(web.form_key);
+            (key_field(web))
             input type="hidden" name="act" value=(act);
             @if let Some(seen) = seen { input type="hidden" name="seen" value=(seen); }
             button type="submit" { (label) span.unseen { " (build " (build) ")" } }
@@ -182,24 +181,17 @@ pub(super) async fn post_told(
     Path(number): Path<i64>,
     RequestUser(by): RequestUser,
     Form(form): Form<BuildTellForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let build = BuildId(number);
     if web.ledger.find_build(build).await?.is_none() {
         return Err(HandlerError::NotFound(format!("build {number}")));
     }
     let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    let (action, back) = (format!("/builds/{number}/told"), format!("/builds/{number}"));
-    let Some(word) = word_of(build, &form, bad, &by) else {
-        return answer_page(carry_out(&web.ledger, build, &form, &by).await, &back);
-    };
-    let act = serde_json::to_value(form.act).unwrap_or_default();
-    let act = act.as_str().unwrap_or_default();
-    let mut fields = vec![("act", act), ("note", form.note.as_str()), ("bad", form.bad.as_str())];
-    fields.extend(form.keep.as_deref().map(|keep| ("keep", keep)));
-    fields.extend(form.correct.as_deref().map(|correct| ("correct", correct)));
-    let sent = SentForm { action: &action, fields: &fields, anyway: form.anyway.is_some(), back: &back };
-    say_word(&web, &word, &by, &sent).await
+    let back = format!("/builds/{number}");
+    match word_of(build, &form, bad, &by) {
+        Some(word) => say_word(&web, &word, &by, form.anyway.is_some(), &back).await,
+        None => answer_form(carry_out(&web.ledger, build, &form, &by).await, &back),
+    }
 }
 
 /// The word about its print that a form says.

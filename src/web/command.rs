@@ -2,19 +2,13 @@
 
 use std::{sync::Arc, time::Duration};
 
-use axum::{
-    Form,
-    extract::State,
-    http::StatusCode,
-    response::{IntoResponse, Redirect, Response},
-};
+use axum::{Form, extract::State, http::StatusCode};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
     error::{HandlerError, HandlerResult},
-    format::prose_with_pages,
-    page,
+    form_answer::{FormAnswer, key_field},
     request_user::RequestUser,
     state::DashboardState,
 };
@@ -28,7 +22,6 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// The form that a command button sends.
 #[derive(Debug, Deserialize)]
 pub(super) struct CommandForm {
-    key: String,
     kind: CommandKind,
     #[serde(default)]
     profile: String,
@@ -47,7 +40,7 @@ pub(super) fn command_button(
     html! {
         @if web.orders {
             form.order method="post" action="/commands" {
-                input type="hidden" name="key" value=(web.form_key);
+                (key_field(web))
                 input type="hidden" name="kind" value=(kind);
                 @if !profile.is_empty() { input type="hidden" name="profile" value=(profile); }
                 @if let Some(part) = part { input type="hidden" name="part" value=(part); }
@@ -62,8 +55,7 @@ pub(super) async fn post_command(
     State(web): State<Arc<DashboardState>>,
     RequestUser(asked_by): RequestUser,
     Form(order): Form<CommandForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &order.key)?;
+) -> HandlerResult<FormAnswer> {
     let back = match (order.part, order.kind) {
         (Some(part), CommandKind::Retry | CommandKind::Cancel | CommandKind::Confirm | CommandKind::Move) => {
             format!("/parts/{part}")
@@ -91,13 +83,6 @@ pub(super) fn check_takes_orders(web: &DashboardState) -> HandlerResult<()> {
     if web.orders { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
 }
 
-/// Refuses a form where the farm takes none, or that comes from no page of this daemon.
-pub(super) fn check_form_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
-    check_takes_orders(web)?;
-    let text = "the page is older than the daemon: load it again and press once more";
-    if key == web.form_key { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
-}
-
 /// What the daemon answered to commands.
 #[derive(Debug, Default)]
 pub(super) struct CommandAnswers {
@@ -121,20 +106,22 @@ pub(super) async fn send_commands(
     web: &DashboardState,
     commands: Vec<NewCommand>,
     back: &str,
-) -> HandlerResult<Response> {
-    show_answers(run_commands(web, commands).await?, back)
+) -> HandlerResult<FormAnswer> {
+    Ok(show_answers(run_commands(web, commands).await?, back))
 }
 
 /// Shows the page `back` again, or what was refused.
-pub(super) fn show_answers(answers: CommandAnswers, back: &str) -> HandlerResult<Response> {
-    let CommandAnswers { mut refusals, is_complete, .. } = answers;
+pub(super) fn show_answers(answers: CommandAnswers, back: &str) -> FormAnswer {
+    let CommandAnswers { done, mut refusals, is_complete } = answers;
     if !is_complete {
         refusals.push("The daemon has not answered; the order is noted and is done when it runs.".to_owned());
-        return Ok(result_page("Not answered yet", &refusals, back));
+        return FormAnswer::told("Not answered yet", refusals, back);
     }
-    match refusals.is_empty() {
-        true => Ok(Redirect::to(back).into_response()),
-        false => Ok(result_page("Refused", &refusals, back)),
+    match (refusals.is_empty(), done.is_empty()) {
+        (true, _) => FormAnswer::back_to(back),
+        (false, true) => FormAnswer::refused(refusals, back),
+        // The rest is done: sent again, the form is not carried out again.
+        (false, false) => FormAnswer::told("Refused in part", refusals, back),
     }
 }
 
@@ -149,10 +136,13 @@ pub(super) async fn run_commands(web: &DashboardState, commands: Vec<NewCommand>
         tokio::time::sleep(POLL_INTERVAL).await;
         let mut unanswered = Vec::new();
         for id in open {
-            match web.ledger.find_command(id).await? {
-                Some(row) if row.state == CommandState::Done => answers.done.push(format!("{}.", row.answer)),
+            let row = web.ledger.find_command(id).await?;
+            let is_late = asked.elapsed() >= ANSWER_TIMEOUT;
+            match row.filter(|row| row.is_answered() || is_late && row.state == CommandState::Done) {
                 Some(row) if row.state == CommandState::Refused => answers.refusals.push(format!("{}.", row.answer)),
-                _ => unanswered.push(id),
+                Some(row) if row.answer.is_empty() => answers.done.push("It is done.".to_owned()),
+                Some(row) => answers.done.push(format!("{}.", row.answer)),
+                None => unanswered.push(id),
             }
         }
         open = unanswered;
@@ -162,26 +152,15 @@ pub(super) async fn run_commands(web: &DashboardState, commands: Vec<NewCommand>
 }
 
 /// What the ledger answers to a form that it carries out itself: sentences, or why it refuses.
-pub(super) fn answer_page(answer: Result<Vec<String>, LedgerError>, back: &str) -> HandlerResult<Response> {
+pub(super) fn answer_form(answer: Result<Vec<String>, LedgerError>, back: &str) -> HandlerResult<FormAnswer> {
     match answer {
-        Ok(sentences) if sentences.is_empty() => Ok(Redirect::to(back).into_response()),
-        Ok(sentences) => Ok(result_page("Done", &sentences, back)),
+        Ok(sentences) => Ok(FormAnswer::told("Done", sentences, back)),
         Err(error) if is_failure_of_ledger(&error) => Err(error.into()),
-        Err(refused) => Ok(result_page("Refused", &[format!("{refused}.")], back)),
+        Err(refused) => Ok(FormAnswer::refused(vec![format!("{refused}.")], back)),
     }
 }
 
 /// Whether the ledger could not be read or written, so that nothing was refused.
 pub(super) fn is_failure_of_ledger(error: &LedgerError) -> bool {
     error.is_trouble()
-}
-
-/// A page with sentences and the way back.
-pub(super) fn result_page(title: &str, sentences: &[String], back: &str) -> Response {
-    let content = html! {
-        h1 { (title) }
-        div #answer role="status" { @for sentence in sentences { p { (prose_with_pages(sentence)) } } }
-        p { a href=(back) { "Back" } }
-    };
-    page::html_page(title, "", None, &content).into_response()
 }

@@ -1,20 +1,12 @@
 //! The name of whoever uses a device: asked once, kept in a cookie, and written into the events of what is done there. Where a reverse
 //! proxy names the user, nobody is asked.
 
-use std::sync::Arc;
-
-use axum::{
-    Form,
-    extract::State,
-    http::HeaderMap,
-    response::{IntoResponse, Redirect, Response},
-};
+use axum::{Form, http::HeaderMap};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    command::check_form_key,
-    error::HandlerResult,
+    form_answer::{FormAnswer, key_field},
     request_user::{is_nobody, name_of_user, set_name_cookie},
     state::DashboardState,
 };
@@ -29,7 +21,7 @@ pub(super) fn device_user(web: &DashboardState, user: &str, back: &str) -> Marku
         details.who open[is_nobody(user)] {
             summary { @if is_nobody(user) { "Who works here? The name is asked once on this device." } @else { "You are " (name_of_user(user)) "." } }
             form.filters method="post" action="/name" {
-                input type="hidden" name="key" value=(web.form_key);
+                (key_field(web))
                 input type="hidden" name="back" value=(back);
                 label { "Your name" input name="name" maxlength="40" autocomplete="name" value=[(!is_nobody(user)).then(|| name_of_user(user))]; }
                 button type="submit" { "That is me" }
@@ -41,7 +33,6 @@ pub(super) fn device_user(web: &DashboardState, user: &str, back: &str) -> Marku
 /// The form that says the name.
 #[derive(Debug, Deserialize)]
 pub(super) struct NameForm {
-    key: String,
     #[serde(default)]
     name: String,
     #[serde(default)]
@@ -49,13 +40,9 @@ pub(super) struct NameForm {
 }
 
 /// Notes the name in a cookie of the device.
-pub(super) async fn post_name(
-    State(web): State<Arc<DashboardState>>,
-    Form(form): Form<NameForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+pub(super) async fn post_name(Form(form): Form<NameForm>) -> (HeaderMap, FormAnswer) {
     let is_here = form.back.starts_with('/') && !form.back.starts_with("//") && !form.back.contains('\\');
     let mut headers = HeaderMap::new();
     set_name_cookie(&mut headers, &form.name);
-    Ok((headers, Redirect::to(if is_here { &form.back } else { "/" })).into_response())
+    (headers, FormAnswer::back_to(if is_here { &form.back } else { "/" }))
 }

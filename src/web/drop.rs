@@ -7,18 +7,20 @@ use anyhow::Context;
 use axum::{
     extract::{Multipart, Path, State, multipart::Field},
     http::StatusCode,
-    response::Response,
+    response::{IntoResponse, Response},
 };
 use maud::{Markup, html};
 
 use super::{
-    command::{check_form_key, result_page},
+    client::RequestClient,
     connection_limits::RequestInProgress,
     drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
     error::{HandlerError, HandlerResult},
+    form_answer::FormAnswer,
     form_field::{incomplete_form, read_field},
     page::html_page,
     put_content::{put_contents, run_on_disk},
+    sent_form::{carry_out_form, check_form_key},
     state::DashboardState,
 };
 use crate::{
@@ -68,13 +70,14 @@ fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
 pub(super) async fn post_files(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
+    client: RequestClient,
     progress: RequestInProgress,
     mut form: Multipart,
 ) -> HandlerResult<Response> {
     let profile = find_profile(&web, &name)?;
     let busy = || HandlerError::TooMany(1, "others are adding files just now: try again in a moment".to_owned());
     let _place = web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())?;
-    let (mut fields, mut files) = (DropFields::default(), Vec::new());
+    let (mut fields, mut files, mut asked) = (DropFields::default(), Vec::new(), blake3::Hasher::new());
     let (inbox, max_bytes) = (profile.folders.inbox.clone(), web.current_settings().limits.max_bytes);
     while let Some(field) = form.next_field().await.map_err(incomplete_form)? {
         let field_name = field.name().unwrap_or_default().to_owned();
@@ -82,7 +85,7 @@ pub(super) async fn post_files(
             None => {
                 let text = read_text(field).await?;
                 if field_name == "key" {
-                    check_form_key(&web, &text)?;
+                    check_form_key(&web, &client, &text).await?;
                 }
                 fields.set_field(&field_name, text);
             }
@@ -92,20 +95,35 @@ pub(super) async fn post_files(
                 return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, format!("a form takes {MAX_FILES} files at most")));
             }
             Some(file_name) => {
-                check_form_key(&web, &fields.key)?;
-                files.push(receive_file(field, inbox.clone(), file_name, max_bytes).await?);
+                check_form_key(&web, &client, &fields.key).await?;
+                asked.update(file_name.as_bytes()).update(b"\n");
+                files.push(receive_file(field, inbox.clone(), file_name, max_bytes, &mut asked).await?);
             }
         }
     }
     progress.note_complete();
-    check_form_key(&web, &fields.key)?;
+    check_form_key(&web, &client, &fields.key).await?;
     if files.is_empty() {
         return Err(refused(StatusCode::BAD_REQUEST, "no file was chosen"));
     }
     let zone = web.current_settings().time_zone.clone();
     let ticket = fields.to_ticket(&zone).map_err(|why| refused(StatusCode::BAD_REQUEST, why))?;
-    let placed = tokio::task::spawn_blocking(move || place_files(files, &ticket)).await.context("a step ended")?;
-    Ok(result_page("Files were added", &placed_sentences(&profile, &placed), "/"))
+    asked.update(format!("{name}\n{fields:?}").as_bytes());
+    let place = async move {
+        match tokio::task::spawn_blocking(move || place_files(files, &ticket)).await.context("a step ended") {
+            Ok(placed) => answer_drop(&profile, &placed).into_response(),
+            Err(failure) => HandlerError::from(failure).into_response(),
+        }
+    };
+    carry_out_form(web, &client, &fields.key, asked.finalize().to_hex().to_string(), place).await
+}
+
+fn answer_drop(profile: &MachineProfile, placed: &[Result<String, UploadError>]) -> FormAnswer {
+    let sentences = placed_sentences(profile, placed);
+    match placed.iter().any(Result::is_ok) {
+        true => FormAnswer::told("Files were added", sentences, "/"),
+        false => FormAnswer::refused(sentences, "/"),
+    }
 }
 
 /// Gives all files their names in the hot folder: each by itself, so that one that fails keeps no other.
@@ -131,17 +149,19 @@ async fn read_text(field: Field<'_>) -> HandlerResult<String> {
     String::from_utf8(bytes).map_err(|_| refused(StatusCode::BAD_REQUEST, "a field of the form is no text"))
 }
 
-/// Receives one file into the hot folder, under a name that the farm does not look at.
+/// Receives one file into the hot folder, under a name that the farm does not look at; it is part of what is asked.
 async fn receive_file(
     mut field: Field<'_>,
     inbox: PathBuf,
     name: String,
     max_bytes: u64,
+    asked: &mut blake3::Hasher,
 ) -> HandlerResult<UploadedFile> {
     let token = rand::random();
     let begin = move || UploadedFile::begin(&inbox, &name, token, max_bytes);
     let mut file = on_disk(begin).await?;
     while let Some(chunk) = field.chunk().await.map_err(incomplete_form)? {
+        asked.update(&chunk);
         let write = move || file.write_chunk(&chunk).map(|()| file);
         file = on_disk(write).await?;
     }

@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::state::DashboardState;
+use super::{form_answer::key_field, state::DashboardState};
 use crate::{
-    intake::Ticket,
+    intake::{MAX_COPIES, Ticket},
     settings::{FarmZone, MachineProfile},
 };
 
@@ -82,11 +82,10 @@ pub(super) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
     html! {
         form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
             data-max-bytes=(max_bytes) data-machine=(name) {
-            // The key comes first: without it no file is read.
-            input type="hidden" name="key" value=(web.form_key);
+            (key_field(web))
             label { "Order" input name="order" maxlength="200"; }
             label { "Copies of each file; empty = as its name says (bracket_x10.stl), else 1"
-                input name="copies" type="number" min="1" max="10000" inputmode="numeric"; }
+                input name="copies" type="number" min="1" max=(MAX_COPIES) inputmode="numeric"; }
             div.pair {
                 label { "Due (the end of that day, unless with a time)" input name="due" type="date"; }
                 label { "Time" input name="due_time" type="time"; }

@@ -33,7 +33,17 @@ fn request(body: Body) -> Request<Body> {
 }
 
 async fn sent(dashboard: &TestDashboard, parts: &[String]) -> TestResponse {
-    dashboard.send(request(Body::from(format!("{}--{LINE}--\r\n", parts.concat())))).await
+    sent_with(dashboard, &dashboard.web.form_keys.make_key(), parts).await
+}
+
+/// Sends a form with this key where it says `key`; the text is that of the page to which the browser is led.
+async fn sent_with(dashboard: &TestDashboard, key: &str, parts: &[String]) -> TestResponse {
+    let parts = parts.concat().replace(&field("key", "key"), &field("key", key));
+    let mut answer = dashboard.send(request(Body::from(format!("{parts}--{LINE}--\r\n")))).await;
+    if answer.location.starts_with("/told/") {
+        answer.text = dashboard.get(&answer.location).await.text;
+    }
+    answer
 }
 
 /// A farm whose hot folder is there, and that folder.
@@ -68,11 +78,7 @@ async fn files_of_a_form_lie_in_the_hot_folder_each_with_its_ticket() {
         file("", ""),
     ];
     let answer = sent(&dashboard, &parts).await;
-    assert!(
-        answer.status.is_success() && answer.text.contains("hinge.stl is in the hot folder of cube"),
-        "{}",
-        answer.text
-    );
+    assert!(answer.status == 303 && answer.text.contains("hinge.stl is in the hot folder of cube"), "{}", answer.text);
     assert_eq!(names(&inbox), ["Größe.stl", "Größe.stl.toml", "hinge.stl", "hinge.stl.toml"]);
     assert_eq!(fs::read_to_string(inbox.join("hinge.stl")).unwrap(), large);
     let ticket = fs::read_to_string(inbox.join("hinge.stl.toml")).unwrap();
@@ -81,6 +87,25 @@ async fn files_of_a_form_lie_in_the_hot_folder_each_with_its_ticket() {
     let again = sent(&dashboard, &[field("key", "key"), file("hinge.stl", "other")]).await;
     assert!(again.text.contains("hinge (2).stl is in the hot folder"), "{}", again.text);
     assert_eq!(fs::read_to_string(inbox.join("hinge.stl")).unwrap(), large, "nothing is overwritten");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_form_with_files_that_is_sent_twice_orders_once() {
+    let (dashboard, inbox) = with_inbox(|_| ()).await;
+    let page = dashboard.get("/machines/cube/drop").await.text;
+    let key = page.split("name=\"key\" value=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+    let parts = [field("key", "key"), field("copies", "3"), file("hinge.stl", "solid")];
+    for _ in 0..2 {
+        let answer = sent_with(&dashboard, &key, &parts).await;
+        assert!(answer.text.contains("hinge.stl is in the hot folder of cube"), "{}", answer.text);
+        assert_eq!((answer.status.as_u16(), answer.location.starts_with("/told/")), (303, true));
+        assert_eq!(names(&inbox), ["hinge.stl", "hinge.stl.toml"]);
+    }
+    for other in [file("hinge.stl", "other"), file("cover.stl", "solid")] {
+        let answer = sent_with(&dashboard, &key, &[field("key", "key"), field("copies", "3"), other]).await;
+        assert!(answer.status == 422 && answer.text.contains("load its page again"), "{}", answer.text);
+        assert_eq!(names(&inbox).len(), 2, "it is told, not silently left out");
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -116,7 +141,8 @@ async fn an_upload_that_breaks_off_leaves_nothing_behind() {
     let (dashboard, inbox) = with_inbox(|_| ()).await;
     let (send, receive) = tokio::sync::mpsc::channel::<Result<Bytes, std::io::Error>>(4);
     let body = Body::from_stream(ReceiverStream::new(receive));
-    let whole = [field("key", "key"), file("a.stl", "solid"), file("b.stl", "solid")].concat();
+    let whole =
+        [field("key", &dashboard.web.form_keys.make_key()), file("a.stl", "solid"), file("b.stl", "solid")].concat();
     send.send(Ok(Bytes::from(whole[..whole.len() - 8].to_owned()))).await.unwrap();
     let answering = dashboard.send(request(body));
     let breaking = async {

@@ -3,19 +3,15 @@
 use std::sync::Arc;
 
 use anyhow::Context;
-use axum::{
-    Form,
-    extract::{Path, State},
-    response::{IntoResponse, Redirect, Response},
-};
+use axum::extract::{Path, State};
 use jiff::Timestamp;
 use maud::{Markup, html};
-use serde::Deserialize;
 
 use super::{
     build_forms::unseen_failure,
-    command::{check_form_key, command_button},
+    command::command_button,
     error::{HandlerError, HandlerResult},
+    form_answer::{FormAnswer, key_field},
     format::{count, format_age, prose_with_code},
     state::DashboardState,
 };
@@ -33,12 +29,6 @@ const MAX_NAMED: usize = 4;
 const MAX_REFUSED: u32 = 200;
 /// Entries that are shown at once; the others are folded, so that the machines stay in sight.
 const MAX_SHOWN: usize = 3;
-
-/// The form of a button that needs nothing but the key.
-#[derive(Debug, Deserialize)]
-pub(super) struct KeyForm {
-    key: String,
-}
 
 /// What the entries are made of.
 struct NeededFacts {
@@ -170,7 +160,7 @@ fn refused_parts(web: &DashboardState, profile: &str, refused: &[PartRow]) -> Ma
             a.button href=(format!("/parts?state=rejected&profile={profile}")) { "All refused parts" }
             @if web.orders {
                 form.order method="post" action=(format!("/machines/{profile}/dismiss")) {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     button type="submit" { "Seen to: leave them there" span.unseen { " (" (profile) ")" } }
                 }
             }
@@ -198,13 +188,11 @@ fn copies_question(questions: &[QuestionedPart]) -> Option<Markup> {
 pub(super) async fn post_dismiss(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
-    Form(form): Form<KeyForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let settings = web.current_settings();
     let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
     let error_dir = profile.folders.error.clone();
     let dismissed = tokio::task::spawn_blocking(move || farm::dismiss_refused(&error_dir)).await;
     dismissed.context("a step ended")?.context("writing into the error folder")?;
-    Ok(Redirect::to("/").into_response())
+    Ok(FormAnswer::back_to("/"))
 }

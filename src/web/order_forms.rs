@@ -7,17 +7,17 @@ use axum::{
     Form,
     extract::{Path, State},
     http::StatusCode,
-    response::Response,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{check_form_key, command_button, send_commands, show_answers},
+    command::{command_button, send_commands, show_answers},
     error::{HandlerError, HandlerResult},
+    form_answer::{FormAnswer, key_field},
     format::count,
-    operate_form::{SentForm, say_word},
+    operate_form::say_word,
     order_cancel::{CancelTarget, cancel_lines},
     part_forms::{PartEditForm, part_forms},
     query::order_address,
@@ -31,13 +31,16 @@ use crate::ledger::{
 /// Lines whose forms are on the page of the order; those of others are on the pages of their parts.
 const MAX_FORMS: usize = 40;
 
-/// The form of a button that concerns a whole order.
+/// The form that moves a whole order.
 #[derive(Debug, Deserialize)]
-pub(super) struct OrderButtonForm {
-    key: String,
-    /// Where it is moved to, if it is.
-    #[serde(default)]
+pub(super) struct MoveOrderForm {
+    /// The machine that it is moved to.
     profile: String,
+}
+
+/// The button that prints a whole order again.
+#[derive(Debug, Deserialize)]
+pub(super) struct ReprintOrderForm {
     /// Sent if it is meant although the file of a build lies in the queue.
     anyway: Option<String>,
 }
@@ -56,7 +59,7 @@ pub(super) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine])
         @if web.orders && waiting > 0 {
             details { summary { "Change what waits" }
                 form.tell method="post" action=(format!("{address}/edit")) {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     p { "For all " (parts) ". An empty field changes nothing." }
                     label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
                     label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
@@ -67,7 +70,7 @@ pub(super) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine])
             @if settings.profiles.len() > 1 {
                 details { summary { "Move to another machine" }
                     form.tell method="post" action=(format!("{address}/move")) {
-                        input type="hidden" name="key" value=(web.form_key);
+                        (key_field(web))
                         label { "Machine" select name="profile" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
                         p { "The " (parts) " of this order move, and are read again there." }
                         button type="submit" { "Move the order" }
@@ -102,7 +105,7 @@ async fn command_lines(
     web: &DashboardState,
     name: &str,
     command: impl Fn(&OrderLine) -> NewCommand,
-) -> HandlerResult<Response> {
+) -> HandlerResult<FormAnswer> {
     let lines = web.ledger.order_lines(name).await?;
     let commands: Vec<NewCommand> = waiting_lines(&lines).map(command).collect();
     if commands.is_empty() {
@@ -121,8 +124,7 @@ pub(super) async fn post_edit(
     Path(name): Path<String>,
     RequestUser(by): RequestUser,
     Form(form): Form<PartEditForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, form.key())?;
+) -> HandlerResult<FormAnswer> {
     let refused = |wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong);
     let edit: PartEdit = form.to_edit(&web.current_settings().time_zone).map_err(refused)?;
     if edit.is_empty() {
@@ -143,9 +145,8 @@ pub(super) async fn post_move(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
     RequestUser(by): RequestUser,
-    Form(form): Form<OrderButtonForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+    Form(form): Form<MoveOrderForm>,
+) -> HandlerResult<FormAnswer> {
     if !web.current_settings().profiles.contains_key(&form.profile) {
         return Err(HandlerError::NotFound(format!("machine {}", form.profile)));
     }
@@ -171,7 +172,7 @@ pub(super) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine
             details { summary { "Print again" }
                 p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
                 form.tell method="post" action=(format!("{address}/reprint")) {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     button type="submit" { "Print every printed copy again" }
                 }
             }
@@ -180,7 +181,7 @@ pub(super) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine
             details { summary { "Cancel" }
                 p { (count(waiting, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
                 form.tell method="post" action=(format!("{address}/cancel")) {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     button type="submit" { "Cancel what waits" }
                 }
             }
@@ -193,13 +194,11 @@ pub(super) async fn post_reprint(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
     RequestUser(by): RequestUser,
-    Form(form): Form<OrderButtonForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+    Form(form): Form<ReprintOrderForm>,
+) -> HandlerResult<FormAnswer> {
     let back = order_address(&name);
-    let action = format!("{back}/reprint");
-    let sent = SentForm { action: &action, fields: &[], anyway: form.anyway.is_some(), back: &back };
-    say_word(&web, &OperatorWord::Reprint(ReprintTarget::Order(name)), &by, &sent).await
+    let word = OperatorWord::Reprint(ReprintTarget::Order(name));
+    say_word(&web, &word, &by, form.anyway.is_some(), &back).await
 }
 
 /// Cancels what waits of an order.
@@ -207,12 +206,10 @@ pub(super) async fn post_cancel(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
     RequestUser(by): RequestUser,
-    Form(form): Form<OrderButtonForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let answers = cancel_lines(&web, CancelTarget { order: &name, line: None }, &by).await?;
     match answers.is_empty() {
         true => Err(nothing_waits()),
-        false => show_answers(answers, &order_address(&name)),
+        false => Ok(show_answers(answers, &order_address(&name))),
     }
 }

@@ -8,12 +8,8 @@ use crate::{
 
 impl TestDashboard {
     async fn post_to(&self, path: &str, fields: &[(&str, &str)]) -> TestResponse {
-        let request = Request::post(path)
-            .header("host", "localhost")
-            .header("sec-fetch-site", "same-origin")
-            .header("content-type", "application/x-www-form-urlencoded")
-            .body(Body::from(serde_urlencoded::to_string(fields).unwrap()));
-        self.send(request.unwrap()).await
+        let request = Request::post(path).header("sec-fetch-site", "same-origin");
+        self.send_form(request, &serde_urlencoded::to_string(fields).unwrap()).await
     }
 
     /// Tells something of build 1.
@@ -52,7 +48,7 @@ async fn a_month_sums_up_what_each_machine_made_and_says_what_failed_and_what_wa
     };
     let id = dashboard.ledger.record_claim(&late).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
-    assert_eq!(dashboard.tell(&[("act", "complete"), ("bad", "1=1")]).await.status, StatusCode::OK);
+    assert_eq!(dashboard.tell(&[("act", "complete"), ("bad", "1=1")]).await.status, StatusCode::SEE_OTHER);
     let report = dashboard.json(&format!("/api/v1/month?at={month}")).await;
     let cube = &report["machines"][0];
     let figures = ["builds", "copies", "good_copies", "bad_copies"].map(|key| cube[key].as_u64().unwrap());
@@ -104,7 +100,7 @@ async fn the_forms_of_an_order_command_every_line_that_waits() {
 #[tokio::test]
 async fn orders_are_found_by_any_part_of_their_name_and_open_ones_come_first() {
     let dashboard = with_a_build("Old Möbel.stl").await;
-    assert_eq!(dashboard.tell(&[("act", "complete")]).await.status, StatusCode::OK);
+    assert_eq!(dashboard.tell(&[("act", "complete")]).await.status, StatusCode::SEE_OTHER);
     let nasty = "A/B + 50 % ü?x=1#y";
     dashboard.claim("b", nasty).await;
     let names = async |asked: &str| -> Vec<String> {

@@ -7,29 +7,27 @@ use axum::{
     Form,
     extract::{Path, State},
     http::StatusCode,
-    response::Response,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{check_form_key, send_commands},
+    command::send_commands,
     error::{HandlerError, HandlerResult},
-    operate_form::{SentForm, say_word},
+    form_answer::{FormAnswer, key_field},
+    operate_form::say_word,
     request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
-    intake,
+    intake::{self, MAX_COPIES},
     ledger::{
         CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, ReprintTarget,
     },
     settings::FarmZone,
 };
 
-/// Greatest number of copies of a part.
-pub(super) const MAX_COPIES: u32 = 10_000;
 /// Greatest priority.
 pub(super) const MAX_PRIORITY: u8 = 100;
 
@@ -38,7 +36,6 @@ pub(super) const MAX_PRIORITY: u8 = 100;
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct PartEditForm {
-    key: String,
     copies: String,
     was_copies: String,
     due: String,
@@ -52,7 +49,6 @@ pub(super) struct PartEditForm {
 /// The form that prints copies of a part again.
 #[derive(Debug, Deserialize)]
 pub(super) struct ReprintForm {
-    key: String,
     #[serde(default)]
     copies: String,
     /// Sent if it is meant although the file of a build lies in the queue.
@@ -89,7 +85,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
     html! {
         details { summary { "Edit" }
             form.tell method="post" action=(format!("/parts/{}/edit", part.id)) {
-                input type="hidden" name="key" value=(web.form_key);
+                (key_field(web))
                 (number("Copies wanted in all, those in builds included", "copies", part.wanted_copies(), (1, MAX_COPIES)))
                 @if part.state == PartState::Waiting {
                     (field("Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; empty = no date", "due", &due_text(part)))
@@ -111,7 +107,7 @@ fn move_form(web: &DashboardState, part: &PartRow) -> Markup {
         @if !others.is_empty() {
             details { summary { "Move to another machine" }
                 form.tell method="post" action="/commands" {
-                    input type="hidden" name="key" value=(web.form_key);
+                    (key_field(web))
                     input type="hidden" name="kind" value=(CommandKind::Move);
                     input type="hidden" name="part" value=(part.id);
                     label { "Machine" select name="profile" { @for name in &others { option value=(name) { (name) } } } }
@@ -127,7 +123,7 @@ fn reprint_form(web: &DashboardState, part: PartId, printed: u32) -> Markup {
     html! {
         details { summary { "Print again" }
             form.tell method="post" action=(format!("/parts/{part}/reprint")) {
-                input type="hidden" name="key" value=(web.form_key);
+                (key_field(web))
                 label { "Copies that are bad" input type="number" name="copies" value="1" min="1" max=(printed); }
                 p { "They wait again, first in line, with all that was asked. The copies of the newest build are taken first." }
                 button type="submit" { "Print again" }
@@ -150,8 +146,7 @@ pub(super) async fn post_edit(
     Path(number): Path<i64>,
     RequestUser(asked_by): RequestUser,
     Form(form): Form<PartEditForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let part = require_part(&web, number).await?;
     let edit = form
         .to_edit(&web.current_settings().time_zone)
@@ -172,16 +167,12 @@ pub(super) async fn post_reprint(
     Path(number): Path<i64>,
     RequestUser(by): RequestUser,
     Form(form): Form<ReprintForm>,
-) -> HandlerResult<Response> {
-    check_form_key(&web, &form.key)?;
+) -> HandlerResult<FormAnswer> {
     let part = require_part(&web, number).await?;
     let copies = parse_number(&form.copies, 1..=MAX_COPIES, "a number of copies")
         .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    let (action, back) = (format!("/parts/{number}/reprint"), format!("/parts/{number}"));
-    let fields = [("copies", form.copies.as_str())];
-    let sent = SentForm { action: &action, fields: &fields, anyway: form.anyway.is_some(), back: &back };
     let word = OperatorWord::Reprint(ReprintTarget::Part(part, Some(copies)));
-    say_word(&web, &word, &by, &sent).await
+    say_word(&web, &word, &by, form.anyway.is_some(), &format!("/parts/{number}")).await
 }
 
 async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId> {
@@ -190,11 +181,6 @@ async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId
 }
 
 impl PartEditForm {
-    /// The key of the page that it comes from.
-    pub(super) fn key(&self) -> &str {
-        &self.key
-    }
-
     /// The fields that differ from what the page showed.
     pub(super) fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit, String> {
         let changed = |new: &str, old: &str| Some(new.trim().to_owned()).filter(|new| new != old.trim());

@@ -36,12 +36,8 @@ async fn the_page_of_a_build_that_waits_for_a_yes_says_what_that_means_and_has_i
     {
         assert!(page.contains(words), "{words}: {page}");
     }
-    let request = Request::post("/builds/1/told")
-        .header("host", "localhost")
-        .header("sec-fetch-site", "same-origin")
-        .header("content-type", "application/x-www-form-urlencoded")
-        .body(Body::from("key=key&act=release"));
-    let answer = dashboard.send(request.unwrap()).await.text;
+    let request = Request::post("/builds/1/told").header("sec-fetch-site", "same-origin");
+    let answer = dashboard.send_form(request, "key=key&act=release").await.text;
     assert!(answer.contains("Build 1 is released and goes to the queue."), "{answer}");
     let page = dashboard.get("/builds/1").await.text;
     assert!(!page.contains("Publish it") && page.contains("Released") && page.contains("right"), "{page}");

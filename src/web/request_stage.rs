@@ -17,7 +17,7 @@ use super::{
 pub(super) const MAX_BODY_BYTES: usize = 4096;
 
 /// Whether a request brings files: to the form that adds them to a machine, or to an address of the interface that takes some.
-fn brings_files(request: &Request) -> bool {
+pub(super) fn brings_files(request: &Request) -> bool {
     let (method, path) = (request.method(), request.uri().path());
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     match find_route(method, path) {

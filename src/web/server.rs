@@ -27,7 +27,7 @@ use super::{
     order_keys::OrderDoor,
     part, part_forms, pick_page, picture, plan, quote,
     request_stage::{self, MAX_BODY_BYTES},
-    scene, search,
+    scene, search, sent_form,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -77,7 +77,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         clients,
         uploads: Default::default(),
         door: Arc::new(OrderDoor::default()),
-        form_key: format!("{:032x}", rand::random::<u128>()),
+        form_keys: Default::default(),
         caches: PageCaches {
             scenes: RecentCache::new(scene::CACHED_SCENES),
             picks: RecentCache::new(pick_page::CACHED_MAPS),
@@ -134,6 +134,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/live", get(live::stream_changes))
         .route("/commands", post(command::post_command))
         .route("/name", post(device_name::post_name))
+        .route("/told/{number}", get(sent_form::show_told))
         .route("/orders", get(order::list_orders))
         .route("/orders/{order}", get(order::show_order))
         .route("/orders/{order}/cancel", post(order_forms::post_cancel))
@@ -146,6 +147,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::get_readiness))
         .fallback(|| async { HandlerError::NotFound("page of that address".to_owned()) })
+        .layer(middleware::from_fn_with_state(web.clone(), sent_form::carry_out_once))
         .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))

@@ -7,7 +7,8 @@ use tokio::sync::{Semaphore, watch};
 
 use super::{
     cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
-    error::HandlerResult, order_keys::OrderDoor, pick_map::CachedPickMap, upload_turns::UploadTurns,
+    error::HandlerResult, form_keys::FormKeys, order_keys::OrderDoor, pick_map::CachedPickMap,
+    upload_turns::UploadTurns,
 };
 use crate::{
     farm::{self, QuoteMeshes},
@@ -35,8 +36,8 @@ pub(super) struct DashboardState {
     pub(super) uploads: UploadTurns,
     /// Orders that are being taken.
     pub(super) door: Arc<OrderDoor>,
-    /// A random key that every form carries, so that no other site can post one (CSRF token).
-    pub(super) form_key: String,
+    /// Makes the key that each form carries, so that it is carried out once, and no other site can post one (CSRF token).
+    pub(super) form_keys: FormKeys,
     pub(super) caches: PageCaches,
     pub(super) metrics: MetricsExporter,
     /// Who holds it makes something for the caches: looking takes one core and the meshes of one build from the farm at most.

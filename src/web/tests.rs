@@ -34,6 +34,8 @@ mod door_tests;
 mod drop_tests;
 #[path = "edit_tests.rs"]
 mod edit_tests;
+#[path = "form_tests.rs"]
+mod form_tests;
 #[path = "guard_tests.rs"]
 mod guard;
 #[path = "order_tests.rs"]
@@ -47,6 +49,8 @@ struct TestResponse {
     status: StatusCode,
     text: String,
     policy: String,
+    /// Where the browser is led to; "" = nowhere.
+    location: String,
 }
 
 /// A farm of one machine with a dashboard.
@@ -77,7 +81,7 @@ impl TestDashboard {
             clients: Default::default(),
             uploads: Default::default(),
             door: Default::default(),
-            form_key: "key".to_owned(),
+            form_keys: Default::default(),
             caches: PageCaches {
                 scenes: RecentCache::new(2),
                 picks: RecentCache::new(2),
@@ -97,9 +101,10 @@ impl TestDashboard {
     async fn send(&self, request: Request<Body>) -> TestResponse {
         let answer = build_router(self.web.clone()).oneshot(request).await.unwrap();
         let status = answer.status();
-        let policy = answer.headers().get("content-security-policy").map(|v| v.to_str().unwrap().to_owned());
+        let header = |name| answer.headers().get(name).map_or_else(String::new, |v| v.to_str().unwrap().to_owned());
+        let (policy, location) = (header("content-security-policy"), header("location"));
         let bytes = to_bytes(answer.into_body(), usize::MAX).await.unwrap();
-        TestResponse { status, text: String::from_utf8_lossy(&bytes).into_owned(), policy: policy.unwrap_or_default() }
+        TestResponse { status, text: String::from_utf8_lossy(&bytes).into_owned(), policy, location }
     }
 
     async fn get(&self, path: &str) -> TestResponse {
@@ -107,12 +112,23 @@ impl TestDashboard {
     }
 
     async fn post(&self, form: &str, site: &str) -> TestResponse {
-        let request = Request::post("/commands")
-            .header("host", "localhost")
-            .header("sec-fetch-site", site)
-            .header("content-type", "application/x-www-form-urlencoded")
-            .body(Body::from(form.to_owned()));
-        self.send(request.unwrap()).await
+        self.send_form(Request::post("/commands").header("sec-fetch-site", site), form).await
+    }
+
+    /// A form with the key of a page that is made now, where it says `key=key`.
+    fn with_key(&self, form: &str) -> String {
+        let key = format!("key={}", self.web.form_keys.make_key());
+        form.split('&').map(|field| if field == "key=key" { key.as_str() } else { field }).collect::<Vec<_>>().join("&")
+    }
+
+    /// Sends a form; the text is that of the page to which the browser is led.
+    async fn send_form(&self, request: axum::http::request::Builder, form: &str) -> TestResponse {
+        let request = request.header("host", "localhost").header("content-type", "application/x-www-form-urlencoded");
+        let mut answer = self.send(request.body(Body::from(self.with_key(form))).unwrap()).await;
+        if answer.location.starts_with("/told/") {
+            answer.text = self.get(&answer.location).await.text;
+        }
+        answer
     }
 }
 

@@ -18,21 +18,30 @@ function show(form) {
   form.querySelector("button").disabled = large.length > 0;
 }
 
+/** The form has been carried out under its key: what is dropped next is another one. */
+async function renewKey(form) {
+  try {
+    const page = new DOMParser().parseFromString(await (await fetch(location.href, { headers: { accept: "text/html" } })).text(), "text/html");
+    form.elements.key.value = page.querySelector("form.drop input[name=key]").value;
+  } catch { /* The farm says then that the page must be loaded again. */ }
+}
+
 function send(form) {
   const said = form.querySelector(".chosen"), bar = form.querySelector("progress"), button = form.querySelector("button");
   const request = new XMLHttpRequest();
   const failed = (text) => { said.textContent = text; bar.hidden = true; button.disabled = false; };
   request.upload.addEventListener("progress", ({ loaded, total }) => { bar.value = 100 * loaded / total; said.textContent = `${size(loaded)} of ${size(total)} sent`; });
   request.upload.addEventListener("load", () => { said.textContent = "Sent; the farm writes it down."; });
-  request.addEventListener("load", () => {
+  request.addEventListener("load", async () => {
     const main = new DOMParser().parseFromString(request.responseText, "text/html").querySelector("#main");
     const answer = main?.querySelector("#answer, #problem");
     if (request.status !== 200 || !answer) return failed(answer?.textContent || `The farm answers ${request.status}.`);
     form.reset();
+    await renewKey(form);
     failed([...answer.children].map((line) => line.textContent).join(" "));
     form.dataset.sent = "yes";
   });
-  request.addEventListener("error", () => failed("The connection was lost: nothing was added. Send it again."));
+  request.addEventListener("error", () => failed("The connection was lost. Send it again: what was added is not added twice."));
   request.open("POST", form.action);
   request.setRequestHeader("accept", "text/html");
   bar.hidden = false; button.disabled = true;

@@ -51,15 +51,19 @@ function place(fresh) {
   view.after(...nodes.slice(at + 1));
 }
 
+/** The content to compare: each form has another key whenever the page is made. */
+const contentOf = (place) => place.innerHTML.replaceAll(/name="key" value="[^"]*"/g, "");
+
 let shown = null;
 async function fetched() {
   const answer = await fetch(location.href, { headers: { accept: "text/html" }, signal: AbortSignal.timeout(PATIENCE_MS) });
   if (!answer.ok) throw new Error(`the farm answers ${answer.status}`);
   const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
   if (!fresh) throw new Error("another page came, perhaps that of a login");
-  if (fresh.innerHTML === shown || isTyping()) { dirty ||= isTyping(); return; }
-  const before = shown ?? main.innerHTML;
-  shown = fresh.innerHTML;
+  const content = contentOf(fresh);
+  if (content === shown || isTyping()) { dirty ||= isTyping(); return; }
+  const before = shown ?? contentOf(main);
+  shown = content;
   if (shown === before) return;
   const opened = new Set([...main.querySelectorAll("details[open] > summary")].map((summary) => summary.textContent.replace(/\d+/g, "")));
   const focus = main.contains(document.activeElement) && !document.activeElement.closest("#view") ? document.activeElement.textContent : null;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::routing::MethodRouter;
+use axum::routing::{MethodFilter, MethodRouter};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::{edit_door, state::DashboardState};
@@ -11,8 +11,8 @@ use crate::access::TokenRole;
 /// Creates the schema of a type.
 pub(super) type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
 
-/// Creates the handler of an address.
-pub(super) type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
+/// Creates the handler of an address for the method that its description names.
+pub(super) type HandlerMaker = fn(MethodFilter) -> MethodRouter<Arc<DashboardState>>;
 
 /// What a request brings.
 #[derive(Clone, Copy)]

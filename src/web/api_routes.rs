@@ -7,7 +7,7 @@ use axum::{
     Router,
     extract::DefaultBodyLimit,
     http::Method,
-    routing::{delete, get, patch, post, put},
+    routing::{MethodFilter, on},
 };
 
 use super::{
@@ -32,7 +32,9 @@ const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_doo
 
 /// What programs may ask.
 const QUESTIONS: [ApiRoute; 13] = [
-    ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, || get(api::get_farm)),
+    ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, |method| {
+        on(method, api::get_farm)
+    }),
     ApiRoute {
         query: Some(schema_of::<history::HistoryFilter>),
         ..ask(
@@ -40,7 +42,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "builds",
             "Builds past nesting, newest first unless sorted otherwise, 500 at a time",
             schema_of::<Vec<HistoryRow>>,
-            || get(api::list_builds),
+            |method| on(method, api::list_builds),
         )
     },
     ApiRoute {
@@ -51,18 +53,22 @@ const QUESTIONS: [ApiRoute; 13] = [
             "heights",
             "What the published builds come to, by machine; filtered as the builds are",
             schema_of::<Vec<HeightSummary>>,
-            || get(api::list_height_sums),
+            |method| on(method, api::list_height_sums),
         )
     },
-    ask("/api/v1/builds/{build}", "build", "A build with its parts and placements", schema_of::<BuildResponse>, || {
-        get(api::get_build)
-    }),
+    ask(
+        "/api/v1/builds/{build}",
+        "build",
+        "A build with its parts and placements",
+        schema_of::<BuildResponse>,
+        |method| on(method, api::get_build),
+    ),
     ask(
         "/api/v1/builds/{build}/pick",
         "pick",
         "The copies of a build in the order in which they come out of the cake",
         schema_of::<PickList>,
-        || get(pick_page::get_pick_list),
+        |method| on(method, pick_page::get_pick_list),
     ),
     ApiRoute {
         query: Some(schema_of::<part::PartFilter>),
@@ -72,7 +78,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "Parts, newest first, 500 at a time; without a state or a name those that are not built yet, of the refused ones \
                 those of the last 30 days",
             schema_of::<Vec<PartResource>>,
-            || get(api::list_parts),
+            |method| on(method, api::list_parts),
         )
     },
     ask(
@@ -80,7 +86,7 @@ const QUESTIONS: [ApiRoute; 13] = [
         "part",
         "A part, where its copies are and what happened to it",
         schema_of::<PartResponse>,
-        || get(api::get_part),
+        |method| on(method, api::get_part),
     ),
     ApiRoute {
         query: Some(schema_of::<order::OrderFilter>),
@@ -89,7 +95,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "orders",
             "Orders with what became of their copies, open ones first, newest first",
             schema_of::<Vec<OrderSummary>>,
-            || get(order::get_orders),
+            |method| on(method, order::get_orders),
         )
     },
     ApiRoute {
@@ -99,7 +105,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "month",
             "What each machine made in a month and in the one before, what came late and what failed",
             schema_of::<month::MonthResponse>,
-            || get(month::get_month),
+            |method| on(method, month::get_month),
         )
     },
     ApiRoute {
@@ -109,7 +115,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "plan",
             "The builds to come of each machine, if nothing more arrives, and the due dates at risk",
             schema_of::<Vec<MachinePlan>>,
-            || get(plan::get_plans),
+            |method| on(method, plan::get_plans),
         )
     },
     ask(
@@ -117,21 +123,21 @@ const QUESTIONS: [ApiRoute; 13] = [
         "order",
         "An order with its lines: what became of their copies, and the builds that hold them",
         schema_of::<order::OrderResponse>,
-        || get(order::get_order),
+        |method| on(method, order::get_order),
     ),
     ask(
         "/api/v1/orders/{order}/lines/{line}",
         "line",
         "A line, as the order was answered or by the number of its part: its parts, and why one was refused",
         schema_of::<edit_door::LineResponse>,
-        || get(edit_door::get_line),
+        |method| on(method, edit_door::get_line),
     ),
     ask(
         "/api/v1/content/{hash}",
         "content",
         "Whether the farm has a file of this BLAKE3 that was put",
         schema_of::<put_content::ContentResource>,
-        || get(put_content::get_put_content),
+        |method| on(method, put_content::get_put_content),
     ),
 ];
 
@@ -144,7 +150,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_content",
             "Puts a file, and says its BLAKE3",
             RequestBody::Bytes,
-            || post(put_content::post_content),
+            |method| on(method, put_content::post_content),
         )
     },
     ApiRoute {
@@ -154,7 +160,7 @@ const DOORS: [ApiRoute; 12] = [
             "put_content",
             "Puts a file whose BLAKE3 this is, so that lines can order copies of it; kept for 7 days after it was last put or ordered",
             RequestBody::Bytes,
-            || put(put_content::put_content),
+            |method| on(method, put_content::put_content),
         )
     },
     ApiRoute {
@@ -165,7 +171,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_order",
             "Orders copies of files. The order is durable when it is answered; its parts follow within seconds",
             ORDER,
-            || post(order_door::post_order),
+            |method| on(method, order_door::post_order),
         )
     },
     ApiRoute {
@@ -176,7 +182,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_lines",
             "Adds lines to an order; a line of a name that still waits there is a revision of it",
             ORDER,
-            || post(order_door::post_lines),
+            |method| on(method, order_door::post_lines),
         )
     },
     ApiRoute {
@@ -187,7 +193,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_quote",
             "When parts could be done that nobody has ordered yet, and what they would add; nothing is changed",
             RequestBody::Form("quote", schema_of::<order_request::OrderRequest>),
-            || post(quote::post_quote).layer(DefaultBodyLimit::disable()),
+            |method| on(method, quote::post_quote).layer(DefaultBodyLimit::disable()),
         )
     },
     tell(
@@ -195,28 +201,28 @@ const DOORS: [ApiRoute; 12] = [
         "patch_order",
         "Changes what was asked with the waiting lines of an order; copies, orientation and unit are changed line by line",
         EDIT,
-        || patch(edit_door::patch_order),
+        |method| on(method, edit_door::patch_order),
     ),
     tell(
         ("DELETE", "/api/v1/orders/{order}"),
         "delete_order",
         "Cancels what arrives, is read or waits of an order; copies in builds stay there",
         RequestBody::Nothing,
-        || delete(edit_door::delete_order),
+        |method| on(method, edit_door::delete_order),
     ),
     tell(
         ("PATCH", "/api/v1/orders/{order}/lines/{line}"),
         "patch_line",
         "Changes what was asked with a line; the copies of a file that holds several parts by the numbers of these",
         EDIT,
-        || patch(edit_door::patch_line),
+        |method| on(method, edit_door::patch_line),
     ),
     tell(
         ("DELETE", "/api/v1/orders/{order}/lines/{line}"),
         "delete_line",
         "Cancels what arrives, is read or waits of a line; copies in builds stay there",
         RequestBody::Nothing,
-        || delete(edit_door::delete_line),
+        |method| on(method, edit_door::delete_line),
     ),
     ApiRoute {
         role: TokenRole::Operate,
@@ -225,7 +231,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_outcome",
             "Tells what became of the print of a build; bad copies wait again",
             RequestBody::Json(schema_of::<operate_door::OutcomeRequest>),
-            || post(operate_door::post_outcome),
+            |method| on(method, operate_door::post_outcome),
         )
     },
     ApiRoute {
@@ -235,7 +241,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_release",
             "Says that a proved build may be published",
             RequestBody::Json(schema_of::<operate_door::ReleaseRequest>),
-            || post(operate_door::post_release),
+            |method| on(method, operate_door::post_release),
         )
     },
     ApiRoute {
@@ -245,7 +251,7 @@ const DOORS: [ApiRoute; 12] = [
             "post_flush",
             "Nests and publishes the waiting parts of a machine now",
             RequestBody::Nothing,
-            || post(operate_door::post_flush),
+            |method| on(method, operate_door::post_flush),
         )
     },
 ];
@@ -263,7 +269,7 @@ const UPLOADS: [ApiRoute; 4] = [
             "Begins an upload of Upload-Length bytes, by tus 1.0; Location says where. Upload-Metadata may name its blake3. Kept for a \
                 day after its last byte",
             RequestBody::Nothing,
-            || post(upload_door::post_upload).options(upload_door::get_options),
+            |method| on(method, upload_door::post_upload).options(upload_door::get_options),
         )
     },
     ask(
@@ -271,7 +277,7 @@ const UPLOADS: [ApiRoute; 4] = [
         "upload",
         "How far an upload is; HEAD tells the same as headers. A complete one says its content",
         schema_of::<upload_door::UploadResource>,
-        || get(upload_door::get_upload),
+        |method| on(method, upload_door::get_upload),
     ),
     ApiRoute {
         answer: ("204", None),
@@ -281,14 +287,14 @@ const UPLOADS: [ApiRoute; 4] = [
             "patch_upload",
             "Sends more of an upload, as application/offset+octet-stream, from Upload-Offset on",
             RequestBody::Piece,
-            || patch(upload_door::patch_upload),
+            |method| on(method, upload_door::patch_upload),
         )
     },
     ApiRoute {
         answer: ("204", None),
         headers: &["Tus-Resumable"],
-        ..tell(("DELETE", UPLOAD_PATH), "delete_upload", "Gives an upload up", RequestBody::Nothing, || {
-            delete(upload_door::delete_upload)
+        ..tell(("DELETE", UPLOAD_PATH), "delete_upload", "Gives an upload up", RequestBody::Nothing, |method| {
+            on(method, upload_door::delete_upload)
         })
     },
 ];
@@ -301,7 +307,11 @@ pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
 
 /// The addresses of the interface.
 pub(super) fn routes() -> Router<Arc<DashboardState>> {
-    let add = |router: Router<Arc<DashboardState>>, route: &ApiRoute| router.route(route.path, (route.handler)());
+    let method_of = |route: &ApiRoute| MethodFilter::try_from(Method::from_bytes(route.method.as_bytes()).ok()?).ok();
+    let add = |router: Router<Arc<DashboardState>>, route: &ApiRoute| match method_of(route) {
+        Some(method) => router.route(route.path, (route.handler)(method)),
+        None => router,
+    };
     all_routes().fold(Router::new(), add).layer(DefaultBodyLimit::disable())
 }
 

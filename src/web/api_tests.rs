@@ -70,6 +70,122 @@ pub(super) fn unlike(
     }
 }
 
+/// The keys that an object of a JSON text holds twice.
+#[derive(Debug, Default)]
+struct TwiceNamed(Vec<String>);
+
+impl<'de> serde::Deserialize<'de> for TwiceNamed {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Walk;
+        impl<'de> serde::de::Visitor<'de> for Walk {
+            type Value = TwiceNamed;
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("JSON")
+            }
+            fn visit_bool<E>(self, _: bool) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_i64<E>(self, _: i64) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_u64<E>(self, _: u64) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_f64<E>(self, _: f64) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_str<E>(self, _: &str) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_unit<E>(self) -> Result<TwiceNamed, E> {
+                Ok(TwiceNamed::default())
+            }
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut list: A) -> Result<TwiceNamed, A::Error> {
+                let mut twice = TwiceNamed::default();
+                while let Some(TwiceNamed(more)) = list.next_element()? {
+                    twice.0.extend(more);
+                }
+                Ok(twice)
+            }
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut object: A) -> Result<TwiceNamed, A::Error> {
+                let (mut twice, mut keys) = (TwiceNamed::default(), std::collections::HashSet::new());
+                while let Some((key, TwiceNamed(more))) = object.next_entry::<String, _>()? {
+                    twice.0.extend(more);
+                    if !keys.insert(key.clone()) {
+                        twice.0.push(key);
+                    }
+                }
+                Ok(twice)
+            }
+        }
+        from.deserialize_any(Walk)
+    }
+}
+
+/// What no generator of clients and no validator takes, with its place.
+fn unclear(all: &serde_json::Value, value: &serde_json::Value, path: &str, faults: &mut Vec<String>) {
+    if let Some(list) = value.as_array() {
+        list.iter().enumerate().for_each(|(at, one)| unclear(all, one, &format!("{path}/{at}"), faults));
+    }
+    let Some(object) = value.as_object() else { return };
+    if let Some(required) = object.get("required").and_then(|names| names.as_array()) {
+        let mut names: Vec<String> = required.iter().map(ToString::to_string).collect();
+        names.sort();
+        names.dedup();
+        if names.len() < required.len() {
+            faults.push(format!("{path}: a field is required twice in {required:?}"));
+        }
+    }
+    if let Some(default) = object.get("default").filter(|default| !default.is_object() && object.contains_key("type")) {
+        unlike(value, default, all, &format!("{path}, default"), faults);
+    }
+    for key in ["items", "schema", "additionalProperties"] {
+        if object.get(key).is_some_and(|schema| *schema == true || *schema == serde_json::json!({})) {
+            faults.push(format!("{path}/{key} says nothing"));
+        }
+    }
+    object.iter().for_each(|(key, one)| unclear(all, one, &format!("{path}/{key}"), faults));
+}
+
+#[tokio::test]
+async fn the_description_is_one_that_validators_and_generators_of_clients_take() {
+    let all = described();
+    let mut faults = Vec::new();
+    unclear(&all, &all, "", &mut faults);
+    assert!(faults.is_empty(), "{faults:#?}");
+    let asked = &all["components"]["schemas"];
+    assert_eq!(asked["OrderRequest"]["required"], serde_json::json!(["machine", "lines"]));
+    assert_eq!(asked["OutcomeRequest"]["required"], serde_json::json!(["outcome"]), "the rest may be left out");
+}
+
+#[tokio::test]
+async fn what_is_described_is_served_and_nothing_else_is() {
+    let dashboard = with_a_build("bracket.stl").await;
+    for (path, operations) in described()["paths"].as_object().unwrap() {
+        let asked = path.split(['{', '}']).enumerate().map(|(at, step)| if at % 2 == 1 { "1" } else { step });
+        let asked: String = asked.collect();
+        for method in ["get", "put", "post", "patch", "delete"] {
+            let request =
+                Request::builder().method(method.to_uppercase().as_str()).uri(&asked).header("host", "localhost");
+            let answer = dashboard.send(request.body(Body::empty()).unwrap()).await;
+            let is_served =
+                answer.status != StatusCode::METHOD_NOT_ALLOWED && !answer.text.contains("page of that address");
+            assert_eq!(
+                is_served,
+                operations.get(method).is_some(),
+                "{method} {path}: {} {}",
+                answer.status,
+                answer.text
+            );
+        }
+    }
+    let by_hand = include_str!("server.rs").matches("\"/api/").count();
+    assert_eq!(
+        by_hand, 1,
+        "the document itself; every other address is a row of api_routes, which has its description"
+    );
+}
+
 #[tokio::test]
 async fn every_answer_of_the_json_interface_is_as_described() {
     let all = described();
@@ -89,7 +205,10 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/orders/{order}", "/api/v1/orders/bracket.stl"),
         ("/api/v1/orders/{order}/lines/{line}", "/api/v1/orders/bracket.stl/lines/1"),
     ] {
-        let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
+        let text = dashboard.get(asked).await.text;
+        let TwiceNamed(twice) = serde_json::from_str(&text).unwrap();
+        assert!(twice.is_empty(), "{asked} names twice: {twice:?}");
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert!(!path.contains("orders") || value != serde_json::json!([]), "{asked} finds nothing");
         let schema = &all["paths"][path]["get"]["responses"]["200"]["content"]["application/json"]["schema"];
         unlike(schema, &value, &all, path, &mut faults);

@@ -17,16 +17,16 @@ use super::{
     api_body::JsonBody,
     command::{CommandAnswers, check_takes_orders, run_commands},
     dto::PartResource,
-    enum_words::words_of,
+    enum_words::words_or_null,
     error::{HandlerError, HandlerResult},
     order_cancel::{CancelTarget, cancel_lines, is_being_read},
-    part_forms::{MAX_COPIES, MAX_PRIORITY},
+    part_forms::MAX_PRIORITY,
     query::order_address,
     request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
-    intake,
+    intake::{self, MAX_COPIES},
     ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState},
     settings::FarmZone,
 };
@@ -44,7 +44,7 @@ pub(super) struct EditRequest {
     /// Priority, 0 to 100.
     priority: Option<u8>,
     /// How it may be turned; not for a whole order.
-    #[schemars(with = "Option<String>", extend("enum" = words_of::<OrientationRule>()))]
+    #[schemars(with = "Option<String>", extend("enum" = words_or_null::<OrientationRule>()))]
     orientation: Option<OrientationRule>,
     /// Its own clearance, mm; null = that of the machine.
     #[serde(deserialize_with = "given_or_null")]

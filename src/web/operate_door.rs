@@ -38,6 +38,7 @@ pub(super) struct OutcomeRequest {
     note: String,
     /// Copies that are bad all the same, by the number of their part.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, u32>")]
     bad: BTreeMap<i64, u32>,
     /// Whether bad copies are not to be printed again.
     #[serde(default)]

@@ -20,7 +20,9 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    ledger::{EventRow, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine},
+    ledger::{
+        EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
+    },
     tables::{
         BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
         fields,
@@ -52,9 +54,16 @@ pub(super) struct OrderFilter {
 /// An order with its lines.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct OrderResponse {
-    /// The order and the sums over its lines.
+    /// Its row.
     #[serde(flatten)]
-    summary: OrderSummary,
+    order: OrderRow,
+    /// The earliest due date among the lines that are not good.
+    due_at: Option<UtcTimestamp>,
+    /// That date as it was given, "" = none.
+    due_text: String,
+    /// What became of its copies.
+    #[serde(flatten)]
+    copies: LineCopies,
     /// Its lines, oldest first.
     lines: Vec<OrderLineResource>,
     /// Lines that came by request and are no parts yet.
@@ -94,13 +103,13 @@ async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResp
         Some(order) => order,
     };
     let lines = web.ledger.order_lines(name).await?;
-    let summary = OrderSummary::of_lines(order, &lines);
+    let OrderSummary { order, lines: _, due_at, due_text, copies } = OrderSummary::of_lines(order, &lines);
     let mut with_builds = Vec::with_capacity(lines.len());
     for line in lines {
         let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?);
         with_builds.push(OrderLineResource { line, builds });
     }
-    Ok(OrderResponse { summary, lines: with_builds, arriving })
+    Ok(OrderResponse { order, due_at, due_text, copies, lines: with_builds, arriving })
 }
 
 /// The orders as JSON.
@@ -149,9 +158,9 @@ pub(super) async fn show_order(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
 ) -> HandlerResult<Markup> {
-    let OrderResponse { summary, lines, arriving } = read_order(&web, &name).await?;
+    let mut order = read_order(&web, &name).await?;
     let (lines, builds): (Vec<OrderLine>, Vec<Vec<BuiltCopies>>) =
-        lines.into_iter().map(|line| (line.line, line.builds)).unzip();
+        std::mem::take(&mut order.lines).into_iter().map(|line| (line.line, line.builds)).unzip();
     let mut builds = builds.concat();
     builds.sort_by_key(|row| (row.build.0, row.part.0));
     let waiting: u32 = lines.iter().map(|line| line.copies.waiting).sum();
@@ -159,14 +168,14 @@ pub(super) async fn show_order(
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let content = html! {
-        h1 { "Order " (name) ": " (summary.order.state) }
-        (state_sentence(&summary, &view))
-        (order_buttons(&web, &name, &lines, arriving.len()))
+        h1 { "Order " (name) ": " (order.order.state) }
+        (state_sentence(&order, &view))
+        (order_buttons(&web, &name, &lines, order.arriving.len()))
         (order_forms(&web, &name, &lines))
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
         (line_forms(&web, &lines, &parts))
-        @if !arriving.is_empty() { p { (count(arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
+        @if !order.arriving.is_empty() { p { (count(order.arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
         h2 { "Where the copies are" }
         @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }
@@ -189,13 +198,13 @@ async fn order_events(web: &DashboardState, lines: &[OrderLine]) -> HandlerResul
 }
 
 /// How far the order is.
-fn state_sentence(summary: &OrderSummary, view: &TimeView) -> Markup {
-    let copies = &summary.copies;
+fn state_sentence(order: &OrderResponse, view: &TimeView) -> Markup {
+    let copies = &order.copies;
     let wanted = count(copies.wanted, "copy", "copies");
     html! {
-        p class=[(summary.order.state == OrderState::Short).then_some("warn")] {
-            (copies.good) " good of " (wanted) " wanted, since " (view.time_text(summary.order.opened_at)) "."
-            @if let Some(due) = GivenDate::new(summary.due_at, &summary.due_text) { " Due " (view.due_text(&due)) "." }
+        p class=[(order.order.state == OrderState::Short).then_some("warn")] {
+            (copies.good) " good of " (wanted) " wanted, since " (view.time_text(order.order.opened_at)) "."
+            @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " Due " (view.due_text(&due)) "." }
         }
     }
 }

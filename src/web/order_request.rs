@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::{
-    intake::{CopiesInName, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name},
+    intake::{CopiesInName, MAX_COPIES, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name},
     settings::{FarmZone, MachineProfile},
 };
 
@@ -52,7 +52,7 @@ pub(super) struct LineRequest {
     /// BLAKE3 of a file that was put before, 64 hex digits. Left out where the file of that name is part of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub content: Option<String>,
-    /// Copies, 1 to 10 000. Unless said, what the name says, such as bracket_x4.stl, else 1.
+    /// Copies, 1 to 10000. Unless said, what the name says, such as bracket_x4.stl, else 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<u32>")]
     pub copies: Option<Value>,
@@ -70,11 +70,11 @@ pub(super) struct LineRequest {
     pub orientation: Option<Value>,
     /// Directions of the mesh that must point nearly straight up, as in tickets.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<Vec<std::collections::BTreeMap<String, Value>>>")]
+    #[schemars(with = "Option<Vec<KeepUp>>")]
     pub keep_up: Option<Value>,
-    /// Faces, by their outward normals, that must not face down, as in tickets.
+    /// Faces, by their outward normals, that must not face down, as in tickets: the normal alone is understood, too.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<Vec<Value>>")]
+    #[schemars(with = "Option<Vec<NotDown>>")]
     pub not_down: Option<Value>,
     /// Its own clearance, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,6 +90,26 @@ pub(super) struct LineRequest {
     /// Material; noted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+}
+
+/// A direction of the mesh that must point nearly straight up. Tickets read it; this describes it.
+#[derive(JsonSchema)]
+#[allow(dead_code)]
+struct KeepUp {
+    /// The direction, of any length, in the frame of the mesh.
+    direction: [f64; 3],
+    /// The greatest angle between it and straight up, degrees.
+    within_deg: f64,
+}
+
+/// A face that must not look down. Tickets read it; this describes it.
+#[derive(JsonSchema)]
+#[allow(dead_code)]
+struct NotDown {
+    /// Its outward normal, of any length, in the frame of the mesh.
+    direction: [f64; 3],
+    /// The least angle between it and straight down, degrees.
+    spare_deg: f64,
 }
 
 /// A line that was checked.
@@ -178,7 +198,7 @@ impl LineRequest {
             (None, CopiesInName::Unsaid) => json!(1),
             (None, CopiesInName::Unclear(words)) => {
                 return Err(format!(
-                    "its name says {words:?}, which is no clear number of copies from 1 to 10000: say copies"
+                    "its name says {words:?}, which is no clear number of copies from 1 to {MAX_COPIES}: say copies"
                 ));
             }
         };

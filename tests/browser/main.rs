@@ -1,19 +1,28 @@
-//! The farm with external programs: its pages in a real Chromium, its hot folder behind a real Samba server. A test
-//! that cannot run on this machine is reported as ignored, with the reason.
+//! The farm with what not every machine has: its pages in a real Chromium, its hot folder behind a real Samba server, clients that
+//! others' generators make, disks that are mounted and full, processes that are traced. A test that cannot run on this machine is
+//! reported as ignored, with the reason.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
+mod clients;
+mod documented;
+mod full_disk;
 mod pages;
 mod paper;
 mod quiet;
+mod remounted;
 mod samba;
+mod slow;
 #[path = "../support/mod.rs"]
 mod support;
 mod tasks;
 
 use std::process::ExitCode;
 
-use libtest_mimic::Arguments;
-use support::trial::{missing_variables, trial};
+use libtest_mimic::{Arguments, Trial};
+use support::{
+    small_disk::SmallDisk,
+    trial::{missing_variables, trial},
+};
 
 /// Clients of a share mostly wait.
 const AT_ONCE: usize = 3;
@@ -21,35 +30,86 @@ const AT_ONCE: usize = 3;
 fn main() -> ExitCode {
     let mut arguments = Arguments::from_args();
     arguments.test_threads.get_or_insert(AT_ONCE);
-    let mut trials = vec![
+    let trials = [pages_in_a_browser(), programs(), disks_and_processes()].into_iter().flatten().collect();
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn pages_in_a_browser() -> Vec<Trial> {
+    let missing = || missing_variables(&["NESTD_BROWSER"]);
+    vec![
         trial(
             "pages::every_page_is_what_it_should_be_in_a_real_browser",
-            missing_variables(&["NESTD_BROWSER"]),
+            missing(),
             pages::every_page_is_what_it_should_be_in_a_real_browser,
         ),
         trial(
             "pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time",
-            missing_variables(&["NESTD_BROWSER"]),
+            missing(),
             pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time,
         ),
+        trial(
+            "tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon",
+            missing(),
+            tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
+        ),
+        trial(
+            "paper::pick_map_and_history_lose_nothing_on_paper",
+            missing().or_else(paper::missing),
+            paper::pick_map_and_history_lose_nothing_on_paper,
+        ),
+    ]
+}
+
+/// What talks to the farm as others' programs do.
+fn programs() -> Vec<Trial> {
+    let mut trials = vec![
+        beside_others(
+            "documented::the_examples_of_the_interface_for_programs_work_as_they_stand_there",
+            documented::missing("curl"),
+            documented::the_examples_of_the_interface_for_programs_work_as_they_stand_there,
+        ),
+        beside_others(
+            "documented::the_documented_receiver_takes_our_messages_and_refuses_others",
+            documented::missing("python3"),
+            documented::the_documented_receiver_takes_our_messages_and_refuses_others,
+        ),
+        beside_others(
+            "clients::a_python_client_made_of_the_description_runs_the_examples_of_the_document",
+            missing_variables(&["NESTD_API_TOOLS"]),
+            clients::a_python_client_made_of_the_description_runs_the_examples_of_the_document,
+        ),
+        beside_others(
+            "clients::a_typescript_client_made_of_the_description_runs_the_examples_of_the_document",
+            missing_variables(&["NESTD_API_TOOLS"]).or_else(|| documented::missing("node")),
+            clients::a_typescript_client_made_of_the_description_runs_the_examples_of_the_document,
+        ),
     ];
-    trials.push(trial(
-        "tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon",
-        missing_variables(&["NESTD_BROWSER"]),
-        tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
-    ));
-    trials.push(trial(
-        "paper::pick_map_and_history_lose_nothing_on_paper",
-        missing_variables(&["NESTD_BROWSER"]).or_else(paper::missing),
-        paper::pick_map_and_history_lose_nothing_on_paper,
-    ));
-    let of_samba = |&(name, case): &(&str, fn())| {
-        let case = move || {
-            let _busy = quiet::run_beside_others();
-            case();
-        };
-        trial(&format!("samba::{name}"), samba::missing(), case)
-    };
-    trials.extend(samba::CASES.iter().map(of_samba));
-    libtest_mimic::run(&arguments, trials).exit_code()
+    trials.extend(samba::CASES.iter().map(|&(name, case)| {
+        let name = format!("samba::{name}");
+        beside_others(&name, samba::missing(), case)
+    }));
+    trials
+}
+
+fn disks_and_processes() -> Vec<Trial> {
+    let (no_disk, no_trace) = (SmallDisk::missing(), slow::missing());
+    let remounted = "remounted::a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was";
+    let of_disks = full_disk::CASES.map(|(name, case)| (format!("full_disk::{name}"), no_disk.clone(), case));
+    let of_traces = slow::CASES.map(|(name, case)| (format!("slow::{name}"), no_trace.clone(), case));
+    let mut trials: Vec<Trial> = of_disks
+        .into_iter()
+        .chain(of_traces)
+        .map(|(name, missing, case)| beside_others(&name, missing, case))
+        .collect();
+    let share = remounted::a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was;
+    trials.push(beside_others(remounted, remounted::missing(), share));
+    trials
+}
+
+/// A test that runs while no other one measures time.
+fn beside_others(name: &str, missing: Option<String>, case: fn()) -> Trial {
+    trial(name, missing, move || {
+        let _busy = quiet::run_beside_others();
+        case();
+    })
 }

@@ -35,8 +35,13 @@ pub struct BrowserDashboard {
 
 impl BrowserDashboard {
     pub fn start() -> Self {
-        let mut farm = TestFarm::new(support::QUICK);
+        let farm = TestFarm::new(support::QUICK);
         farm.write_profile(MACHINE, PROFILE);
+        Self::serve(farm)
+    }
+
+    /// Serves a farm and its pages.
+    pub fn serve(mut farm: TestFarm) -> Self {
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let config = fs::read_to_string(farm.config()).unwrap();
         fs::write(farm.config(), format!("{config}[web]\nlisten = \"127.0.0.1:{port}\"\n")).unwrap();

@@ -274,9 +274,13 @@ impl TestFarm {
     }
 
     /// Asserts that the ledger is consistent, and that each published copy is in exactly one build file.
-    pub fn assert_nothing_lost_or_doubled(&self) {
+    pub fn assert_ledger_agrees(&self) {
         let faults = self.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
+    }
+
+    pub fn assert_nothing_lost_or_doubled(&self) {
+        self.assert_ledger_agrees();
         let built: usize = self.parts(PartState::Built).iter().map(|p| p.owed.copies as usize).sum();
         assert_each_copy_once(&self.queued(), built);
     }

@@ -9,7 +9,6 @@ mod decisions;
 mod deep;
 mod door;
 mod failover;
-mod full_disk;
 mod interlock;
 mod kept_time;
 mod life;
@@ -38,7 +37,6 @@ mod restored_orders;
 mod returned;
 mod rot;
 mod share;
-mod slow;
 mod status_texts;
 #[cfg(feature = "postgres")]
 mod test_node;

@@ -92,43 +92,6 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     assert_eq!((ids.len(), count), (3, 3));
 }
 
-/// The receiver of docs/monitoring.md, word for word except for its port and its key.
-fn documented_receiver(folder: &std::path::Path, port: u16) -> Option<std::process::Child> {
-    let text = include_str!("../../../docs/monitoring.md");
-    let (_, code) = text.split_once("standard library only:\n\n").unwrap();
-    let lines = code.lines().take_while(|line| line.is_empty() || line.starts_with("    "));
-    let code: String = lines.map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(""))).collect();
-    assert!(code.contains("8099") && code.contains("compare_digest"), "{code}");
-    let code = code.replace("8099", &port.to_string()).replace("webhook.key", "secret");
-    let output_file = fs::File::create(folder.join("heard")).unwrap();
-    let mut python = std::process::Command::new("python3");
-    python.args(["-c", &code]).current_dir(folder).stdout(output_file).stderr(std::process::Stdio::null());
-    python.spawn().ok()
-}
-
-#[test]
-fn the_documented_receiver_takes_our_messages_and_refuses_others() {
-    let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let hook = TestWebhook::with_answers(&[]);
-    let farm = farm(&hook, "");
-    let config = fs::read_to_string(farm.config()).unwrap();
-    fs::write(farm.config(), config.replace(&hook.url, &format!("http://127.0.0.1:{port}/hook"))).unwrap();
-    // Without Python there is nothing to test.
-    let Some(mut python) = documented_receiver(farm.root(), port) else { return };
-    let listens = || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok();
-    wait_until_or("the receiver listens", 20.0, String::new, listens);
-    farm.nestd_ok(&["notify", "--test"]);
-    let read_output = || fs::read_to_string(farm.root().join("heard")).unwrap();
-    wait_until_or("the receiver tells of it", 20.0, String::new, || read_output().ends_with('\n'));
-    fs::write(farm.root().join("secret"), "another-key-of-some-length\n").unwrap();
-    let forged = farm.nestd(&["notify", "--test"]);
-    python.kill().unwrap();
-    python.wait().unwrap();
-    assert!(read_output().starts_with("A test message from nestd on "), "{}", read_output());
-    assert_eq!(forged.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&forged.stderr).contains("answers 403"), "{forged:?}");
-}
-
 #[test]
 fn a_receiver_that_hangs_holds_up_neither_a_build_nor_the_stop() {
     let hook = TestWebhook::with_answers(&[0; 50]);

@@ -16,7 +16,7 @@ use std::{
 
 use nestd::ledger::{PartRow, PartState};
 
-use super::support::{
+use crate::support::{
     PROFILE, QUICK, TestFarm, block, signal, stl,
     trace::{CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
     wait_until_or,
@@ -86,15 +86,10 @@ struct TracedFarm {
 }
 
 impl TracedFarm {
-    /// `None` if processes may not be traced here. Then it prints a message.
-    fn new() -> Option<Self> {
-        if !is_allowed() {
-            eprintln!("SKIPPED: processes may not be traced here");
-            return None;
-        }
+    fn new() -> Self {
         let farm = TestFarm::new(QUICK);
         farm.write_profile(SECOND, QUICK);
-        Some(Self { farm, seen: SeenCalls::default(), daemon: None, alive: Arc::default() })
+        Self { farm, seen: SeenCalls::default(), daemon: None, alive: Arc::default() }
     }
 
     /// Starts the daemon and waits until its loop runs. From then on, its calls are observed.
@@ -154,9 +149,8 @@ impl TracedFarm {
     }
 }
 
-#[test]
 fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
-    let Some(mut traced) = TracedFarm::new() else { return };
+    let mut traced = TracedFarm::new();
     traced.start(&[]);
     let farm = &traced.farm;
     let cube = block(10.0, 12.0, 14.0);
@@ -207,9 +201,8 @@ fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
     assert_eq!(traced.farm.broken_invariants(&Default::default()), [""; 0]);
 }
 
-#[test]
 fn a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine() {
-    let Some(mut traced) = TracedFarm::new() else { return };
+    let mut traced = TracedFarm::new();
     traced.start(&["inbox/test/.claimed", "error/test", "state/store"]);
     let began = Instant::now();
     let farm = &traced.farm;
@@ -250,3 +243,20 @@ fn is_slowed(traced: &TracedFarm, begins: &Path) -> bool {
 fn forgotten(traced: &TracedFarm) -> bool {
     traced.farm.parts(PartState::Built).iter().all(|part| !traced.stored(part).exists())
 }
+
+/// Why processes cannot be traced here.
+pub fn missing() -> Option<String> {
+    (!is_allowed()).then(|| "needs the right to trace processes (ptrace)".to_owned())
+}
+
+/// The tests, by name.
+pub const CASES: [(&str, fn()); 2] = [
+    (
+        "the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part",
+        the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part,
+    ),
+    (
+        "a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine",
+        a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine,
+    ),
+];

@@ -5,12 +5,11 @@ use std::{fs, time::Duration};
 
 use nestd::ledger::{BuildState, PartState};
 
-use super::support::{QUICK, TestFarm, block, small_disk::SmallDisk, wait_until_or};
+use crate::support::{QUICK, TestFarm, block, small_disk::SmallDisk, wait_until_or};
 
-#[test]
 fn a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_told() {
     let mut farm = TestFarm::new(QUICK);
-    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 4 << 20) else { return };
+    let disk = SmallDisk::new(&farm.root().join("state"), 4 << 20);
     farm.start();
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -45,23 +44,23 @@ fn says(farm: &TestFarm, words: &str) {
 }
 
 /// A running farm that tries a build once, with a part dropped, and its queue on a small disk.
-fn farm_with_small_queue() -> Option<(TestFarm, SmallDisk)> {
+fn farm_with_small_queue() -> (TestFarm, SmallDisk) {
     let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
-    let disk = SmallDisk::new(&farm.folder("queue"), 1 << 20)?;
+    let disk = SmallDisk::new(&farm.folder("queue"), 1 << 20);
     farm.start();
     says(&farm, "The farm is open");
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
-    Some((farm, disk))
+    (farm, disk)
 }
 
 /// A running farm with its state folder on a small disk.
-fn farm_with_small_state() -> Option<(TestFarm, SmallDisk)> {
+fn farm_with_small_state() -> (TestFarm, SmallDisk) {
     let mut farm = TestFarm::new(QUICK);
-    let disk = SmallDisk::new(&farm.root().join("state"), 3 << 20)?;
+    let disk = SmallDisk::new(&farm.root().join("state"), 3 << 20);
     farm.start();
     says(&farm, "The farm is open");
-    Some((farm, disk))
+    (farm, disk)
 }
 
 /// Asserts that the build waits with its part while the queue is unusable, which status tells as `told`, and is published
@@ -80,25 +79,22 @@ fn waits_for_its_queue(farm: &TestFarm, told: &str, mend: impl FnOnce()) {
     assert!(farm.query_ledger(async |ledger| ledger.paused_profiles().await.unwrap()).is_empty());
 }
 
-#[test]
 fn a_build_waits_for_room_in_a_full_queue() {
-    let Some((mut farm, disk)) = farm_with_small_queue() else { return };
+    let (mut farm, disk) = farm_with_small_queue();
     disk.fill();
     waits_for_its_queue(&farm, "A build cannot be made now", || disk.free());
     farm.stop();
 }
 
-#[test]
 fn a_build_waits_for_a_queue_that_is_read_only() {
-    let Some((mut farm, disk)) = farm_with_small_queue() else { return };
+    let (mut farm, disk) = farm_with_small_queue();
     disk.read_only(true);
     waits_for_its_queue(&farm, "The queue folder cannot be used", || disk.read_only(false));
     farm.stop();
 }
 
-#[test]
 fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
-    let Some((mut farm, disk)) = farm_with_small_state() else { return };
+    let (mut farm, disk) = farm_with_small_state();
     disk.fill();
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     says(&farm, "No space left on device");
@@ -122,9 +118,8 @@ fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
     farm.stop();
 }
 
-#[test]
 fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
-    let Some((mut farm, disk)) = farm_with_small_state() else { return };
+    let (mut farm, disk) = farm_with_small_state();
     let shows = || String::from_utf8_lossy(&farm.nestd(&["status"]).stdout).into_owned();
     wait_until_or("the daemon has said that it runs", 20.0, || farm.log(), || shows().contains("The daemon runs"));
     disk.fill();
@@ -140,3 +135,21 @@ fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
     farm.stop();
     assert!(farm.nestd_ok(&["status"]).contains("The daemon does not run."));
 }
+
+/// The tests, by name.
+pub const CASES: [(&str, fn()); 5] = [
+    (
+        "a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_told",
+        a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_told,
+    ),
+    ("a_build_waits_for_room_in_a_full_queue", a_build_waits_for_room_in_a_full_queue),
+    ("a_build_waits_for_a_queue_that_is_read_only", a_build_waits_for_a_queue_that_is_read_only),
+    (
+        "a_part_waits_for_room_in_the_state_folder_and_a_start_does_too",
+        a_part_waits_for_room_in_the_state_folder_and_a_start_does_too,
+    ),
+    (
+        "a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same",
+        a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same,
+    ),
+];

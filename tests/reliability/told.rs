@@ -1,12 +1,7 @@
 //! What operators say of builds whose files are in the queue, taken, truncated or replaced: with and without insisting. Counts the copies
 //! in all files that printers could print; these are never more than wanted.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    thread,
-    time::Duration,
-};
+use std::{fs, path::Path, thread, time::Duration};
 
 use nestd::ledger::{BuildState, PartState};
 
@@ -101,7 +96,7 @@ fn say_one(farm: &TestFarm, name: &str, fate: FileFate, (word, bad): (&str, usiz
 
 /// Copies in all files that a printer could print.
 fn printable(farm: &TestFarm) -> usize {
-    farm.queued().iter().filter_map(copies_in).sum()
+    farm.queued().iter().filter_map(|file| copies_in(file)).sum()
 }
 
 fn copies_in(file: &Path) -> Option<usize> {

@@ -128,6 +128,8 @@ fn a_process_that_holds_the_ledger_is_named_and_the_daemon_tells_the_service_man
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    // The connection is closed in it, also when an assertion fails.
+    let _context = runtime.enter();
     let path = format!("sqlite:{}", farm.root().join("state/nestd.db").display());
     let pool = runtime.block_on(sqlx::SqlitePool::connect(&path)).unwrap();
     let mut holder = runtime.block_on(pool.acquire()).unwrap();
@@ -151,7 +153,8 @@ fn a_process_that_holds_the_ledger_is_named_and_the_daemon_tells_the_service_man
     assert!(!flush.status.success() && refused.contains(&named) && !refused.contains("locked"), "{refused}");
     runtime.block_on(sqlx::raw_sql("ROLLBACK").execute(&mut *holder)).unwrap();
     farm.wait_for_parts(PartState::Waiting, 2);
-    farm.flush();
+    // A search whose end the ledger did not take is begun again after a while, and a flush waits for it.
+    wait_until_or("it is flushed", 120.0, || farm.log(), || farm.nestd(&["flush", "test"]).status.success());
     farm.wait_for_parts(PartState::Built, 2);
     farm.assert_nothing_lost_or_doubled();
 }

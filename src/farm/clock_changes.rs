@@ -11,12 +11,14 @@ use crate::ledger::Ledger;
 /// wrong.
 const STALE_LEDGER_AGE: SignedDuration = SignedDuration::from_hours(48);
 
-/// Adjusts the ages of parts if the clock was set.
+/// Adjusts the ages of parts if the clock was set. Until they are adjusted, the farm's date goes on as if it had not been set.
 pub(super) async fn handle_clock_change(farm: &mut Farm) -> Result<()> {
-    match farm.schedule.clock.detect_jump() {
-        Some(jump) => keep_part_ages(&farm.ledger, jump).await,
-        None => Ok(()),
+    let Some(jump) = farm.schedule.clock.detect_jump() else { return Ok(()) };
+    let kept = keep_part_ages(&farm.ledger, jump.by).await;
+    if kept.is_err() {
+        farm.schedule.clock.retract(jump);
     }
+    kept
 }
 
 /// At the start: a last event in the future means that the clock was set back meanwhile. If the last event is old,

@@ -129,7 +129,7 @@ pub(super) async fn occupation_of(
 /// What lies ahead of the printers of a machine that can be used. It is read only where something that waits has a due date.
 pub(super) async fn printer_outlook(farm: &Farm, name: &str, waiting: &[WaitingPart]) -> Result<PrinterOutlook> {
     let machine = &farm.machines[name];
-    let (profile, now) = (&machine.profile, farm.schedule.time.date());
+    let (profile, now) = (&machine.profile, farm.date());
     if waiting.iter().all(|waiting| waiting.part.terms.due_at.is_none()) {
         return Ok(PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(profile) });
     }

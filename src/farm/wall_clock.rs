@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::SignedDuration;
 
 use super::time_source::{ClockReading, TimeSource};
 
@@ -16,36 +16,45 @@ const TRUST_DATES_AFTER: Duration = Duration::from_secs(300);
 /// Retention is trusted again after this time.
 const TRUST_RETENTION_AFTER: Duration = Duration::from_secs(3600);
 
-/// Detects when the wall clock is set.
+/// Notices when the wall clock is set.
 pub struct WallClockMonitor {
     time: TimeSource,
-    /// The wall clock, and the time since the machine started, at the last look.
-    last_reading: (Timestamp, Duration),
     /// When the clock was last set; `None` = never, as known to this process.
     set_at: Option<Instant>,
 }
 
+/// The wall clock was set.
+#[derive(Debug, Clone, Copy)]
+pub struct ClockJump {
+    /// By how much.
+    pub by: SignedDuration,
+    /// What the date went by before.
+    before: ClockReading,
+}
+
 impl WallClockMonitor {
-    /// Looks at these clocks.
+    /// Looks at these clocks. They are right at the start.
     pub fn with_reader(time: TimeSource) -> Self {
-        let now = time.read_clocks();
-        Self { time, last_reading: (now.date, now.since_boot), set_at: None }
+        time.adopt(time.read_clocks());
+        Self { time, set_at: None }
     }
 
-    /// By how much the clock was set since the last call, if it was.
-    pub fn detect_jump(&mut self) -> Option<SignedDuration> {
-        let ClockReading { date, since_boot, .. } = self.time.read_clocks();
-        let now = (date, since_boot);
-        let by_wall = now.0.duration_since(self.last_reading.0);
-        let by_nature =
-            SignedDuration::try_from(now.1.saturating_sub(self.last_reading.1)).unwrap_or(SignedDuration::ZERO);
-        self.last_reading = now;
-        let jump = by_wall.saturating_sub(by_nature);
-        let is_set = jump.abs() >= CLOCK_JUMP;
+    /// Whether the clock was set since the last call. From now on the date is that of the clock.
+    pub fn detect_jump(&mut self) -> Option<ClockJump> {
+        let now = self.time.read_clocks();
+        let by = self.time.deviation(&now);
+        let before = self.time.adopt(now);
+        let is_set = by.abs() >= CLOCK_JUMP;
         if is_set {
             self.mark_untrusted();
         }
-        is_set.then_some(jump)
+        is_set.then_some(ClockJump { by, before })
+    }
+
+    /// The ages of the parts could not be adjusted to a clock that was set: the date goes on as before, and the next look finds it set
+    /// again.
+    pub fn retract(&mut self, jump: ClockJump) {
+        self.time.adopt(jump.before);
     }
 
     /// The clock may be wrong: dates and retention wait.
@@ -79,7 +88,7 @@ mod tests {
         for (passed, drift) in [(1, 0), (0, 0), (86_400, 0), (10, 1), (11, -1)] {
             hands.pass(Duration::from_secs(passed));
             hands.set_wall_clock_by(SignedDuration::from_secs(drift));
-            assert_eq!(clock.detect_jump(), None);
+            assert!(clock.detect_jump().is_none());
         }
         assert!(clock.is_date_trusted() && clock.is_retention_trusted());
     }
@@ -90,11 +99,27 @@ mod tests {
             let (hands, mut clock) = by_hand();
             hands.pass(Duration::from_secs(2));
             hands.set_wall_clock_by(SignedDuration::from_secs(jump));
-            assert_eq!(clock.detect_jump(), Some(SignedDuration::from_secs(jump)));
+            assert_eq!(clock.detect_jump().unwrap().by, SignedDuration::from_secs(jump));
             assert!(!clock.is_date_trusted() && !clock.is_retention_trusted());
             hands.pass(Duration::from_secs(2));
-            assert_eq!(clock.detect_jump(), None);
+            assert!(clock.detect_jump().is_none());
         }
+    }
+
+    #[test]
+    fn the_date_goes_on_as_before_until_a_set_clock_is_noticed_and_after_it_was_retracted() {
+        let (hands, mut clock) = by_hand();
+        let (time, day) = (clock.time.clone(), SignedDuration::from_hours(24));
+        let began = time.date();
+        hands.pass(Duration::from_secs(2));
+        hands.set_wall_clock_by(day);
+        assert_eq!(time.date().duration_since(began), SignedDuration::from_secs(2));
+        let jump = clock.detect_jump().unwrap();
+        assert_eq!(time.date().duration_since(began), day + SignedDuration::from_secs(2));
+        clock.retract(jump);
+        hands.pass(Duration::from_secs(3));
+        assert_eq!(time.date().duration_since(began), SignedDuration::from_secs(5));
+        assert_eq!(clock.detect_jump().unwrap().by, day);
     }
 
     #[test]

@@ -7,10 +7,10 @@ use super::{
 use crate::ledger::{Ledger, NightState, PartState};
 
 /// A ledger in which certain changes fail until they are allowed again.
-struct RefusedChanges(sqlx::SqlitePool);
+pub struct RefusedChanges(sqlx::SqlitePool);
 
 impl RefusedChanges {
-    fn of(farm: &HandDrivenFarm, change: &str) -> Self {
+    pub fn of(farm: &HandDrivenFarm, change: &str) -> Self {
         let pool = farm.ask(async |ledger| {
             let file = ledger.file().unwrap().display().to_string();
             let pool = sqlx::SqlitePool::connect(&format!("sqlite://{file}")).await.unwrap();
@@ -21,7 +21,7 @@ impl RefusedChanges {
         Self(pool)
     }
 
-    fn allow(self, farm: &HandDrivenFarm) {
+    pub fn allow(self, farm: &HandDrivenFarm) {
         farm.ask(async |_| {
             sqlx::query("DROP TRIGGER refused").execute(&self.0).await.unwrap();
             self.0.close().await;

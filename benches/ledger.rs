@@ -112,6 +112,7 @@ fn part(number: u64) -> NewPartRow {
             tilts: RequiredTilts::default(),
             clearance_mm: None,
             unit: None,
+            read_unit: None,
             note: String::new(),
         },
         warnings: Vec::new(),

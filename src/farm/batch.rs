@@ -12,7 +12,7 @@ use super::{
     batch_decision::{BatchDecision, BatchFacts, decide_batch},
     command_answer::CommandAnswer,
     commands, crash_guard, damaged_files, deferred_refusal,
-    failure::LostFileError,
+    failure::PartFault,
     farm::Farm,
     fetch_originals,
     jobs::BackgroundJob,
@@ -136,13 +136,14 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let is_held = is_queue_full(farm, name).await?;
     let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
     let outlook = printers::printer_outlook(farm, name, &waiting).await?;
+    let now = farm.date();
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let is_date_trusted = farm.schedule.clock.is_date_trusted();
     let open = machine.trigger_facts(&waiting, &wanted, newest, &outlook, (flush, takes_over), is_date_trusted);
     let is_paused = machine.paused || machine.printers.are_all_down();
     machine.pacing.is_held = is_held;
     let facts = BatchFacts { open, has_unread_claims, is_paused, is_held };
-    match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
+    match decide_batch(&machine.profile, &facts, now) {
         BatchDecision::AwaitClaims => Ok(()),
         BatchDecision::AnswerFlushes => {
             let answer = CommandAnswer::NothingWaits(name.to_owned());
@@ -255,8 +256,8 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
         Ok(nested) => nested,
         Err(failure) => {
             machine.open.take_search_result(round, None, farm.schedule.time.instant());
-            if let Some(lost) = LostFileError::find_in_chain(&failure) {
-                return damaged_files::request_file_again(farm, lost).await;
+            if let Some(fault) = PartFault::find_in_chain(&failure) {
+                return damaged_files::hold_faulty_part(farm, fault).await;
             }
             warn!(profile = %name, "The open build could not be nested: {failure:#}.");
             return Ok(());

@@ -227,7 +227,6 @@ pub fn resolve_volume_mm(info: &BuildMetadata, given_mm: Option<DVec3>) -> Optio
 /// The originals of a build's parts.
 struct OriginalMeshes {
     meshes: MeshSource,
-    profile: MachineProfile,
     /// The build's archive folder.
     archive: Option<PathBuf>,
     /// Archived originals by content; filled when first needed.
@@ -249,7 +248,7 @@ impl OriginalMeshes {
         };
         let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         let archive = stem.map(|stem| profile.folders.archive.join(stem));
-        Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }
+        Self { meshes, archive, archived: OnceCell::new() }
     }
 
     fn archived_by_hash(&self) -> &HashMap<String, PathBuf> {
@@ -262,19 +261,11 @@ impl OriginalMeshes {
 
     /// The mesh of a part; `None` = its original is past its retention.
     fn load_mesh(&self, part: &PartRow) -> Option<Arc<Mesh>> {
-        if let Ok(mesh) = self.meshes.load_mesh(&self.profile, part) {
+        if let Ok(mesh) = self.meshes.load_mesh(part) {
             return Some(mesh);
         }
         let file = self.archived_by_hash().get(&part.file.content_hash)?;
-        let contents = build_file::read_part_file(
-            file,
-            &part.name,
-            part.terms.unit,
-            self.profile.intake.unit,
-            &self.meshes.limits,
-        )
-        .ok()?;
-        Some(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh)
+        self.meshes.mesh_cache.read_mesh(file, part, &self.meshes.limits).ok()
     }
 }
 

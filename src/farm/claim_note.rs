@@ -48,6 +48,7 @@ impl ClaimNote {
             tilts: part.terms.tilts.clone(),
             clearance_mm: part.terms.clearance_mm,
             unit: part.terms.unit,
+            read_unit: part.measures.read_unit,
             note: part.terms.note.clone(),
         };
         let part = NewPartRow {
@@ -238,7 +239,7 @@ pub(super) fn new_part_row(
         }
     });
     let source = part_spec.and_then(|g| g.sources.first()).map(ticket_row);
-    let FileTerms { limits, unit, copies } = FileTerms::of_ticket(&ticket, profile);
+    let FileTerms { limits, unit, read_unit, copies } = FileTerms::of_ticket(&ticket, profile);
     NewPartRow {
         claim: claim.id.clone(),
         profile: profile.name.clone(),
@@ -255,6 +256,7 @@ pub(super) fn new_part_row(
             tilts: RequiredTilts(limits.tilts),
             clearance_mm: ticket.clearance_mm,
             unit,
+            read_unit: Some(read_unit),
             note: ticket.note.unwrap_or_default(),
         },
         warnings,

@@ -10,8 +10,14 @@ use anyhow::Result;
 use tracing::{info, warn};
 
 use super::{
-    alert::AlertKind, alert_registry::AlertRegistry, claim_completion, failure::LostFileError, farm::Farm,
-    jobs::BackgroundJob, machine_state::MachineStates, node_content::OtherNodes,
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    claim_completion,
+    failure::{LostFileError, PartFault},
+    farm::Farm,
+    jobs::BackgroundJob,
+    machine_state::MachineStates,
+    node_content::OtherNodes,
 };
 use crate::{
     intake::{self, ClaimedPart, StoredFile},
@@ -43,24 +49,42 @@ pub(super) async fn request_file_again(farm: &mut Farm, lost: &LostFileError) ->
     update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await
 }
 
-/// Continues a build without the parts of a lost file. If no other part is in it, the build fails and its copies
+/// From now on the part in which a failure lies waits for a person.
+pub(super) async fn hold_faulty_part(farm: &mut Farm, fault: PartFault<'_>) -> Result<()> {
+    match fault {
+        PartFault::Lost(lost) => request_file_again(farm, lost).await,
+        PartFault::SizeDiffers(differs) => {
+            warn!(part.id = %differs.part, "{differs}; it waits for a person.");
+            Ok(farm.ledger.hold_other_size(differs.part, differs.found_mm).await?)
+        }
+    }
+}
+
+/// Continues a build without the parts in which a failure lies. If no other part is in it, the build fails and its copies
 /// wait.
-pub(super) async fn continue_without_lost_file(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {
-    let Some(lost) = LostFileError::find_in_chain(failure) else { return Ok(()) };
-    let parts: Vec<PartId> = (farm.ledger.parts_of_build(build).await?.into_iter())
-        .filter_map(|part| (part.file.content_hash == lost.content_hash).then_some(part.id))
-        .collect();
+pub(super) async fn continue_without_faulty_part(
+    farm: &mut Farm,
+    build: BuildId,
+    failure: &anyhow::Error,
+) -> Result<()> {
+    let Some(fault) = PartFault::find_in_chain(failure) else { return Ok(()) };
+    let parts = farm.ledger.parts_of_build(build).await?;
+    let parts: Vec<PartId> = parts.iter().filter(|part| fault.is_of(part)).map(|part| part.id).collect();
+    let why = match &fault {
+        PartFault::Lost(lost) => lost.to_string(),
+        PartFault::SizeDiffers(differs) => differs.to_string(),
+    };
     let all = farm.ledger.copies_of_build(build).await?;
     let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
     match gone.len() < all.len() {
         true => {
-            farm.ledger.release_copies(build, &gone, "its stored file is damaged").await?;
+            farm.ledger.release_copies(build, &gone, &why).await?;
             // Not a fault of the build: it does not count as an attempt.
             farm.nesting.just_fired.insert(build);
         }
-        false => farm.ledger.fail_build(build, &lost.to_string()).await?,
+        false => farm.ledger.fail_build(build, &why).await?,
     }
-    request_file_again(farm, lost).await
+    hold_faulty_part(farm, fault).await
 }
 
 /// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.

@@ -88,6 +88,6 @@ fn is_in_another_unit(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow) 
     match (earlier.size_mm(), now) {
         (Some(then), Some(now)) => then.iter().zip(now).any(|(then, now)| (then - now).abs() > 1e-6 * now),
         // The size is not known yet: compare the units of the tickets.
-        _ => earlier.terms.unit != part.terms.unit,
+        _ => (earlier.terms.unit, earlier.measures.read_unit) != (part.terms.unit, part.measures.read_unit),
     }
 }

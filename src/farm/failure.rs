@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use build_file::FileReadError;
 
 use super::folder_lease::LeaseError;
-use crate::{ledger::RefusalCause, queue::QueueError};
+use crate::{
+    ledger::{PartId, PartRow, RefusalCause},
+    queue::QueueError,
+};
 
 /// Why a file could not be read into meshes.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +55,45 @@ impl LostFileError {
     /// The lost file that caused a failure, if any.
     pub fn find_in_chain(failure: &anyhow::Error) -> Option<&Self> {
         failure.chain().find_map(|cause| cause.downcast_ref())
+    }
+}
+
+/// The file of a part was read in another size than the first time. It is not printed until a person says what is right.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} was {told_mm:?} mm when it was first read, and is {found_mm:?} mm now")]
+pub struct SizeDiffersError {
+    /// The part.
+    pub part: PartId,
+    /// Its name.
+    pub name: String,
+    /// Its size when it was first read, mm.
+    pub told_mm: [f64; 3],
+    /// Its size now, mm.
+    pub found_mm: [f64; 3],
+}
+
+/// A part in which a failure lies, not in what was done with it: it waits for a person, and everything else goes on without it.
+#[derive(Debug)]
+pub enum PartFault<'a> {
+    /// Its stored file is lost.
+    Lost(&'a LostFileError),
+    /// It has another size.
+    SizeDiffers(&'a SizeDiffersError),
+}
+
+impl<'a> PartFault<'a> {
+    /// The part that caused a failure, if one did.
+    pub fn find_in_chain(failure: &'a anyhow::Error) -> Option<Self> {
+        let lost = LostFileError::find_in_chain(failure).map(Self::Lost);
+        lost.or_else(|| failure.chain().find_map(|cause| cause.downcast_ref()).map(Self::SizeDiffers))
+    }
+
+    /// Whether a part is meant.
+    pub fn is_of(&self, part: &PartRow) -> bool {
+        match self {
+            Self::Lost(lost) => part.file.content_hash == lost.content_hash,
+            Self::SizeDiffers(differs) => part.id == differs.part,
+        }
     }
 }
 

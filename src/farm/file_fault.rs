@@ -21,6 +21,8 @@ pub(super) struct FileTerms {
     pub limits: OrientationLimits,
     /// Unit from the ticket.
     pub unit: Option<LengthUnit>,
+    /// Unit in which a file that states none was read.
+    pub read_unit: LengthUnit,
     /// Copies ordered.
     pub copies: u32,
 }
@@ -34,7 +36,7 @@ impl FileTerms {
             ticket.keep_up.as_deref().unwrap_or(&turning.keep_up),
             ticket.not_down.as_deref().unwrap_or(&turning.not_down),
         );
-        Self { limits, unit: ticket.unit, copies: ticket.copies.unwrap_or(1) }
+        Self { limits, unit: ticket.unit, read_unit: profile.intake.unit, copies: ticket.copies.unwrap_or(1) }
     }
 
     /// These terms with what the file asks for one of its solids itself.
@@ -141,7 +143,7 @@ fn find_misfit(solid: &PartFileSolid, terms: &FileTerms, profile: &MachineProfil
         has.z
     );
     // A wrong unit is the most common reason: give the size in a smaller unit, and let people decide.
-    let read_in = profile.intake.unit.mm_per_unit();
+    let read_in = terms.read_unit.mm_per_unit();
     let fits_in = |unit: &LengthUnit| {
         let size = needs * (unit.mm_per_unit() / read_in);
         unit.mm_per_unit() < read_in && size.cmple(has).all() && size.max_element() >= SMALLEST_MEANT_MM

@@ -66,7 +66,7 @@ pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<Fi
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
-    let (oldest, outlook) = (row.oldest_at?.0, PrinterOutlook::of_status(profile, row));
+    let (oldest, outlook) = (row.waits_since?.0, PrinterOutlook::of_status(profile, row));
     let facts = |newest: Timestamp| TriggerFacts {
         copies: row.waiting_copies.max(1) as usize,
         oldest,

@@ -43,8 +43,8 @@ pub struct PartReadRequest {
     pub name: String,
     /// Unit given in the ticket.
     pub unit: Option<LengthUnit>,
-    /// Unit of the profile.
-    pub default_unit: LengthUnit,
+    /// Unit of a file that states none: that of the part's row, or its machine's if it is read for the first time.
+    pub fixed_unit: LengthUnit,
     /// Limits of the readers.
     pub limits: ReadLimits,
 }
@@ -74,7 +74,7 @@ struct SolidHeader {
 impl PartReadRequest {
     /// Reads the file in this process.
     pub fn read_in_process(&self) -> Result<PartFileContents, PartReadError> {
-        build_file::read_part_file(&self.file, &self.name, self.unit, self.default_unit, &self.limits)
+        build_file::read_part_file(&self.file, &self.name, self.unit, self.fixed_unit, &self.limits)
             .map_err(|error| PartReadError::from_read_error(&self.name, &error))
     }
 

@@ -30,7 +30,7 @@ pub fn judge_file(
         file: file.to_owned(),
         name: name.to_owned(),
         unit: ticket.unit,
-        default_unit: profile.intake.unit,
+        fixed_unit: profile.intake.unit,
         limits: limits.clone(),
     };
     let contents = match errand.read_isolated() {

@@ -11,7 +11,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use tracing::warn;
 
-use super::mesh_source::MeshSource;
+use super::{mesh_source::MeshSource, read_again::ensure_same_size};
 use crate::{
     intake,
     ledger::{BuildRow, PartRow, PlacementRow},
@@ -73,13 +73,7 @@ impl KeptBuild {
     ///
     /// # Errors
     /// It is not the file that was proved, or it does not show the parts where the ledger says.
-    pub fn load_meshes(
-        &self,
-        profile: &MachineProfile,
-        parts: &[PartRow],
-        placements: &[PlacementRow],
-        meshes: &MeshSource,
-    ) -> Result<()> {
+    pub fn load_meshes(&self, parts: &[PartRow], placements: &[PlacementRow], meshes: &MeshSource) -> Result<()> {
         let path =
             self.proved_path().with_context(|| format!("{} is not the file that was proved", self.path.display()))?;
         let placed =
@@ -96,7 +90,8 @@ impl KeptBuild {
             let (told, found) = (placed.mesh.bounds_at(&pose), placed.mesh.bounds_at(&placed.pose));
             let difference_mm = (told.min - found.min).abs().max((told.max - found.max).abs()).max_element();
             ensure!(difference_mm < POSE_TOLERANCE_MM, "part {} stands elsewhere in {}", part.id, path.display());
-            meshes.insert_mesh(profile, part, (*placed.mesh).clone());
+            ensure_same_size(part, &placed.mesh)?;
+            meshes.insert_mesh(part, (*placed.mesh).clone());
         }
         Ok(())
     }

@@ -39,7 +39,7 @@ fn describe_machine(profile: &MachineProfile) -> String {
     let layer_cap = machine.layer_cap.cap_mm2().map(|_| machine.layer_cap);
     let (instances, arrangement) = Default::default();
     let machine = MachineSpec { layer_cap: LayerAreaCap::default(), instances, arrangement, ..machine };
-    format!("{machine:?} {layer_cap:?} {:?}", profile.intake.unit)
+    format!("{machine:?} {layer_cap:?}")
 }
 
 /// BLAKE3 of everything that a layout depends on: the machine, the meshes, the copies and the rules for them. The order of
@@ -53,7 +53,7 @@ pub(super) fn hash_problem(profile: &MachineProfile, wanted: &[(PartRow, Vec<u32
     }
     for (part, copies) in by_part.values() {
         let (file, limits) = ((&part.file.content_hash, part.solid.object_index), part.orientation_limits());
-        let rules = (part.terms.unit, part.terms.clearance_mm, limits, copies);
+        let rules = (part.terms.unit, part.size_mm(), part.terms.clearance_mm, limits, copies);
         hasher.update(format!("{} {file:?} {rules:?}", part.id).as_bytes());
     }
     hasher.finalize().to_string()

@@ -217,7 +217,7 @@ impl MachineState {
         let has_more = wanted.len() < copies || !layout.unplaced.is_empty();
         TriggerFacts {
             copies,
-            oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
+            oldest: waiting.iter().map(|w| w.part.waits_since().0).min().unwrap_or_default(),
             due: DueFacts::of_arrivals(&self.profile, outlook, layout.height_mm, &dues, newest),
             height_mm: layout.height_mm,
             density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),

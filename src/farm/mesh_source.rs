@@ -7,21 +7,19 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result};
-use build_file::{LengthUnit, PartFileContents, ReadLimits};
+use anyhow::Result;
+use build_file::ReadLimits;
 use nester::PreparedMeshes;
 use solids::Mesh;
 
 use super::{
     disk_cache::DiskPreparationCache,
-    failure::{LostFileError, PartReadError},
-    isolated_read::PartReadRequest,
+    failure::LostFileError,
     mesh_cache::{MeshCache, MeshCacheKey},
 };
 use crate::{
     intake::{ContentStore, StoreError},
     ledger::PartRow,
-    settings::MachineProfile,
 };
 
 /// A file is read this many times inside the daemon; further attempts use a separate process.
@@ -74,51 +72,22 @@ impl MeshSource {
         unreadable.entry(hash.to_owned()).or_insert_with(Instant::now).elapsed() >= UNREADABLE_FOR
     }
 
-    /// The contents of a part's file. If reading it has ended the process before, it is read in a separate process.
-    pub fn read_contents(
-        &self,
-        file: PathBuf,
-        part: &PartRow,
-        default_unit: LengthUnit,
-    ) -> Result<PartFileContents, PartReadError> {
-        let (name, unit, limits) = (part.name.clone(), part.terms.unit, self.limits.clone());
-        let errand = PartReadRequest { file, name, unit, default_unit, limits };
-        if part.file.reads > READS_IN_THE_DAEMON { errand.read_isolated() } else { errand.read_in_process() }
-    }
-
     /// Whether the stored file of a part is there, with the bytes that were dropped.
     pub fn has_file(&self, part: &PartRow) -> bool {
         self.store.verify_hash(&part.file.content_hash).is_ok()
     }
 
     /// Keeps a mesh of a part in memory.
-    pub fn insert_mesh(&self, profile: &MachineProfile, part: &PartRow, mesh: Mesh) {
-        self.mesh_cache.insert(cache_key(profile, part, part.solid.object_index), Arc::new(mesh));
+    pub fn insert_mesh(&self, part: &PartRow, mesh: Mesh) {
+        self.mesh_cache.insert(MeshCacheKey::of_solid(part, part.solid.object_index), Arc::new(mesh));
     }
 
-    /// The mesh of a part, from memory or from the store.
-    pub fn load_mesh(&self, profile: &MachineProfile, part: &PartRow) -> Result<Arc<Mesh>> {
-        let key = |object_index| cache_key(profile, part, object_index);
-        if let Some(mesh) = self.mesh_cache.get(&key(part.solid.object_index)) {
+    /// The mesh of a part, from memory or from the store, in the size in which it was read first.
+    pub fn load_mesh(&self, part: &PartRow) -> Result<Arc<Mesh>> {
+        if let Some(mesh) = self.mesh_cache.find_mesh(part) {
             return Ok(mesh);
         }
         let file = self.verified_file(part)?;
-        let contents = (self.read_contents(file, part, profile.intake.unit))
-            .with_context(|| format!("reading part {} ({}) again", part.id.0, part.name))?;
-        for (index, solid) in contents.solids.into_iter().enumerate() {
-            self.mesh_cache.insert(key(index as u32), solid.mesh);
-        }
-        self.mesh_cache
-            .get(&key(part.solid.object_index))
-            .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.solid.object_index))
-    }
-}
-
-fn cache_key(profile: &MachineProfile, part: &PartRow, object_index: u32) -> MeshCacheKey {
-    MeshCacheKey {
-        content_hash: part.file.content_hash.clone(),
-        object_index,
-        default_unit: profile.intake.unit,
-        unit: part.terms.unit,
+        Ok(self.mesh_cache.read_mesh(&file, part, &self.limits)?)
     }
 }

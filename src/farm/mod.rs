@@ -111,6 +111,7 @@ mod queue_depth;
 mod queue_look;
 mod queues;
 mod read;
+mod read_again;
 mod read_turn;
 mod ready_files;
 mod reconcile;

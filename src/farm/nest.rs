@@ -191,7 +191,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
             let gone: Vec<PartRow> = gone.filter(|part| !meshes.has_file(part)).cloned().collect();
             // Parts without a file are then asked for, as always.
             if !gone.is_empty()
-                && let Err(failure) = kept.load_meshes(&request.profile, &gone, &placements, &meshes)
+                && let Err(failure) = kept.load_meshes(&gone, &placements, &meshes)
             {
                 warn!("The kept build file cannot be used: {failure:#}.");
             }
@@ -274,7 +274,7 @@ async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Err
             info!(build.id = %build, "A build was left for the next start: {failure:#}.");
             Ok(())
         }
-        FailedSearch::ContinueWithoutFile => damaged_files::continue_without_lost_file(farm, build, failure).await,
+        FailedSearch::ContinueWithoutPart => damaged_files::continue_without_faulty_part(farm, build, failure).await,
         FailedSearch::RetryLater => {
             // The parts stay in it.
             farm.nesting.just_fired.insert(build);

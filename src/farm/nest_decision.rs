@@ -2,7 +2,7 @@
 //! functions of facts.
 
 use super::{
-    failure::{LostFileError, is_disk_failure},
+    failure::{PartFault, is_disk_failure},
     write_build::UnprovedBuildError,
 };
 use crate::ledger::BuildId;
@@ -61,8 +61,8 @@ pub(super) fn decide_attempt(facts: &AttemptFacts) -> AttemptDecision {
 pub(super) enum FailedSearch {
     /// The daemon stops: the next start makes the build.
     LeaveForNextStart,
-    /// A stored file is lost: the build goes on without its parts.
-    ContinueWithoutFile,
+    /// A stored file is lost, or a part has another size than when it was first read: the build goes on without it.
+    ContinueWithoutPart,
     /// The disk failed: the build is tried again, and this was no attempt.
     RetryLater,
     /// The build failed: this was an attempt.
@@ -76,8 +76,8 @@ pub(super) enum FailedSearch {
 pub(super) fn classify_failure(failure: &anyhow::Error, is_stopping: bool) -> FailedSearch {
     if is_stopping {
         FailedSearch::LeaveForNextStart
-    } else if LostFileError::find_in_chain(failure).is_some() {
-        FailedSearch::ContinueWithoutFile
+    } else if PartFault::find_in_chain(failure).is_some() {
+        FailedSearch::ContinueWithoutPart
     } else if is_disk_failure(failure) {
         FailedSearch::RetryLater
     } else {
@@ -87,7 +87,7 @@ pub(super) fn classify_failure(failure: &anyhow::Error, is_stopping: bool) -> Fa
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::failure::LostFileError, *};
 
     const FACTS: AttemptFacts =
         AttemptFacts { build: BuildId(7), attempts: 1, failures: 0, max_attempts: 3, final_secs: 60.0, seed: 1 };
@@ -114,7 +114,7 @@ mod tests {
         let lost = LostFileError { name: "a.stl".to_owned(), content_hash: "aa".to_owned(), aside: None };
         assert_eq!(classify_failure(&full_disk(), true), FailedSearch::LeaveForNextStart);
         assert_eq!(classify_failure(&full_disk(), false), FailedSearch::RetryLater);
-        assert_eq!(classify_failure(&anyhow::Error::from(lost), false), FailedSearch::ContinueWithoutFile);
+        assert_eq!(classify_failure(&anyhow::Error::from(lost), false), FailedSearch::ContinueWithoutPart);
         let no_place = anyhow::anyhow!("no copy found a place");
         assert_eq!(classify_failure(&no_place, false), FailedSearch::CountAttempt { is_unproved: false });
     }

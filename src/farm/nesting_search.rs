@@ -113,7 +113,7 @@ impl NestingRequest {
     /// The parts with their meshes.
     pub(super) fn load_batch(&self, meshes: &MeshSource) -> Result<NestingBatch> {
         let part = |(part, copies): &(PartRow, Vec<u32>)| -> Result<NestingPart> {
-            let mesh = meshes.load_mesh(&self.profile, part)?;
+            let mesh = meshes.load_mesh(part)?;
             Ok(NestingPart { part: part.clone(), mesh, copies: copies.clone() })
         };
         Ok(NestingBatch { parts: self.wanted.iter().map(part).collect::<Result<_>>()? })

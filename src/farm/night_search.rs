@@ -11,7 +11,7 @@ use super::{
     batch::{arrival_search_secs, count_searches, save_layout},
     cpu_meter::CpuMeter,
     damaged_files,
-    failure::LostFileError,
+    failure::PartFault,
     farm::Farm,
     jobs::BackgroundJob,
     kept_layouts::{find_row, hash_problem},
@@ -69,8 +69,8 @@ impl BackgroundJob<Farm> for NightSearchJob {
             Ok(found) => self.take_result(farm, found).await,
             Err(failure) => {
                 self.give_up(farm, &format!("{failure:#}")).await?;
-                match LostFileError::find_in_chain(&failure) {
-                    Some(lost) => damaged_files::request_file_again(farm, lost).await,
+                match PartFault::find_in_chain(&failure) {
+                    Some(fault) => damaged_files::hold_faulty_part(farm, fault).await,
                     None => Ok(()),
                 }
             }

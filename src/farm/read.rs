@@ -10,6 +10,7 @@ use super::{
     file_request::requested_terms,
     mesh_cache::MeshCacheKey,
     mesh_source::MeshSource,
+    read_again::read_in_fixed_unit,
     standing_claim::StandingClaim,
 };
 use crate::{
@@ -62,12 +63,13 @@ pub fn read_part(
             };
         }
     };
-    let contents = match meshes.read_contents(file, part, profile.intake.unit) {
-        Ok(contents) => contents,
+    let (read_unit, contents) = match read_in_fixed_unit(&file, part, profile.intake.unit, &meshes.limits) {
+        Ok(read) => read,
         Err(PartReadError::TryLater(why)) => return PartReadOutcome::TryLater(why),
         Err(PartReadError::Refused(cause, reason)) => return PartReadOutcome::Refused(cause, reason),
     };
-    let terms = FileTerms { limits: part.orientation_limits(), unit: part.terms.unit, copies: part.owed.copies };
+    let terms =
+        FileTerms { limits: part.orientation_limits(), unit: part.terms.unit, read_unit, copies: part.owed.copies };
     if let Some((cause, reason)) = find_file_fault(&contents, &terms, profile, &meshes.limits) {
         return PartReadOutcome::Refused(cause, reason);
     }
@@ -78,13 +80,14 @@ pub fn read_part(
         warnings.extend(solid.warnings.iter().cloned());
         warnings.extend(far_warning(&solid, profile));
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
-        let asked = [size_question(&solid, part, profile), solid.question.clone().unwrap_or_default()];
+        let asked = [size_question(&solid, (part, read_unit), profile), solid.question.clone().unwrap_or_default()];
         let question = asked.into_iter().filter(|one| !one.is_empty()).collect::<Vec<_>>().join("; ");
-        facts.push(SolidFacts { question, request, ..solid_facts(&solid, index as u32, part, warnings) });
+        let found = solid_facts(&solid, index as u32, part, warnings);
+        facts.push(SolidFacts { question, request, read_unit, ..found });
         let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
-            default_unit: profile.intake.unit,
+            read_unit: Some(read_unit),
             unit: part.terms.unit,
         };
         meshes.mesh_cache.insert(key, solid.mesh);
@@ -105,6 +108,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         triangles: solid.mesh.triangles().len() as u64,
         volume_mm3: solid.mesh.volume_mm3(),
         size_mm: solid.mesh.bounds().size().to_array(),
+        read_unit: LengthUnit::default(),
         question: String::new(),
         warnings,
         request: None,
@@ -123,7 +127,7 @@ fn far_warning(solid: &PartFileSolid, profile: &MachineProfile) -> Option<String
 }
 
 /// What a person must confirm of a solid that is hardly printable: a speck, which may be one of a wrong unit too.
-fn size_question(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) -> String {
+fn size_question(solid: &PartFileSolid, (part, read_unit): (&PartRow, LengthUnit), profile: &MachineProfile) -> String {
     let size = solid.mesh.bounds().size();
     let (longest, thickness) = (size.max_element(), size.min_element());
     let is_speck = longest < profile.intake.min_size_mm;
@@ -136,7 +140,7 @@ fn size_question(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile
         false => format!("thinner than a layer of {} mm", profile.space.layer_mm),
     };
     let unit = match part.terms.unit {
-        None if is_speck && profile.intake.unit == LengthUnit::Millimeter => {
+        None if is_speck && read_unit == LengthUnit::Millimeter => {
             let inches = LengthUnit::Inch.mm_per_unit();
             format!(
                 "; read in inches instead of millimetres it would be {:.1} x {:.1} x {:.1} mm",

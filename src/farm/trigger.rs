@@ -51,7 +51,7 @@ impl fmt::Display for FireTrigger {
 pub struct TriggerFacts {
     /// Number of waiting copies.
     pub copies: usize,
-    /// When the oldest waiting part was claimed.
+    /// Since when the part waits that has waited longest.
     pub oldest: Timestamp,
     /// What fires a batch for a due date; `None` = no waiting part has one, or they fire nothing.
     pub due: Option<DueFacts>,
@@ -170,7 +170,7 @@ pub fn secs_between(earlier: Timestamp, later: Timestamp) -> f64 {
     later.duration_since(earlier).as_secs_f64()
 }
 
-/// The first of the local times of day after the oldest part's arrival; so a time that passed while the daemon was down
+/// The first of the local times of day after the oldest part began to wait; so a time that passed while the daemon was down
 /// still counts.
 fn first_daily_time_after(profile: &MachineProfile, oldest: Timestamp) -> Option<Timestamp> {
     let (at, zone) = (&profile.trigger.at, profile.time_zone.time_zone());

@@ -2,7 +2,8 @@
 
 use super::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, sql,
+    RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result,
+    part_size::is_same_size, sql,
 };
 
 impl Ledger {
@@ -164,8 +165,14 @@ impl Ledger {
         }
         let wanted_again = copies_lost_by_refusal(&mut change, id).await?;
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
-        // A revision that is taken back is wanted beside the newer one.
-        sql::query("UPDATE part SET replaced_by = NULL WHERE id = $1").bind(id).execute(change.db()).await?;
+        // A revision that is taken back is wanted beside the newer one. One that was never read is read in the unit that its machine has
+        // by now.
+        let now = change.now;
+        let set = sql::query(
+            "UPDATE part SET replaced_by = NULL, waits_since = $1, \
+             read_unit = CASE WHEN size_x_mm IS NOT NULL THEN read_unit END WHERE id = $2",
+        );
+        set.bind(now).bind(id).execute(change.db()).await?;
         if wanted_again > 0 {
             change.note_wanted_change(wanted_again).await?;
             change.change_cancelled(id, -wanted_again).await?;
@@ -222,8 +229,9 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
-         due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns) \
-         VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20) \
+         due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
+         read_unit) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
+         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21)) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -246,6 +254,7 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(now)
     .bind(&part.dropped.folder)
     .bind(part.dropped.mtime_ns)
+    .bind(part.terms.read_unit)
     .fetch_optional(change.db())
     .await?;
     Ok(id)
@@ -285,9 +294,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
-         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
+         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
          SELECT claim, $1, profile, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2 FROM part WHERE id = $3 RETURNING id",
+         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)
@@ -301,12 +310,15 @@ async fn find_or_insert_solid(
 /// Stores what was read about a solid. The number of copies is kept if the part was read before, so a retry does not
 /// multiply it.
 async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &SolidFacts, copies: u32) -> Result<()> {
+    if let Some(told_mm) = part.size_mm().filter(|told| !is_same_size(*told, solid.size_mm)) {
+        return change.hold_other_size(part, told_mm, solid.size_mm, solid.read_unit).await;
+    }
     let [x, y, z] = solid.size_mm;
     sql::query(
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
          volume_mm3 = $4, size_x_mm = $5, size_y_mm = $6, size_z_mm = $7, warnings = $8, \
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
-         THEN '' ELSE $9 END, file_copies = $10 WHERE id = $11",
+         THEN '' ELSE $9 END, file_copies = $10, read_unit = $11, size_differs = FALSE WHERE id = $12",
     )
     .bind(copies)
     .bind(&solid.object_name)
@@ -318,6 +330,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(merge_lines(&part.warnings, &solid.warnings))
     .bind(&solid.question)
     .bind(solid.file_copies)
+    .bind(solid.read_unit)
     .bind(part.id)
     .execute(change.db())
     .await?;

@@ -145,10 +145,16 @@ impl Ledger {
         }
         let confirm = sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id);
         confirm.execute(change.db()).await?;
+        if part.owed.size_differs {
+            change.ensure_not_being_built(id).await?;
+        }
         change.begin_to_wait_again(&[id]).await?;
         let detail = format!("{by}: {}", part.owed.question);
         change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
         change.count_decision(id).await?;
+        if part.owed.size_differs {
+            change.read_anew(id, &detail).await?;
+        }
         change.commit().await?;
         Ok(true)
     }
@@ -178,8 +184,8 @@ pub(super) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
     let detail = format!("{by}: {}", changes.join(", "));
     change.write_event(EventKind::Edited, &part.profile, Some(id), None, &detail).await?;
     change.count_decision(id).await?;
-    if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) && part.state == PartState::Waiting {
-        change.read_again(id, &detail).await?;
+    if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) {
+        change.read_anew(id, &detail).await?;
     }
     change.update_order(&part.terms.order_name).await?;
     if let Some(order) = &edit.order_name {
@@ -295,13 +301,16 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
     let (more, now) = (copies - wanted, change.now);
     let back = more.min(part.owed.cancelled_copies);
     let fetch = (part.state == PartState::Built).then_some(now);
+    // Where none waits yet, they wait from now on.
+    let since = matches!(part.state, PartState::Built | PartState::Batched).then_some(now);
     sql::query(
-        "UPDATE part SET cancelled_copies = cancelled_copies - $1, copies = copies + $2, fetch_at = coalesce(fetch_at, $3) \
-         WHERE id = $4",
+        "UPDATE part SET cancelled_copies = cancelled_copies - $1, copies = copies + $2, \
+         fetch_at = coalesce(fetch_at, $3), waits_since = coalesce($4, waits_since) WHERE id = $5",
     )
     .bind(back)
     .bind(more - back)
     .bind(fetch)
+    .bind(since)
     .bind(part.id)
     .execute(change.db())
     .await?;
@@ -327,6 +336,19 @@ async fn take_back(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &
 }
 
 impl LedgerChange {
+    /// A person says in which size a part is meant: its file is read as if for the first time.
+    async fn read_anew(&mut self, id: PartId, why: &str) -> Result<()> {
+        let forget = sql::query(
+            "UPDATE part SET size_x_mm = NULL, size_y_mm = NULL, size_z_mm = NULL, size_differs = FALSE, \
+             question = CASE WHEN size_differs THEN '' ELSE question END WHERE id = $1",
+        );
+        forget.bind(id).execute(self.db()).await?;
+        match self.require_part(id).await?.state {
+            PartState::Waiting => self.read_again(id, why).await,
+            _ => Ok(()),
+        }
+    }
+
     /// waiting -> claimed: the file is read again, and its attempts of reading are counted anew.
     async fn read_again(&mut self, id: PartId, why: &str) -> Result<()> {
         sql::query("UPDATE part SET reads = 0 WHERE id = $1").bind(id).execute(self.db()).await?;

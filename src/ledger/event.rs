@@ -76,19 +76,20 @@ impl Ledger {
     /// put back, so their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let parts: Vec<(PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>)> = sql::query_as(
-            "SELECT id, claimed_at, state_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched') \
+        let parts: Vec<(PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>, Option<UtcTimestamp>)> = sql::query_as(
+            "SELECT id, claimed_at, state_at, put_back_at, waits_since FROM part WHERE state IN ('claimed', 'waiting', 'batched') \
              AND ($1 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $1)))",
         )
         .bind(self.node())
         .fetch_all(change.db())
         .await?;
         let shifted = |at: UtcTimestamp| at.checked_add(jump).map_or(at, UtcTimestamp);
-        for (part, claimed_at, state_at, put_back_at) in parts {
-            let shift = sql::query("UPDATE part SET claimed_at = $1, state_at = $2, put_back_at = $3 WHERE id = $4");
-            let shift =
-                shift.bind(shifted(claimed_at)).bind(shifted(state_at)).bind(put_back_at.map(shifted)).bind(part);
-            shift.execute(change.db()).await?;
+        for (part, claimed_at, state_at, put_back_at, waits_since) in parts {
+            let shift = sql::query(
+                "UPDATE part SET claimed_at = $1, state_at = $2, put_back_at = $3, waits_since = $4 WHERE id = $5",
+            );
+            let shift = shift.bind(shifted(claimed_at)).bind(shifted(state_at)).bind(put_back_at.map(shifted));
+            shift.bind(waits_since.map(shifted)).bind(part).execute(change.db()).await?;
         }
         change
             .write_event(EventKind::ClockSet, "", None, None, &format!("by {jump:#}; the ages of parts are kept"))

@@ -51,6 +51,8 @@ pub enum EventKind {
     Adopted,
     /// The stored file of a part was found damaged.
     Damaged,
+    /// The file of a part was read in another size than the first time.
+    SizeDiffers,
     /// The damaged file of a part was dropped again.
     Healed,
     /// The due date of parts is at risk.

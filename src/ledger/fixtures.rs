@@ -92,6 +92,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
             tilts: RequiredTilts::default(),
             clearance_mm: None,
             unit: None,
+            read_unit: None,
             note: String::new(),
         },
         warnings: Vec::new(),
@@ -108,6 +109,7 @@ pub fn asked(mut part: NewPartRow, change: impl FnOnce(&mut NewTerms)) -> NewPar
 
 pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
     SolidFacts {
+        read_unit: build_file::LengthUnit::Millimeter,
         request: None,
         object_index,
         object_name: String::new(),
@@ -226,6 +228,7 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             put_back_at: None,
             fetch_at: None,
             question: String::new(),
+            size_differs: false,
             replaced_by: None,
         },
         terms: PartTerms {
@@ -240,7 +243,14 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             reference: String::new(),
             note: String::new(),
         },
-        measures: PartMeasures { triangles: None, volume_mm3: None, size_x_mm: None, size_y_mm: None, size_z_mm: None },
-        times: PartTimes { claimed_at: arrived.into(), state_at: arrived.into(), damaged_at: None },
+        measures: PartMeasures {
+            triangles: None,
+            volume_mm3: None,
+            size_x_mm: None,
+            size_y_mm: None,
+            size_z_mm: None,
+            read_unit: None,
+        },
+        times: PartTimes { claimed_at: arrived.into(), waits_since: None, state_at: arrived.into(), damaged_at: None },
     }
 }

@@ -50,6 +50,7 @@ mod part;
 mod part_list;
 mod part_question;
 mod part_row;
+mod part_size;
 mod pick;
 mod placement;
 #[cfg(feature = "postgres")]
@@ -120,6 +121,7 @@ pub use part_row::{
     ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow,
     PartTerms, PartTimes, RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
+pub use part_size::is_same_size;
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use precedence::compare_precedence;

@@ -1,6 +1,7 @@
 //! Orders that come by request, each under a key of its client: recorded once, whatever is sent again. The farm makes a claim of each
 //! line, and goes on making it until there is a part of that claim.
 
+use build_file::LengthUnit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +31,13 @@ pub struct OrderedLine {
     pub copies: u32,
     /// What was asked with it, as a ticket in JSON.
     pub ticket: String,
+    /// Unit of a file that states none: its machine's when the line was judged.
+    #[serde(default)]
+    #[schemars(with = "Option<String>")]
+    pub read_unit: Option<LengthUnit>,
 }
 
-sql_row!(OrderedLine { claim, client, profile, order_name, name, content_hash, copies, ticket });
+sql_row!(OrderedLine { claim, client, profile, order_name, name, content_hash, copies, ticket, read_unit });
 
 /// An order as it is to be recorded.
 #[derive(Debug, Clone)]
@@ -183,8 +188,8 @@ impl Ledger {
 async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()> {
     let now = change.now;
     sql::query(
-        "INSERT INTO ordered_line (claim, client, profile, order_name, name, content_hash, copies, ticket, ordered_at, taken_at) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, (SELECT max(p.claimed_at) FROM part p WHERE p.claim = $1)) \
+        "INSERT INTO ordered_line (claim, client, profile, order_name, name, content_hash, copies, ticket, ordered_at, read_unit, taken_at) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, (SELECT max(p.claimed_at) FROM part p WHERE p.claim = $1)) \
          ON CONFLICT (claim) DO NOTHING",
     )
     .bind(&line.claim)
@@ -196,6 +201,7 @@ async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()
     .bind(line.copies)
     .bind(&line.ticket)
     .bind(now)
+    .bind(line.read_unit)
     .execute(change.db())
     .await?;
     Ok(())

@@ -69,6 +69,9 @@ pub struct NewTerms {
     pub clearance_mm: Option<f64>,
     /// Unit from the ticket; `None` = that of the file or the profile.
     pub unit: Option<LengthUnit>,
+    /// Unit of a file that states none: its machine's when it was claimed.
+    #[serde(default)]
+    pub read_unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
 }
@@ -148,6 +151,8 @@ pub struct SolidFacts {
     pub volume_mm3: f64,
     /// Bounds as dropped, mm.
     pub size_mm: [f64; 3],
+    /// Unit of a file that states none, in which it was read.
+    pub read_unit: LengthUnit,
     /// What a person must confirm before it is printed, "" = nothing. It is not asked again once it was confirmed.
     pub question: String,
     /// Warnings, one sentence each, added to those of the claim.
@@ -244,6 +249,8 @@ pub struct OwedCopies {
     pub fetch_at: Option<UtcTimestamp>,
     /// What a person must confirm before it is printed, "" = nothing.
     pub question: String,
+    /// Whether that is its size: its file was read in another one than the first time.
+    pub size_differs: bool,
     /// The newer revision that replaced it.
     pub replaced_by: Option<PartId>,
 }
@@ -255,7 +262,7 @@ impl OwedCopies {
     }
 }
 
-sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question, replaced_by });
+sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question, size_differs, replaced_by });
 
 /// Requested terms for a part, other than the copies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -329,22 +336,27 @@ pub struct PartMeasures {
     pub size_y_mm: Option<f64>,
     /// Height as dropped, mm.
     pub size_z_mm: Option<f64>,
+    /// Unit in which its file is read again where that states none; also before it is read, where its claim knows it.
+    pub read_unit: Option<LengthUnit>,
 }
 
-sql_row!(PartMeasures { triangles, volume_mm3, size_x_mm, size_y_mm, size_z_mm });
+sql_row!(PartMeasures { triangles, volume_mm3, size_x_mm, size_y_mm, size_z_mm, read_unit });
 
 /// Times of the states of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PartTimes {
-    /// When it was claimed. Determines its age among the waiting parts.
+    /// When it was claimed. Determines who goes first among waiting parts.
     pub claimed_at: UtcTimestamp,
+    /// Since when it waits, if it came back: copies were put back or more were wanted of what was built, or it was taken back. `None` =
+    /// since it was claimed.
+    pub waits_since: Option<UtcTimestamp>,
     /// When it entered its current state.
     pub state_at: UtcTimestamp,
     /// When its stored file was found damaged. It then waits for the same file to be dropped again.
     pub damaged_at: Option<UtcTimestamp>,
 }
 
-sql_row!(PartTimes { claimed_at, state_at, damaged_at });
+sql_row!(PartTimes { claimed_at, waits_since, state_at, damaged_at });
 
 impl PartRow {
     /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
@@ -368,6 +380,11 @@ impl PartRow {
     /// of it were put back, or a person confirmed it or dropped its original again.
     pub fn arrived_at(&self) -> UtcTimestamp {
         self.owed.put_back_at.unwrap_or(self.times.state_at).max(self.times.state_at)
+    }
+
+    /// Since when copies of it wait for a build: what `max_wait_secs` and `at` count from.
+    pub fn waits_since(&self) -> UtcTimestamp {
+        self.times.waits_since.unwrap_or(self.times.claimed_at)
     }
 
     /// Copies wanted: those ever wanted without the cancelled ones.

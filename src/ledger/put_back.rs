@@ -246,12 +246,18 @@ impl LedgerChange {
     async fn put_part_back(&mut self, id: PartId, state: PartState, build: BuildId, detail: &str) -> Result<()> {
         let now = self.now;
         let fetch = (state == PartState::Built).then_some(now);
+        // Where none waits yet, they wait from now on. What is taken back out of the queue was not printed, and has waited since before.
+        let since = matches!(state, PartState::Built | PartState::Batched).then_some(now);
         sql::query(
-            "UPDATE part SET put_back_at = coalesce(put_back_at, $1), fetch_at = coalesce(fetch_at, $2) WHERE id = $3",
+            "UPDATE part SET put_back_at = coalesce(put_back_at, $1), fetch_at = coalesce(fetch_at, $2), waits_since = \
+             CASE WHEN EXISTS (SELECT 1 FROM build WHERE id = $5 AND withdraw_by IS NOT NULL) THEN waits_since \
+             ELSE coalesce($3, waits_since) END WHERE id = $4",
         )
         .bind(now)
         .bind(fetch)
+        .bind(since)
         .bind(id)
+        .bind(build)
         .execute(self.db())
         .await?;
         let profile = self.require_part(id).await?.profile;

@@ -40,6 +40,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (30, "references", include_str!("../../migrations/0030_references.sql")),
     (31, "withdrawn views", include_str!("../../migrations/0031_withdrawn_views.sql")),
     (33, "dropped files", include_str!("../../migrations/0033_dropped_files.sql")),
+    (35, "read again", include_str!("../../migrations/0035_read_again.sql")),
     (36, "words on queued builds", include_str!("../../migrations/0036_words_on_queued_builds.sql")),
     (37, "overwritten ledgers", include_str!("../../migrations/0037_overwritten_ledgers.sql")),
 ];

@@ -31,6 +31,8 @@ pub struct ProfileStatus {
     pub rejected_parts: u32,
     /// When the oldest waiting part was claimed.
     pub oldest_at: Option<UtcTimestamp>,
+    /// Since when the part waits that has waited longest of those that can be built.
+    pub waits_since: Option<UtcTimestamp>,
     /// The nearest due date of the waiting parts.
     pub due_at: Option<UtcTimestamp>,
     /// That date as it was given, "" = none, or not known.
@@ -165,10 +167,11 @@ struct PartCounts {
     waiting_parts: u32,
     waiting_copies: u32,
     oldest_at: Option<UtcTimestamp>,
+    waits_since: Option<UtcTimestamp>,
     newest_at: Option<UtcTimestamp>,
 }
 
-sql_row!(PartCounts { claimed_parts, waiting_parts, waiting_copies, oldest_at, newest_at });
+sql_row!(PartCounts { claimed_parts, waiting_parts, waiting_copies, oldest_at, waits_since, newest_at });
 
 /// The nearest due date.
 struct NearestDue {
@@ -192,6 +195,8 @@ const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claime
     CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
     (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
+    min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.state = 'waiting' AND p.damaged_at IS NULL \
+    AND p.fetch_at IS NULL AND p.question = '' AND p.replaced_by IS NULL) AS waits_since, \
     max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
@@ -252,6 +257,7 @@ impl Ledger {
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
                 oldest_at: row.oldest_at,
+                waits_since: row.waits_since,
                 newest_at: row.newest_at,
                 ..profile_entry(&mut profiles, &profile).clone()
             };

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use build_file::LengthUnit;
 use glam::DVec3;
 use serde::Deserialize;
 
@@ -22,11 +21,10 @@ struct ProfileSnapshot {
     floor_margin_mm: Option<f64>,
     lid_margin_mm: Option<f64>,
     layer_mm: Option<f64>,
-    unit: Option<LengthUnit>,
 }
 
 impl MachineProfile {
-    /// Returns the profile at the time of a build: volume, margins, layer and unit come from `snapshot` (JSON),
+    /// Returns the profile at the time of a build: volume, margins and layer come from `snapshot` (JSON),
     /// everything else from `now`. If the machine is not configured any more, the folders come from the snapshot too.
     /// Without a snapshot nothing is known of such a machine, and its volume is zero.
     pub fn from_snapshot(name: &str, snapshot: Option<&str>, now: Option<&Self>) -> Self {
@@ -40,7 +38,6 @@ impl MachineProfile {
         profile.space.floor_margin_mm = stored.floor_margin_mm.unwrap_or(profile.space.floor_margin_mm);
         profile.space.lid_margin_mm = stored.lid_margin_mm.unwrap_or(profile.space.lid_margin_mm);
         profile.space.layer_mm = stored.layer_mm.unwrap_or(profile.space.layer_mm);
-        profile.intake.unit = stored.unit.unwrap_or(profile.intake.unit);
         profile
     }
 

@@ -10,6 +10,7 @@ use axum::{
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use build_file::LengthUnit;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -136,7 +137,7 @@ async fn take_order(
     check_own_machine(web, &settings.node.name, &order.machine).await?;
     let lines = order.check_lines(profile).map_err(unprocessable)?;
     judge_lines(web, profile, &lines).await?;
-    let new = new_order(client, key, fingerprint, &order, lines)?;
+    let new = new_order(client, key, fingerprint, &order, lines, profile.intake.unit)?;
     match web.ledger.record_order_request(&new).await? {
         RecordedRequest::New => {
             farm::note_order(&web.ledger, &settings.state_dir, &new.client, &new.key, &new.answered).await?;
@@ -298,6 +299,7 @@ fn new_order(
     fingerprint: String,
     order: &OrderRequest,
     lines: Vec<CheckedLine>,
+    unit: LengthUnit,
 ) -> HandlerResult<NewOrderRequest> {
     let to_line = |(at, line): (usize, CheckedLine)| OrderedLine {
         claim: ordered_claim_id(client.key_name(), &key, &fingerprint, at + 1),
@@ -308,6 +310,7 @@ fn new_order(
         content_hash: line.content,
         copies: line.copies,
         ticket: line.ticket_text,
+        read_unit: Some(unit),
     };
     let lines: Vec<OrderedLine> = lines.into_iter().enumerate().map(to_line).collect();
     let accepted = |line: &OrderedLine| AcceptedLine {

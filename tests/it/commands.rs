@@ -43,6 +43,7 @@ fn farm() -> tempfile::TempDir {
                 tilts: RequiredTilts::default(),
                 clearance_mm: None,
                 unit: None,
+                read_unit: None,
                 note: String::new(),
             },
             warnings: Vec::new(),
@@ -60,6 +61,7 @@ fn farm() -> tempfile::TempDir {
             triangles: 12,
             volume_mm3: 1000.0,
             size_mm: [10.0, 20.0, 30.0],
+            read_unit: build_file::LengthUnit::Millimeter,
             warnings: Vec::new(),
         };
         ledger.accept_solids(id, &[solid]).await.unwrap();

@@ -8,12 +8,13 @@ use std::{
     time::{Duration, Instant},
 };
 
+use jiff::SignedDuration;
 use solids::Mesh;
 use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, event_loop,
+    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, batch, event_loop,
     farm::Farm,
     invariants, job_events,
     layout::CopyId,
@@ -133,9 +134,24 @@ impl HandDrivenFarm {
         self.runtime.block_on(event_loop::run_tick(self.farm.as_mut().unwrap()));
     }
 
+    /// Sets the wall clock, as a person does, and not the clock that only passes.
+    pub fn set_wall_clock_by(&self, jump: SignedDuration) {
+        self.hands.set_wall_clock_by(jump);
+    }
+
+    /// Looks whether the open build fires, as a tick does after its look at the clock.
+    pub fn look_at_open_build(&mut self) {
+        self.runtime.block_on(batch::update_open_build(self.farm.as_mut().unwrap(), PROFILE)).unwrap();
+    }
+
     /// Runs one tick, and waits until all jobs have ended.
     pub fn tick(&mut self) {
         self.begin_tick();
+        self.await_jobs();
+    }
+
+    /// Waits until all jobs have ended, and takes in what they end with.
+    pub fn await_jobs(&mut self) {
         let farm = self.farm.as_mut().unwrap();
         self.runtime.block_on(job_events::wait_for_jobs(farm, Instant::now() + JOBS_END_WITHIN));
         assert!(farm.jobs.is_idle(), "a job does not end");
@@ -336,6 +352,11 @@ impl HandDrivenFarm {
     /// The farm asks the ledger again how far the search for an open build is.
     pub fn forget_night(&mut self, profile: &str) {
         self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
+    }
+
+    /// The farm has no mesh in memory any more: what it needs is read again.
+    pub fn forget_meshes(&self) {
+        self.farm.as_ref().unwrap().meshes.mesh_cache.retain(|_| false);
     }
 
     /// The farm knows no layout of an open build any more, and searches its copies again.

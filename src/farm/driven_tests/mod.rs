@@ -2,6 +2,7 @@
 //! daemon are in `tests/it/farm`.
 
 mod camspec;
+mod clock;
 mod dates;
 mod failing_ledger;
 mod hand_driven_farm;
@@ -24,8 +25,10 @@ mod tickets;
 mod told;
 mod triggers;
 mod unfinished;
+mod units;
 mod unordered_files;
 mod unread_tickets;
+mod waiting_times;
 mod week;
 mod withdrawals;
 

@@ -9,7 +9,7 @@ use crate::ledger::{
 };
 
 /// Copies and sizes of the parts in a build file.
-fn contents(farm: &HandDrivenFarm, build: usize) -> Vec<(String, u32, String)> {
+pub fn contents(farm: &HandDrivenFarm, build: usize) -> Vec<(String, u32, String)> {
     let placed = build_file::read_build(&farm.queued()[build], &build_file::ReadLimits::default()).unwrap();
     let size = |mesh: &solids::Mesh| format!("{:.2}", mesh.bounds().size().to_array().iter().product::<f64>());
     let mut all: Vec<_> =
@@ -18,19 +18,19 @@ fn contents(farm: &HandDrivenFarm, build: usize) -> Vec<(String, u32, String)> {
     all
 }
 
-fn published(farm: &mut HandDrivenFarm, builds: usize) -> BuildId {
+pub fn published(farm: &mut HandDrivenFarm, builds: usize) -> BuildId {
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(builds);
     farm.pass_secs(1.0);
     BuildId(farm.ask(async |ledger| ledger.read_history(&Default::default()).await.unwrap()[0].build.0))
 }
 
-fn tell(farm: &HandDrivenFarm, build: BuildId, outcome: PrintOutcome) {
+pub fn tell(farm: &HandDrivenFarm, build: BuildId, outcome: PrintOutcome) {
     let told = ToldOutcome::new(outcome, "", "ann@farm");
     farm.ask(async |ledger| ledger.record_outcome(build, &told).await.unwrap());
 }
 
-fn change(
+pub fn change(
     farm: &mut HandDrivenFarm,
     kind: CommandKind,
     part: PartId,
@@ -49,7 +49,7 @@ fn new_command(kind: CommandKind, part: PartId, argument: CommandArgument, profi
     NewCommand { kind, profile: profile.to_owned(), part: Some(part), argument, asked_by: "ann@farm".to_owned() }
 }
 
-fn edit(edit: PartEdit) -> CommandArgument {
+pub fn edit(edit: PartEdit) -> CommandArgument {
     CommandArgument { edit: Some(edit), copies: None }
 }
 

@@ -98,6 +98,7 @@ fn take_order(farm: &HandDrivenFarm) -> NewOrderRequest {
         content_hash: content_hash.clone(),
         copies: 2,
         ticket: r#"{"copies":2,"order":"K-1"}"#.to_owned(),
+        read_unit: None,
     };
     let answered = AnsweredRequest { fingerprint: "f".to_owned(), answer: "{}".to_owned() };
     let (client, key) = ("mes".to_owned(), "k1".to_owned());

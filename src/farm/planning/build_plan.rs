@@ -139,7 +139,7 @@ fn fire_of(
     let dues: Vec<DueArrival> = waiting.iter().filter_map(due).collect();
     let trigger_facts = TriggerFacts {
         copies: waiting.iter().map(|line| line.copies as usize).sum(),
-        oldest: waiting.iter().map(|line| line.part.times.claimed_at.0).min().unwrap_or_default(),
+        oldest: waiting.iter().map(|line| line.part.waits_since().0).min().unwrap_or_default(),
         due: DueFacts::of_arrivals(profile, outlook, taken.height_mm, &dues, facts.newest),
         height_mm: taken.height_mm,
         density: taken.volume_mm3 / profile.build_volume().size_mm.element_product(),

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use build_file::ReadLimits;
 use nester::{InterlockRule, NestingMethod, PreparedMeshCache, PreparedMeshes, SearchBudget, insert_copies};
 use solids::Mesh;
@@ -16,9 +16,8 @@ use tracing::debug;
 use super::{
     super::{
         disk_cache::DiskCacheReader,
-        isolated_read::PartReadRequest,
         layout::{LayoutPlacement, NestingBatch, NestingPart},
-        mesh_cache::{MeshCache, MeshCacheKey},
+        mesh_cache::MeshCache,
         mesh_source::READS_IN_THE_DAEMON,
         thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     },
@@ -75,29 +74,12 @@ impl QuoteMeshes {
     }
 
     /// The mesh of a waiting part.
-    fn load_mesh(&self, profile: &MachineProfile, part: &PartRow) -> Result<Arc<Mesh>> {
-        let key = |object_index| MeshCacheKey {
-            content_hash: part.file.content_hash.clone(),
-            object_index,
-            default_unit: profile.intake.unit,
-            unit: part.terms.unit,
-        };
-        if let Some(mesh) = self.meshes.get(&key(part.solid.object_index)) {
+    fn load_mesh(&self, part: &PartRow) -> Result<Arc<Mesh>> {
+        if let Some(mesh) = self.meshes.find_mesh(part) {
             return Ok(mesh);
         }
         ensure!(part.file.reads <= READS_IN_THE_DAEMON, "reading part {} has ended nestd before", part.id);
-        let request = PartReadRequest {
-            file: self.store.file_path(&part.file.content_hash)?,
-            name: part.name.clone(),
-            unit: part.terms.unit,
-            default_unit: profile.intake.unit,
-            limits: self.limits.clone(),
-        };
-        let contents = request.read_in_process().map_err(|error| anyhow::anyhow!("{error:?}"))?;
-        for (index, solid) in contents.solids.into_iter().enumerate() {
-            self.meshes.insert(key(index as u32), solid.mesh);
-        }
-        self.meshes.get(&key(part.solid.object_index)).context("its solid is not in its file any more")
+        self.meshes.read_mesh(&self.store.file_path(&part.file.content_hash)?, part, &self.limits)
     }
 }
 
@@ -147,7 +129,7 @@ impl QuoteInsertion {
         for line in &self.waiting {
             let Some(copies) = standing.remove(&line.part.id) else { continue };
             ensure!(Instant::now() < until, "its time was up while meshes were read");
-            let mesh = meshes.load_mesh(&self.profile, &line.part)?;
+            let mesh = meshes.load_mesh(&line.part)?;
             parts.push(NestingPart { part: line.part.clone(), mesh, copies });
         }
         let quoted = self.parts.iter().map(|QuotedPart { row, mesh }| NestingPart {

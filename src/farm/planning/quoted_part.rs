@@ -118,7 +118,7 @@ fn read_quoted_file(
         file: file.path.clone(),
         name: file.name.clone(),
         unit: file.ticket.unit,
-        default_unit: profile.intake.unit,
+        fixed_unit: profile.intake.unit,
         limits: limits.clone(),
     };
     let contents = match isolated_until {
@@ -173,6 +173,7 @@ fn quoted_row(
             put_back_at: None,
             fetch_at: None,
             question: String::new(),
+            size_differs: false,
             replaced_by: None,
         },
         terms: match &request {
@@ -185,7 +186,8 @@ fn quoted_row(
             size_x_mm: Some(x),
             size_y_mm: Some(y),
             size_z_mm: Some(z),
+            read_unit: Some(profile.intake.unit),
         },
-        times: PartTimes { claimed_at: now.into(), state_at: now.into(), damaged_at: None },
+        times: PartTimes { claimed_at: now.into(), waits_since: None, state_at: now.into(), damaged_at: None },
     }
 }

@@ -28,7 +28,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 15] = [
+const MIGRATIONS: [ServerMigration; 16] = [
     migration(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
@@ -67,6 +67,10 @@ const MIGRATIONS: [ServerMigration; 15] = [
     ServerMigration {
         is_additive: true,
         ..migration(33, "dropped files", include_str!("../../../migrations/postgres/0033_dropped_files.sql"))
+    },
+    ServerMigration {
+        is_additive: true,
+        ..migration(35, "read again", include_str!("../../../migrations/postgres/0035_read_again.sql"))
     },
     // An older node would carry out no word: it would have the copies wait again.
     migration(

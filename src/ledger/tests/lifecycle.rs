@@ -33,6 +33,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         tilts: RequiredTilts(vec![TiltLimit::new(glam::DVec3::new(1.0, 2.0, 3.0), 12.5).unwrap()]),
         clearance_mm: Some(4.5),
         unit: Some(build_file::LengthUnit::Inch),
+        read_unit: None,
         note: "handle with care".into(),
     };
     let part = NewPartRow { terms, ..new_part("full", 2) };

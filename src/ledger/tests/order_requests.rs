@@ -12,6 +12,7 @@ fn line(claim: &str) -> OrderedLine {
         content_hash: "ab".repeat(32),
         copies: 2,
         ticket: "{}".to_owned(),
+        read_unit: None,
     }
 }
 
@@ -102,4 +103,20 @@ async fn a_line_that_is_cancelled_before_it_is_a_part_never_waits_also_when_its_
     }
     assert!(!ledger.has_cancelled_lines("K-1").await.unwrap(), "it is a refused part");
     assert_eq!(ledger.order_lines("K-1").await.unwrap()[0].copies.refused, 2);
+}
+
+#[tokio::test]
+async fn a_part_has_the_unit_in_which_its_line_was_judged() {
+    let ledger = fresh().await;
+    let mut asked = order("mes", "k", "f", &["order-a"]);
+    asked.lines[0].read_unit = Some(build_file::LengthUnit::Inch);
+    ledger.record_order_request(&asked).await.unwrap();
+    let mut claim = new_part("order-a", 1);
+    claim.terms.read_unit = Some(build_file::LengthUnit::Millimeter);
+    let part = ledger.record_claim(&claim).await.unwrap().id;
+    let row = ledger.find_part(part).await.unwrap().unwrap();
+    assert_eq!(row.measures.read_unit, Some(build_file::LengthUnit::Inch));
+    let other = ledger.record_claim(&NewPartRow { claim: "b".to_owned(), ..claim }).await.unwrap().id;
+    let row = ledger.find_part(other).await.unwrap().unwrap();
+    assert_eq!(row.measures.read_unit, Some(build_file::LengthUnit::Millimeter), "a dropped one that of its machine");
 }

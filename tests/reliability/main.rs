@@ -3,6 +3,7 @@
 //! sections and writes `docs/reliability.md`; `--only crash,kill` runs some of them.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; this test is its own harness
 
+mod again;
 mod arguments;
 mod budget;
 mod crash;
@@ -66,6 +67,7 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "door", weight: 3.0, run: door::run },
     ReliabilitySection { name: "refused", weight: 2.0, run: refused::run },
     ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
+    ReliabilitySection { name: "again", weight: 3.0, run: again::run },
     ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },
     ReliabilitySection { name: "hostile", weight: 2.0, run: hostile::run },
     ReliabilitySection { name: "torture", weight: 0.5, run: torture::run },

@@ -8,7 +8,7 @@ use std::{
 
 use super::*;
 use crate::intake::{
-    SpecSource, recover_claims,
+    SpecSource, is_copies_question, recover_claims,
     test_inbox::{TestInbox, stops_at},
 };
 
@@ -309,5 +309,48 @@ fn a_claim_with_a_short_ticket_stopped_anywhere_keeps_the_two_together() {
         let claims = recover_claims(&farm.inbox, "").unwrap().0;
         let claim = claims.first().cloned().unwrap_or_else(|| farm.claim());
         assert_eq!(claim.read_part_spec().unwrap().ticket.copies, Some(4), "stop {stop}");
+    }
+}
+
+/// Names as an old file server stores them, in Windows-1252.
+const NAMES_IN_1252: [&[u8]; 4] =
+    [b"Halter \x84neu\x93.stl", b"Teil \x96.stl", b"10\xd7 Deckel.stl", b"Tr\xe4ger_x4.stl"];
+
+#[test]
+fn copies_are_read_from_characters_and_asked_for_where_a_name_has_none() {
+    for name in NAMES_IN_1252 {
+        let farm = TestInbox::new();
+        fs::write(farm.inbox.join(OsStr::from_bytes(name)), "solid").unwrap();
+        let given = farm.claim().read_part_spec().unwrap();
+        assert_eq!(given.ticket.copies, None, "{name:?}");
+        assert!(given.warnings.len() == 1 && is_copies_question(&given.warnings[0]), "{:?}", given.warnings);
+    }
+    // An invisible character is shown as an escape; its digits count nothing.
+    let farm = TestInbox::new();
+    farm.drop_file("part_x\u{202e}.stl", "solid");
+    let given = farm.claim().read_part_spec().unwrap();
+    assert_eq!((given.ticket.copies, given.warnings), (None, vec![]));
+}
+
+#[test]
+fn a_ticket_beside_a_name_that_is_no_text_says_its_copies() {
+    let farm = TestInbox::new();
+    for (ending, content) in [("", "solid"), (".toml", "copies = 3")] {
+        let name = [NAMES_IN_1252[0], ending.as_bytes()].concat();
+        fs::write(farm.inbox.join(OsStr::from_bytes(&name)), content).unwrap();
+    }
+    let given = farm.claim().read_part_spec().unwrap();
+    assert_eq!((given.ticket.copies, given.warnings), (Some(3), vec![]));
+}
+
+#[test]
+fn a_list_finds_a_file_whose_name_has_the_same_bytes() {
+    for name in NAMES_IN_1252 {
+        let farm = TestInbox::new();
+        fs::write(farm.inbox.join(OsStr::from_bytes(name)), "solid").unwrap();
+        let list = [b"Datei;St\xfcck\r\n", name, b";1200\r\nGr\xf6\xdfe.stl;2\r\n"].concat();
+        fs::write(farm.inbox.join("order.csv"), list).unwrap();
+        let given = farm.claim().read_part_spec().unwrap();
+        assert_eq!((given.ticket.copies, given.warnings), (Some(1200), vec![]), "{name:?}");
     }
 }

@@ -34,31 +34,60 @@ const DOS_PAGES: [&str; 3] = [
     "ÇüéâäůćçłëŐőîŹÄĆÉĹĺôöĽľŚśÖÜŤťŁ×čáíóúĄąŽžĘę¬źČş«»░▒▓│┤ÁÂĚŞ╣║╗╝Żż┐└┴┬├─┼Ăă╚╔╩╦╠═╬¤đĐĎËďŇÍÎě┘┌█▄ŢŮ▀ÓßÔŃńňŠšŔÚŕŰýÝţ´\u{ad}˝˛ˇ˘§÷¸°¨˙űŘř■\u{a0}",
 ];
 
+/// How the bytes of a text are its characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CodePage {
+    /// Certain: UTF-8 or UTF-16.
+    Unicode,
+    /// A code page that the web knows.
+    OfWeb(&'static Encoding),
+    /// A code page of DOS, by its upper characters.
+    OfDos(&'static str),
+}
+
+impl CodePage {
+    /// Decodes bytes that stand in this code page. `None` if they cannot.
+    pub fn decode(self, bytes: &[u8]) -> Option<String> {
+        match self {
+            Self::Unicode => std::str::from_utf8(bytes).ok().map(str::to_owned),
+            Self::OfWeb(page) => Some(page.decode_without_bom_handling_and_without_replacement(bytes)?.into_owned()),
+            Self::OfDos(page) => Some(decode_dos(bytes, page)),
+        }
+    }
+}
+
+/// A possible decoding of a file.
+#[derive(Debug)]
+pub(super) struct Reading {
+    pub text: String,
+    pub page: CodePage,
+}
+
 /// The possible decodings of a file, the most likely first. Only one where the encoding is certain.
-pub(super) fn decode_candidates(bytes: &[u8]) -> Vec<String> {
+pub(super) fn decode_candidates(bytes: &[u8]) -> Vec<Reading> {
+    let certain = |text: String| vec![Reading { text, page: CodePage::Unicode }];
     if let Some((encoding, mark_bytes)) = Encoding::for_bom(bytes) {
-        return vec![encoding.decode_without_bom_handling(&bytes[mark_bytes..]).0.into_owned()];
+        return certain(encoding.decode_without_bom_handling(&bytes[mark_bytes..]).0.into_owned());
     }
     if let Some(encoding) = detect_utf16(bytes) {
-        return vec![encoding.decode_without_bom_handling(bytes).0.into_owned()];
+        return certain(encoding.decode_without_bom_handling(bytes).0.into_owned());
     }
     if let Ok(text) = std::str::from_utf8(bytes) {
-        return vec![text.to_owned()];
+        return certain(text.to_owned());
     }
     let mut detector = EncodingDetector::new(Iso2022JpDetection::Deny);
     detector.feed(bytes, true);
     let likely = detector.guess(None, Utf8Detection::Deny);
-    let mut readings: Vec<String> = Vec::new();
+    let mut readings: Vec<Reading> = Vec::new();
     let is_of_mac = bytes.contains(&b'\r') && !bytes.contains(&b'\n');
     let (before, after) = if is_of_mac { (Some(MACINTOSH), None) } else { (None, Some(MACINTOSH)) };
     let pages = before.into_iter().chain([likely]).chain(CODE_PAGES.into_iter().filter(|&page| page != likely));
-    let read =
-        |page: &'static Encoding| Some(page.decode_without_bom_handling_and_without_replacement(bytes)?.into_owned());
-    let dos = DOS_PAGES.iter().map(|page| decode_dos(bytes, page));
-    for reading in pages.filter_map(read).chain(dos).chain(after.and_then(read)) {
-        if !readings.contains(&reading) {
-            readings.push(reading);
-        }
+    let pages = pages.map(CodePage::OfWeb).chain(DOS_PAGES.map(CodePage::OfDos)).chain(after.map(CodePage::OfWeb));
+    for page in pages {
+        let Some(text) = page.decode(bytes).filter(|text| readings.iter().all(|known| known.text != *text)) else {
+            continue;
+        };
+        readings.push(Reading { text, page });
     }
     readings
 }
@@ -138,7 +167,8 @@ mod tests {
             little,
             big,
         ] {
-            assert_eq!(decode_candidates(&bytes), [TEXT], "{bytes:?}");
+            let texts: Vec<String> = decode_candidates(&bytes).into_iter().map(|reading| reading.text).collect();
+            assert_eq!(texts, [TEXT], "{bytes:?}");
         }
     }
 
@@ -152,7 +182,7 @@ mod tests {
             (b"\x8d\xa1", "\u{ec}\u{ed}"),
         ] {
             assert!(
-                decode_candidates(bytes).iter().any(|reading| reading == text),
+                decode_candidates(bytes).iter().any(|reading| reading.text == text),
                 "{text}: {:?}",
                 decode_candidates(bytes)
             );

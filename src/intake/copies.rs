@@ -1,7 +1,10 @@
 //! Number of copies in a file name: `bracket_x10.stl` means ten brackets. A name that seems to say a number of copies, but
 //! not clearly, means one copy and a question to the technician.
 
+use std::ffi::OsStr;
+
 use super::{
+    copies_sizes::{completes_size, continues_size},
     copies_words::{
         NameWord, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count, is_tail_word, is_word_of,
         split_name_words,
@@ -11,6 +14,11 @@ use super::{
 
 /// More copies than this in one drop are taken for a typing error.
 pub const MAX_COPIES: u32 = 10_000;
+/// More copies are asked for where only a sign says them: `x60` behind a name is as often a size or a number of a series, and
+/// one digit too many costs a build.
+const MAX_COPIES_BY_SIGN: u32 = 50;
+/// More copies are asked for where a word for pieces says them: `box 500 pcs` may be a box for 500 of something else.
+const MAX_COPIES_IN_WORDS: u32 = 100;
 /// Words that end in x and a longer number are names, such as those of graphics cards.
 const MAX_DIGITS_BEHIND_WORD: usize = 3;
 /// `cx5` is a name, `bracketx5` may be five brackets.
@@ -21,17 +29,40 @@ const MIN_LETTERS_BEFORE_X: usize = 3;
 pub enum CopiesInName {
     /// Nothing.
     Unsaid,
-    /// A number from 1 to 10 000.
+    /// A number from 1 to 100.
     Said(u32),
     /// These words may mean a number of copies, or something else.
     Unclear(String),
+    /// These words mean more copies than a name alone may order.
+    Many(String),
+    /// The bytes of the name are not text in UTF-8, so nobody knows its characters.
+    Undecodable,
+}
+
+impl CopiesInName {
+    /// Why the number of copies must be asked for: a clause about the part. `None` = it need not be.
+    pub fn unclear_reason(&self) -> Option<String> {
+        match self {
+            Self::Unsaid | Self::Said(_) => None,
+            Self::Unclear(words) => {
+                Some(format!("its name says {words:?}, which is no clear number of copies from 1 to {MAX_COPIES}"))
+            }
+            Self::Many(words) => Some(format!("its name says {words:?}, which is more than a name alone may order")),
+            Self::Undecodable => Some("its name is not text in UTF-8, so a number in it cannot be read".to_owned()),
+        }
+    }
+}
+
+/// Reads the number of copies from the bytes of a file's name.
+pub fn read_copies_in_file_name(name: &OsStr) -> CopiesInName {
+    name.to_str().map_or(CopiesInName::Undecodable, read_copies_in_name)
 }
 
 /// Returns the number of copies that a file name asks for. `None` if it asks for none or is unclear.
 pub fn copies_in_name(name: &str) -> Option<u32> {
     match read_copies_in_name(name) {
         CopiesInName::Said(copies) => Some(copies),
-        CopiesInName::Unsaid | CopiesInName::Unclear(_) => None,
+        _ => None,
     }
 }
 
@@ -60,12 +91,21 @@ pub fn read_copies_in_name(name: &str) -> CopiesInName {
     }
     let Some(first) = mentions.first() else { return CopiesInName::Unsaid };
     match first.copies.filter(|_| mentions.iter().all(|one| one.copies == first.copies)) {
+        Some(copies) if copies > most_copies(&mentions) => CopiesInName::Many(first.text.clone()),
         Some(copies) => CopiesInName::Said(copies),
         None => {
             let mut texts: Vec<&str> = mentions.iter().map(|one| one.text.as_str()).collect();
             texts.dedup();
             CopiesInName::Unclear(texts.join(" .. "))
         }
+    }
+}
+
+/// The most copies that a name with these mentions may order without a question.
+fn most_copies(mentions: &[CopiesMention]) -> u32 {
+    match mentions.iter().any(|one| one.is_in_words) {
+        true => MAX_COPIES_IN_WORDS,
+        false => MAX_COPIES_BY_SIGN,
     }
 }
 
@@ -206,9 +246,10 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
     let is_sign = words[at..at + length].iter().any(|word| word.text.contains('×'));
     let is_before_name = !words[at].text.starts_with(['x', '×']) && at == 0 && at + length < words.len();
     let is_behind_name = at > 0 && (at + length..words.len()).all(|at| is_tail_word(words, at));
-    let is_axis = |word: &NameWord| word.text.starts_with(['y', 'z']) && is_digits(&word.text[1..]);
-    // `x10_y20` is a place.
-    if words[at].text.starts_with('x') && words.iter().any(is_axis) {
+    let is_axis = |word: &NameWord, axis: char| word.text.starts_with(axis) && is_digits(&word.text[1..]);
+    let has_axis = |words: &[NameWord], axis: char| words.iter().any(|word| is_axis(word, axis));
+    // `x10_y20` and `x10_z20` are places, `m1_z20_x10` is a gear.
+    if words[at].text.starts_with('x') && (has_axis(words, 'y') || has_axis(&words[at..], 'z')) {
         return None;
     }
     let is_factor = words.iter().any(|word| is_word_of(WordKind::Scale, &word.text));
@@ -218,9 +259,13 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
             && next.text.strip_prefix('m').is_some_and(|size| size.starts_with(|c: char| c.is_ascii_digit()))
     });
     let is_joined = length == 1 || words[at + 1].gap.chars().all(char::is_whitespace);
+    // `M3 x 20` and `6x 8mm` may be sizes.
+    let is_of_size = words[at].text.starts_with(['x', '×']) && continues_size(words, at)
+        || is_before_name && completes_size(words, at + length);
     let is_clear = (is_before_name || is_behind_name || is_sign && words.len() > length)
         && !is_factor
         && !is_of_thread
+        && !is_of_size
         && is_joined
         && !digits.starts_with('0');
     let copies = parse_copies(&digits).filter(|_| is_clear);

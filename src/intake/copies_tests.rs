@@ -1,26 +1,33 @@
-//! Tests of numbers of copies in file names. `samples/names.tsv` holds names as people write them, each with what it
+//! Tests of numbers of copies in file names. The files `samples/*.tsv` hold names as people write them, each with what it
 //! must mean.
 
 use super::*;
 
-const NAMES: &str = include_str!("samples/names.tsv");
+/// Each file and the number of names that it has at least.
+const NAMES: [(&str, usize); 4] = [
+    (include_str!("samples/names.tsv"), 300),
+    (include_str!("samples/sizes.tsv"), 150),
+    (include_str!("samples/copies.tsv"), 150),
+    (include_str!("samples/questions.tsv"), 150),
+];
 
-fn sample_names() -> Vec<(&'static str, &'static str)> {
-    let rows = NAMES.lines().filter(|line| !line.starts_with('#'));
+fn sample_names(file: &'static str) -> Vec<(&'static str, &'static str)> {
+    let rows = file.lines().filter(|line| !line.starts_with('#'));
     rows.map(|line| line.split_once('\t').unwrap_or_else(|| panic!("no tab in {line:?}"))).collect()
 }
 
 #[test]
 fn names_as_people_write_them_mean_what_they_must() {
-    let names = sample_names();
-    assert!(names.len() >= 300, "only {} names", names.len());
     let mut wrong = Vec::new();
-    for (name, meaning) in names {
+    for (file, least) in NAMES {
+        assert!(sample_names(file).len() >= least, "only {} names", sample_names(file).len());
+    }
+    for (name, meaning) in NAMES.iter().flat_map(|(file, _)| sample_names(file)) {
         let read = read_copies_in_name(name);
         let shown = match &read {
             CopiesInName::Unsaid => "-".to_owned(),
             CopiesInName::Said(copies) => copies.to_string(),
-            CopiesInName::Unclear(_) => "?".to_owned(),
+            CopiesInName::Unclear(_) | CopiesInName::Many(_) | CopiesInName::Undecodable => "?".to_owned(),
         };
         if shown != meaning {
             wrong.push(format!("{name} must mean {meaning}, but is read as {read:?}"));
@@ -39,6 +46,22 @@ fn unclear_words_are_shown_as_they_are_written() {
     ] {
         let CopiesInName::Unclear(text) = read_copies_in_name(name) else { panic!("{name} is clear") };
         assert_eq!(text, words, "{name}");
+    }
+}
+
+#[test]
+fn more_than_some_tens_by_a_sign_or_a_hundred_in_words_are_asked_for() {
+    for (name, is_asked) in [
+        ("adapter_x50.stl", false),
+        ("adapter_x51.stl", true),
+        ("51x adapter.stl", true),
+        ("adapter_100pcs.stl", false),
+        ("adapter_101pcs.stl", true),
+        ("adapter_qty_1000_x1000.stl", true),
+    ] {
+        let read = read_copies_in_name(name);
+        assert_eq!(matches!(read, CopiesInName::Many(_)), is_asked, "{name}: {read:?}");
+        assert_eq!(read.unclear_reason().is_some(), is_asked, "{name}");
     }
 }
 

@@ -4,17 +4,19 @@
 use unicode_normalization::UnicodeNormalization;
 
 /// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`.
-const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt uds шт \
-                      個 枚 本 コ ヶ ケ 点 台 つ 件 个 份";
+const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt sztuk sztuki pezzi piezas unidades uds \
+                      stuks peças copias cópias kopii шт \
+                      個 枚 本 コ ヶ ケ 点 台 つ 件 个 份 只 片 块 颗 粒";
 /// Words that mean pieces behind a number only at the start or the end of a name: `4 off`, but not `4 off axis`.
-const PIECES_AT_EDGES: &str = "off ea each ex mal fois times units unités";
+const PIECES_AT_EDGES: &str =
+    "off ea each ex mal fois times volte veces keer razy units unités pz pza pzas ud ks kpl stuk";
 /// Suffixes that mean pieces only where they are attached to the number: `4pc`, but not `4 PC` (polycarbonate).
 const ATTACHED_PIECES: &str = "pc st";
 /// Words for a number of pieces that stand before it: `qty 4`.
 const BEFORE_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz menge stückzahl stueckzahl stk stck stück stueck \
-                             pcs pieces pièces copies kopien exemplaires nbre nombre 数量 個数 部数 枚数 数 n";
+                             pcs pieces pièces copies kopien exemplaires nbre nombre quantità quantita qta cantidad cant quantidade aantal antal ilość ilosc szt pezzi pz piezas uds stuks 数量 件数 個数 部数 枚数 数 n";
 /// Those of them that say a number of copies even if no number is beside them.
-const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl 数量 個数 部数 枚数";
+const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl quantità quantita cantidad aantal ilość ilosc 数量 個数 部数 枚数 件数";
 /// Words that behind a number may mean copies or something else: `4-fach` may be a socket for four plugs.
 const MAYBE_PIECES: &str = "fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組";
 /// Words before which a number may be meant as copies: `please print 4`.
@@ -41,7 +43,7 @@ const ENDINGS_IN_X: [&str; 24] = [
     "fox", "wax", "syntax", "plex", "latex", "gtx", "rtx", "vortex", "convex", "relax",
 ];
 /// Characters that behind digits count pieces in Japanese and Chinese.
-const COUNTERS: &str = "個枚本コヶケ点台つ件个份";
+const COUNTERS: &str = "個枚本コヶケ点台つ件个份只片块颗粒";
 const CJK_NUMBERS: &str = "一二三四五六七八九十百";
 
 /// Kind of a word list.
@@ -102,8 +104,13 @@ pub(super) fn is_digits(text: &str) -> bool {
 /// multiplication sign and an East Asian counter begin a word of their own.
 pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
     let text: String = stem.nfkc().flat_map(char::to_lowercase).map(|c| if c == '*' { '×' } else { c }).collect();
-    let chars: Vec<char> =
-        replace_dates(&text).replace("q.ty", "qty").replace("q'ty", "qty").replace("q’ty", "qty").chars().collect();
+    let chars: Vec<char> = replace_dates(&text)
+        .replace("q.ty", "qty")
+        .replace("q'ty", "qty")
+        .replace("q’ty", "qty")
+        .replace("q.tà", "qta")
+        .chars()
+        .collect();
     let mut words: Vec<NameWord> = Vec::new();
     let mut gap = String::new();
     let mut is_open = false;
@@ -217,6 +224,11 @@ pub(super) fn is_tail_word(words: &[NameWord], at: usize) -> bool {
         // A long number is a date or the number of an order.
         || (words[at].number().is_some()
             && (word.len() >= 4 || at.checked_sub(1).is_some_and(|at| is_listed(NUMBERED, &words[at].text))))
+}
+
+/// Whether the number behind this word is that of a version, a copy of a file, a part or an order.
+pub(super) fn is_numbering_word(word: &str) -> bool {
+    NUMBERED.split_whitespace().chain(["nr", "no", "pos", "order", "auftrag", "commande"]).any(|known| known == word)
 }
 
 /// Whether these letters are a word of their own that ends in x.

@@ -15,6 +15,7 @@ mod claimed_part;
 mod code_page;
 mod control_file;
 mod copies;
+mod copies_sizes;
 mod copies_words;
 mod copy_name;
 mod disk;

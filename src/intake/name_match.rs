@@ -5,12 +5,13 @@ use std::{
     borrow::Cow,
     collections::{HashMap, HashSet},
     ffi::{OsStr, OsString},
+    os::unix::ffi::OsStrExt,
     path::{Path, PathBuf},
 };
 
 use unicode_normalization::{UnicodeNormalization, is_nfc};
 
-use super::{display_name, name::is_part_name};
+use super::{code_page::CodePage, display_name, name::is_part_name};
 
 /// Folds differences that people and file systems ignore: decomposed letters, upper case, and kinds of blanks.
 pub fn fold_name(name: &str) -> String {
@@ -132,9 +133,14 @@ pub(super) enum FileNameMatch {
 }
 
 impl NameMatches {
-    /// Computes the matches. Each name and each file is used only at its strictest match.
+    /// Computes the matches with names as they are shown.
     pub fn new<'a>(said: &[&str], files: impl Iterator<Item = &'a OsStr>) -> Self {
-        let files: Vec<(&OsStr, String)> = files.map(|file| (file, display_text(file))).collect();
+        Self::in_code_page(said, files, CodePage::Unicode)
+    }
+
+    /// Computes the matches for a list in this code page. Each name and each file is used only at its strictest match.
+    pub fn in_code_page<'a>(said: &[&str], files: impl Iterator<Item = &'a OsStr>, page: CodePage) -> Self {
+        let files: Vec<(&OsStr, String)> = files.map(|file| (file, compared_text(file, page))).collect();
         let mut open_said: HashSet<usize> = (0..said.len()).filter(|&at| !said[at].is_empty()).collect();
         let mut open_files: HashSet<usize> = (0..files.len()).collect();
         let mut meant = Self::default();
@@ -176,9 +182,11 @@ impl NameMatches {
     }
 }
 
-/// Converts a file name to text. A name that is not valid text is escaped as in `nestd status`.
-fn display_text(file: &OsStr) -> String {
-    file.to_str().map_or_else(|| display_name(file), str::to_owned)
+/// Converts a file name to text. A name that is not UTF-8 is read in the code page of the list, so that equal bytes are equal
+/// names; otherwise it is escaped as in `nestd status`.
+fn compared_text(file: &OsStr, page: CodePage) -> String {
+    let in_page = || page.decode(file.as_bytes()).unwrap_or_else(|| display_name(file));
+    file.to_str().map_or_else(in_page, str::to_owned)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use build_file::{escape_invisible, escape_invisible_lines};
 
 use super::{
     Ticket,
-    code_page::{decode_candidates, text_plausibility},
+    code_page::{CodePage, decode_candidates, text_plausibility},
     display_name,
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
@@ -30,6 +30,8 @@ pub struct OrderList {
     content: Result<Vec<OrderListRow>, String>,
     /// Column headers that nestd does not know.
     unknown: Vec<String>,
+    /// In which it was read. The names of files in the same bytes are read in it, too.
+    page: CodePage,
 }
 
 /// What a list says about one file.
@@ -56,12 +58,12 @@ impl OrderList {
     pub fn parse_for_files(bytes: &[u8], files: &[&OsStr]) -> Self {
         if bytes.len() as u64 > MAX_LIST_BYTES {
             let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
-            return Self { content: Err(why), unknown: Vec::new() };
+            return Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
         }
         let mut best = None;
-        for text in decode_candidates(bytes) {
-            let list = Self::from_text(&text);
-            let fitness = (list.match_quality(files), text_plausibility(&text));
+        for reading in decode_candidates(bytes) {
+            let list = Self { page: reading.page, ..Self::from_text(&reading.text) };
+            let fitness = (list.match_quality(files), text_plausibility(&reading.text));
             if best.as_ref().is_none_or(|(known, _)| fitness > *known) {
                 best = Some((fitness, list));
             }
@@ -76,8 +78,8 @@ impl OrderList {
 
     fn from_text(text: &str) -> Self {
         match parse_rows(text) {
-            Ok((rows, unknown)) => Self { content: Ok(rows), unknown },
-            Err(why) => Self { content: Err(why), unknown: Vec::new() },
+            Ok((rows, unknown)) => Self { content: Ok(rows), unknown, page: CodePage::Unicode },
+            Err(why) => Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode },
         }
     }
 
@@ -94,7 +96,7 @@ impl OrderList {
     /// Matches rows with files.
     pub(super) fn match_files<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> NameMatches {
         let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();
-        NameMatches::new(&said, files)
+        NameMatches::in_code_page(&said, files, self.page)
     }
 
     /// Whether a row names one of these files.

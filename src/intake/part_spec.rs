@@ -9,7 +9,7 @@ use std::{
 use super::{
     ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
     code_page::decode_candidates,
-    copies::{CopiesInName, MAX_COPIES, read_copies_in_name},
+    copies::{CopiesInName, read_copies_in_file_name},
     disk, display_name,
     dropped::open_dropped_file,
     file_role::{LIST_LOOKUP_NAME, has_extension, without_hidden_txt},
@@ -106,15 +106,12 @@ impl ClaimedPart {
         }
         let asked = self.list.as_ref().map(|path| self.add_list_row(path, &mut given)).transpose()?.flatten();
         let name = self.display_name();
-        match read_copies_in_name(&name) {
-            CopiesInName::Said(copies) => {
-                let ticket = Ticket { copies: Some(copies), ..Ticket::default() };
-                given.merge_ticket(SpecSource::Name, name.clone(), ticket, name);
-            }
-            CopiesInName::Unclear(words) if given.ticket.copies.is_none() => given.warnings.push(copies_question(
-                &format!("its name says {words:?}, which is no clear number of copies from 1 to {MAX_COPIES}"),
-            )),
-            CopiesInName::Unclear(_) | CopiesInName::Unsaid => {}
+        let said = read_copies_in_file_name(&self.name);
+        if let CopiesInName::Said(copies) = said {
+            let ticket = Ticket { copies: Some(copies), ..Ticket::default() };
+            given.merge_ticket(SpecSource::Name, name.clone(), ticket, name);
+        } else if let Some(why) = said.unclear_reason().filter(|_| given.ticket.copies.is_none()) {
+            given.warnings.push(copies_question(&why));
         }
         let row = given.sources.iter().find(|source| source.source == SpecSource::OrderList);
         if let Some(row) = row.filter(|_| given.ticket.copies.is_none()) {
@@ -228,7 +225,7 @@ fn ticket_text(bytes: Vec<u8>) -> io::Result<String> {
         _ if bytes.len() as u64 > MAX_TICKET_BYTES => {
             Err(io::Error::other(format!("it is longer than {MAX_TICKET_BYTES} bytes")))
         }
-        [text] => Ok(std::mem::take(text)),
+        [reading] => Ok(std::mem::take(&mut reading.text)),
         _ => Err(io::Error::other("it is not UTF-8 text")),
     }
 }

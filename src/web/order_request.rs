@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::{
-    intake::{CopiesInName, MAX_COPIES, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name},
+    intake::{CopiesInName, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name},
     settings::{FarmZone, MachineProfile},
 };
 
@@ -192,15 +192,12 @@ impl LineRequest {
 
     /// The fields of its ticket.
     fn ticket_fields(&self, order: &OrderRequest, name: &str) -> Result<Map<String, Value>, String> {
-        let copies = match (&self.copies, read_copies_in_name(name)) {
-            (Some(copies), _) => copies.clone(),
-            (None, CopiesInName::Said(copies)) => json!(copies),
-            (None, CopiesInName::Unsaid) => json!(1),
-            (None, CopiesInName::Unclear(words)) => {
-                return Err(format!(
-                    "its name says {words:?}, which is no clear number of copies from 1 to {MAX_COPIES}: say copies"
-                ));
-            }
+        let said = read_copies_in_name(name);
+        let copies = match (&self.copies, said.unclear_reason(), said) {
+            (Some(copies), ..) => copies.clone(),
+            (None, Some(why), _) => return Err(format!("{why}: say copies")),
+            (None, None, CopiesInName::Said(copies)) => json!(copies),
+            (None, None, _) => json!(1),
         };
         let labelled = |label: &str, text: &Option<String>| text.as_ref().map(|text| format!("{label}: {text}"));
         let notes = [

@@ -132,7 +132,8 @@ pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
         sample_parts::all_samples().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
     let each = 700 / kinds.len();
     for sample in &kinds {
-        dashboard.drop("", &format!("{}_x{each}.stl", sample.name), &stl(&sample.mesh));
+        dashboard.drop("", &format!("{}.stl.toml", sample.name), format!("copies = {each}").as_bytes());
+        dashboard.drop("", &format!("{}.stl", sample.name), &stl(&sample.mesh));
     }
     dashboard.wait_for(PartState::Waiting, kinds.len());
     dashboard.flush();

@@ -88,6 +88,6 @@ impl MeshSource {
             return Ok(mesh);
         }
         let file = self.verified_file(part)?;
-        Ok(self.mesh_cache.read_mesh(&file, part, &self.limits)?)
+        self.mesh_cache.read_mesh(&file, part, &self.limits)
     }
 }

@@ -25,6 +25,8 @@ use solids::Mesh;
 use super::failure::PartReadError;
 use crate::ledger::RefusalCause;
 
+/// A file is read this many times inside the daemon; further attempts use a separate process.
+pub const READS_IN_THE_DAEMON: u32 = 2;
 /// The hidden subcommand that reads a part.
 pub const SUBCOMMAND: &str = "read-part";
 /// This program, even if its file was replaced after the start.

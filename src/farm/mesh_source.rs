@@ -22,9 +22,6 @@ use crate::{
     ledger::PartRow,
 };
 
-/// A file is read this many times inside the daemon; further attempts use a separate process.
-pub const READS_IN_THE_DAEMON: u32 = 2;
-
 /// Source of meshes.
 #[derive(Debug, Clone)]
 pub struct MeshSource {

@@ -8,8 +8,7 @@ use solids::Mesh;
 
 use super::{
     failure::{PartReadError, SizeDiffersError},
-    isolated_read::PartReadRequest,
-    mesh_source::READS_IN_THE_DAEMON,
+    isolated_read::{PartReadRequest, READS_IN_THE_DAEMON},
 };
 use crate::ledger::{PartRow, is_same_size};
 

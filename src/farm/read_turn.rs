@@ -1,7 +1,7 @@
 //! Decides whether a claimed part is read now. This is a pure function of the facts about the part and the running
 //! reads.
 
-use super::mesh_source::READS_IN_THE_DAEMON;
+use super::isolated_read::READS_IN_THE_DAEMON;
 
 /// Maximum number of files read at once.
 pub const READERS: usize = 2;

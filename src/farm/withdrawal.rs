@@ -169,9 +169,7 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
     let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
     let profile = build.profile.clone();
     match step {
-        Ok(WithdrawalStep::TakenBack | WithdrawalStep::Taken)
-            if farm.ledger.awaits_take_back(id).await? == Some(true) =>
-        {
+        Ok(WithdrawalStep::TakenBack) if farm.ledger.awaits_take_back(id).await? == Some(true) => {
             match farm.ledger.finish_noted_word(id).await {
                 Ok(told) => {
                     let told = told.unwrap_or_default().join(" ");
@@ -182,7 +180,7 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             }
         }
         Ok(WithdrawalStep::Altered) => {
-            farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Altered).await?;
             report_altered(farm, &build);
         }
         Ok(WithdrawalStep::TakenBack) => {
@@ -195,6 +193,10 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             return withdraw_builds(farm).await;
         }
         Ok(WithdrawalStep::Taken) => {
+            // A word was said of a file that lay untouched: of one that its printer has, it may not be true.
+            if farm.ledger.awaits_take_back(id).await? == Some(true) {
+                report_word_dropped(farm, &build);
+            }
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Taken).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
@@ -223,6 +225,16 @@ fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failur
     farm.nesting.backoff.record_failure(id);
     farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
     Ok(())
+}
+
+/// What was said of a build whose file lay in the queue is not done: its printer was faster. The alert ends with the daemon.
+fn report_word_dropped(farm: &mut Farm, build: &BuildRow) {
+    let id = build.id;
+    let text = format!(
+        "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but its printer took it first: \
+         nothing was changed. Say it once more when it is known how build {id} is printed"
+    );
+    farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
 }
 
 /// The outcome that was told and what became of the file contradict each other. The alert ends with the daemon.

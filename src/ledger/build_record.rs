@@ -316,7 +316,7 @@ async fn take_over_copies(change: &mut LedgerChange, part: PartId, record: &Json
     );
     set.bind(copies).bind(wanted).bind(decisions).bind(part).execute(change.db()).await?;
     let told: Option<i64> = sql::query_scalar(
-        "SELECT sum(wanted_change) FROM event WHERE part_id = $1 \
+        "SELECT CAST(sum(wanted_change) AS BIGINT) FROM event WHERE part_id = $1 \
          AND EXISTS (SELECT 1 FROM event w WHERE w.part_id = $1 AND w.kind = 'waiting' AND w.wanted_change IS NOT NULL)",
     )
     .bind(part)

@@ -76,9 +76,9 @@ impl Ledger {
     /// put back, so their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         /// A part; when it was claimed, changed its state, was put back, and since when it waits.
-        type PartTimes = (PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>, Option<UtcTimestamp>);
+        type TimesOfPart = (PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>, Option<UtcTimestamp>);
         let mut change = self.begin_change().await?;
-        let parts: Vec<PartTimes> = sql::query_as(
+        let parts: Vec<TimesOfPart> = sql::query_as(
             "SELECT id, claimed_at, state_at, put_back_at, waits_since FROM part WHERE state IN ('claimed', 'waiting', 'batched') \
              AND ($1 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $1)))",
         )

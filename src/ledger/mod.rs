@@ -48,6 +48,7 @@ mod order_request;
 mod outcome;
 mod part;
 mod part_list;
+mod part_measures;
 mod part_question;
 mod part_row;
 mod part_size;
@@ -116,10 +117,11 @@ pub use order_request::{NewOrderRequest, OrderedLine, RecordedRequest};
 pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use part::Namesake;
 pub use part_list::PartQuery;
+pub use part_measures::{PartMeasures, PartTimes};
 pub use part_question::{QuestionKind, QuestionedPart};
 pub use part_row::{
-    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow,
-    PartTerms, PartTimes, RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRejection, PartRow, PartTerms,
+    RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use part_size::is_same_size;
 pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};

@@ -302,9 +302,7 @@ impl Ledger {
         for WithProfile { profile, row } in fetch_by_profile(db, BUILDS_AHEAD).await? {
             profile_entry(&mut profiles, &profile).ahead.push(row);
         }
-        for WithProfile { profile, row } in
-            fetch_by_profile(db, "SELECT profile, paused_by, cause, paused_at FROM pause").await?
-        {
+        for WithProfile { profile, row } in fetch_by_profile(db, PAUSES).await? {
             profile_entry(&mut profiles, &profile).paused = Some(row);
         }
         for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {

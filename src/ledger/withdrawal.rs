@@ -87,10 +87,14 @@ impl Ledger {
         if end == WithdrawalEnd::Taken {
             let set = sql::query("UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2");
             set.bind(now).bind(build).execute(change.db()).await?;
-            if state == BuildState::Published {
-                let detail = "not taken back: its printer took the file first";
-                change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
-            }
+        }
+        let detail = match end {
+            WithdrawalEnd::Taken if state == BuildState::Published => "not taken back: its printer took the file first",
+            WithdrawalEnd::Altered => "not taken back: what lies in the queue is not the file that was proved",
+            _ => "",
+        };
+        if !detail.is_empty() {
+            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
         }
         let set = sql::query(
             "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1",
@@ -130,6 +134,8 @@ impl Ledger {
 pub enum WithdrawalEnd {
     /// The printer took the file before it could be taken back.
     Taken,
+    /// What lies there is not the proved file.
+    Altered,
     /// The file is in no queue folder, or the outcome of its print was told.
     Removed,
 }

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, batch, event_loop,
+    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, event_loop,
     farm::Farm,
     invariants, job_events,
     layout::CopyId,
@@ -34,6 +34,7 @@ use crate::{
 
 #[path = "../../../tests/support/farm_files.rs"]
 pub mod farm_files;
+mod searches;
 
 use farm_files::{assert_each_copy_once, drop_file, list_build_files};
 pub use farm_files::{block, stl};
@@ -137,11 +138,6 @@ impl HandDrivenFarm {
     /// Sets the wall clock, as a person does, and not the clock that only passes.
     pub fn set_wall_clock_by(&self, jump: SignedDuration) {
         self.hands.set_wall_clock_by(jump);
-    }
-
-    /// Looks whether the open build fires, as a tick does after its look at the clock.
-    pub fn look_at_open_build(&mut self) {
-        self.runtime.block_on(batch::update_open_build(self.farm.as_mut().unwrap(), PROFILE)).unwrap();
     }
 
     /// Runs one tick, and waits until all jobs have ended.
@@ -336,32 +332,6 @@ impl HandDrivenFarm {
     /// The copies that stand in the open build.
     pub fn open_copies(&self) -> BTreeSet<CopyId> {
         self.farm.as_ref().unwrap().machines[PROFILE].open.standing.clone()
-    }
-
-    /// Whether a search lowers the open build of a machine now.
-    pub fn is_lowering(&self, profile: &str) -> bool {
-        self.farm.as_ref().unwrap().machines[profile].open.night.is_running()
-    }
-
-    /// Whether a final search runs, and is within its time.
-    pub fn is_nesting(&self) -> bool {
-        let searches = &self.farm.as_ref().unwrap().nesting.final_searches;
-        searches.values().any(|search| search.budget.secs_over() == 0.0)
-    }
-
-    /// The farm asks the ledger again how far the search for an open build is.
-    pub fn forget_night(&mut self, profile: &str) {
-        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
-    }
-
-    /// The farm has no mesh in memory any more: what it needs is read again.
-    pub fn forget_meshes(&self) {
-        self.farm.as_ref().unwrap().meshes.mesh_cache.retain(|_| false);
-    }
-
-    /// The farm knows no layout of an open build any more, and searches its copies again.
-    pub fn forget_layout(&mut self, profile: &str) {
-        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.reset();
     }
 
     /// What `STATUS.txt` says next.

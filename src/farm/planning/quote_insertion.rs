@@ -16,9 +16,9 @@ use tracing::debug;
 use super::{
     super::{
         disk_cache::DiskCacheReader,
+        isolated_read::READS_IN_THE_DAEMON,
         layout::{LayoutPlacement, NestingBatch, NestingPart},
         mesh_cache::MeshCache,
-        mesh_source::READS_IN_THE_DAEMON,
         thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     },
     quoted_part::QuotedPart,

@@ -1,0 +1,37 @@
+//! What a test looks at and does in the searches of a hand-driven farm.
+
+use super::{HandDrivenFarm, PROFILE};
+use crate::farm::batch;
+
+impl HandDrivenFarm {
+    /// Looks whether the open build fires, as a tick does after its look at the clock.
+    pub fn look_at_open_build(&mut self) {
+        self.runtime.block_on(batch::update_open_build(self.farm.as_mut().unwrap(), PROFILE)).unwrap();
+    }
+
+    /// Whether a search lowers the open build of a machine now.
+    pub fn is_lowering(&self, profile: &str) -> bool {
+        self.farm.as_ref().unwrap().machines[profile].open.night.is_running()
+    }
+
+    /// Whether a final search runs, and is within its time.
+    pub fn is_nesting(&self) -> bool {
+        let searches = &self.farm.as_ref().unwrap().nesting.final_searches;
+        searches.values().any(|search| search.budget.secs_over() == 0.0)
+    }
+
+    /// The farm asks the ledger again how far the search for an open build is.
+    pub fn forget_night(&mut self, profile: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
+    }
+
+    /// The farm has no mesh in memory any more: what it needs is read again.
+    pub fn forget_meshes(&self) {
+        self.farm.as_ref().unwrap().meshes.mesh_cache.retain(|_| false);
+    }
+
+    /// The farm knows no layout of an open build any more, and searches its copies again.
+    pub fn forget_layout(&mut self, profile: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.reset();
+    }
+}

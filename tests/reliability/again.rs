@@ -15,7 +15,7 @@ use super::{
     support::{
         PROFILE, QUICK, TestFarm, block,
         farm_files::{drop_file, list_build_files},
-        stl, wait_until,
+        stl, wait_until, wait_until_or,
     },
 };
 
@@ -51,11 +51,12 @@ struct Story {
 
 impl Story {
     fn begin(seed: u64) -> Self {
-        let mut farm = TestFarm::new(QUICK);
+        let farm = TestFarm::new(QUICK);
         farm.write_profile(MACHINES[1], QUICK);
-        farm.start();
         let (rng, result) = (ChaCha8Rng::seed_from_u64(seed), SectionResult::default());
-        Self { farm, rng, units: [1.0; 2], volumes: BTreeMap::new(), result, seed }
+        let mut story = Self { farm, rng, units: [1.0; 2], volumes: BTreeMap::new(), result, seed };
+        story.start();
+        story
     }
 
     fn play(mut self, steps: usize) -> SectionResult {
@@ -91,10 +92,15 @@ impl Story {
 
     /// Waits until a dropped part is read.
     fn await_reading(&self, name: &str) {
-        wait_until(&format!("{name} is read"), 60.0, || {
-            let parts = self.farm.query_ledger(async |ledger| ledger.parts_named(name).await.unwrap());
-            parts.iter().any(|part| part.state != PartState::Claimed)
-        });
+        wait_until_or(
+            &format!("{name} is read"),
+            60.0,
+            || self.farm.log(),
+            || {
+                let parts = self.farm.query_ledger(async |ledger| ledger.parts_named(name).await.unwrap());
+                parts.iter().any(|part| part.state != PartState::Claimed)
+            },
+        );
     }
 
     /// Another unit stands in the file of a machine; the daemon learns it by a signal, or by an orderly or a hard restart.
@@ -110,14 +116,22 @@ impl Story {
             }
             1 => {
                 self.farm.stop();
-                self.farm.start();
+                self.start();
             }
             _ => {
                 self.farm.kill();
-                self.farm.start();
+                self.start();
                 self.result.faults += 1;
             }
         }
+    }
+
+    /// Starts the daemon, and waits until it is open: a signal that comes before would end it.
+    fn start(&mut self) {
+        let opened = |farm: &TestFarm| farm.log().matches("The farm is open.").count();
+        let before = opened(&self.farm);
+        self.farm.start();
+        wait_until("the farm is open", 60.0, || opened(&self.farm) > before);
     }
 
     /// Both machines print what waits; the printers take the files, and what is in them is measured.

@@ -228,6 +228,8 @@ const OPEN: &str = "SELECT b.profile, b.id AS build, b.height_mm, b.density, b.c
 const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
 
+/// Paused machines.
+const PAUSES: &str = "SELECT profile, paused_by, cause, paused_at FROM pause";
 /// The newest published build of each profile. The query jumps in the index from one profile to the next, and there to
 /// the newest row, so it does not read the other rows.
 const LAST: &str = "WITH RECURSIVE machine (profile) AS (\

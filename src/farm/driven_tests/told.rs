@@ -165,3 +165,19 @@ fn a_published_file_that_was_emptied_or_copied_is_an_alert_until_it_is_as_it_was
         farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::QueueAltered));
     }
 }
+
+#[test]
+fn a_word_about_a_file_that_its_printer_takes_before_it_is_taken_out_changes_nothing_and_is_told() {
+    for number in 0..6 {
+        let (mut farm, build) = three_copies();
+        let (word, _) = words(&farm, &build).swap_remove(number);
+        assert_eq!(farm.say(&word, true).unwrap().noted, [build.id]);
+        fs::remove_file(&farm.queued()[0]).unwrap();
+        farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        assert_eq!(find(&farm, build.id).state, BuildState::Published, "{word:?}");
+        assert!(farm.parts(PartState::Waiting).is_empty(), "what the printer has is not printed again: {word:?}");
+        let told = farm.alert_text(AlertKind::PublishingFails);
+        assert!(told.contains("its printer took it first"), "{told}");
+        farm.assert_ledger_agrees_with_folders();
+    }
+}

@@ -44,7 +44,12 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
     let (second, third) = (nodes[1].farm.queued(), nodes[2].farm.queued());
     super::support::farm_files::assert_each_copy_once(&[second, third].concat(), 6);
     // It is printed again where it was printed, whoever says so.
-    let told = nodes[0].farm.nestd_ok(&["reprint", "of-print1_x2.stl=2", "--anyway"]);
+    let built = nodes[0].farm.parts(PartState::Built);
+    let part = built.iter().find(|part| part.name == "of-print1_x2.stl").unwrap().id;
+    let name = nodes[1].farm.queued()[0].file_name().unwrap().to_string_lossy().into_owned();
+    let build: u32 = name.trim_end_matches(".build.3mf").rsplit('_').next().unwrap().parse().unwrap();
+    let bad = ["outcome", &build.to_string(), "complete", "--bad", &format!("{part}=2"), "--anyway"];
+    let told = nodes[0].farm.nestd_ok(&bad);
     assert!(told.contains("Noted"), "{told}");
     nodes[0].farm.wait_for_parts(PartState::Waiting, 1);
     for node in &mut nodes {

@@ -2,10 +2,11 @@
 //! into the queue folders, where this process can see them; `ledger/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
-use std::{collections::BTreeSet, path::PathBuf, time::Duration};
+use std::{collections::BTreeSet, fs, path::PathBuf, time::Duration};
 
+use super::cake::hash_file;
 use crate::{
-    ledger::{BuildRow, Ledger, LedgerError, OperatorWord, WordAnswer},
+    ledger::{BuildRow, InQueueError, Ledger, LedgerError, OperatorWord, PrintOutcome, StagedFile, WordAnswer},
     queue::{QueueFolder, StagedState},
     settings::Settings,
 };
@@ -21,6 +22,8 @@ enum SeenFile {
     Gone(String),
     /// It was taken back out of the folder where it was published.
     Withdrawn,
+    /// Its bytes lie in a queue folder under this other name.
+    Copied(String),
     Unknown,
 }
 
@@ -54,6 +57,10 @@ async fn is_out_of_queue(
             ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
             false
         }
+        SeenFile::Copied(name) if prints_again(word) => {
+            return Err(LedgerError::InQueue(InQueueError::Copied { build: build.id, name }));
+        }
+        SeenFile::Copied(_) => false,
         _ if place.move_queue_id.is_some() => false,
         SeenFile::Gone(queue_id) => {
             ledger.record_taken(build.id, &queue_id).await?;
@@ -67,24 +74,38 @@ async fn is_out_of_queue(
     })
 }
 
+/// Whether a word says by itself that copies are to be printed again.
+fn prints_again(word: &OperatorWord) -> bool {
+    match word {
+        OperatorWord::Outcome(_, told) => told.outcome == PrintOutcome::Failed || !told.bad.is_empty(),
+        OperatorWord::Reprint(_) | OperatorWord::Requeue(_) => true,
+        OperatorWord::BreakOut(_) => false,
+    }
+}
+
 async fn look_for_file(settings: &Settings, build: &BuildRow) -> SeenFile {
     let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), build.staged.file_name.clone()) else {
         return SeenFile::Unknown;
     };
     let folders: Vec<(String, PathBuf)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
-    let own = build.staged.queue_id.clone();
-    let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, own.as_deref()));
+    let staged = build.staged.clone();
+    let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, &staged));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
         Ok(Ok(seen)) => seen,
         _ => SeenFile::Unknown,
     }
 }
 
-fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> SeenFile {
+fn look_into(folders: &[(String, PathBuf)], name: &str, staged: &StagedFile) -> SeenFile {
+    let own = staged.queue_id.as_deref();
     let mut seen = SeenFile::Unknown;
-    for (printer, folder) in folders {
-        let Some(queue) = QueueFolder::find(folder) else { continue };
+    let queues: Vec<(&String, QueueFolder)> =
+        folders.iter().filter_map(|(printer, folder)| Some((printer, QueueFolder::find(folder)?))).collect();
+    if let Some(other) = queues.iter().find_map(|(_, queue)| find_copy(queue, name, staged)) {
+        return SeenFile::Copied(other);
+    }
+    for (printer, queue) in queues {
         let is_withdrawn = queue.withdrawn_path(name).exists();
         match queue.staged_state(name) {
             Ok(StagedState::Published) => return SeenFile::Visible(printer.clone(), queue.marker_id().to_owned()),
@@ -99,4 +120,15 @@ fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> Se
         }
     }
     seen
+}
+
+/// The name under which the bytes of a build file lie in a queue folder, other than its own.
+fn find_copy(queue: &QueueFolder, name: &str, staged: &StagedFile) -> Option<String> {
+    let (bytes, hash) = (staged.file_bytes?, staged.file_hash.as_deref()?);
+    let names = fs::read_dir(queue.folder_path()).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    names.filter(|other| other != name && !other.starts_with('.')).find(|other| {
+        let path = queue.published_path(other);
+        fs::symlink_metadata(&path).is_ok_and(|seen| seen.is_file() && seen.len() == bytes)
+            && hash_file(&path).is_ok_and(|found| found.to_hex().as_str() == hash)
+    })
 }

@@ -30,6 +30,17 @@ pub enum InQueueError {
         /// The build.
         build: BuildId,
     },
+    /// Its bytes lie in a queue folder under another name, where nobody can take them back.
+    #[error(
+        "the file of build {build} lies in the queue under another name, as {name}, and could be printed from there. Take {name} out of the \
+         queue, or give it its own name back; then say it again"
+    )]
+    Copied {
+        /// The build.
+        build: BuildId,
+        /// The name.
+        name: String,
+    },
     /// Its file is between two printers.
     #[error("the file of build {0} is on its way to another printer: say it again when it is there")]
     OnItsWay(BuildId),

@@ -181,3 +181,25 @@ fn a_word_about_a_file_that_its_printer_takes_before_it_is_taken_out_changes_not
         farm.assert_ledger_agrees_with_folders();
     }
 }
+
+#[test]
+fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name() {
+    for is_moved in [true, false] {
+        for number in [0, 1, 2, 4, 5] {
+            let (farm, build) = three_copies();
+            let (word, _) = words(&farm, &build).swap_remove(number);
+            let (file, other) = (farm.queued().remove(0), farm.folder("queue").join("hans.build.3mf"));
+            fs::copy(&file, &other).unwrap();
+            if is_moved {
+                fs::remove_file(&file).unwrap();
+            }
+            for anyway in [false, true] {
+                let refused = farm.say(&word, anyway).unwrap_err().to_string();
+                assert!(refused.contains("under another name, as hans.build.3mf"), "{word:?}: {refused}");
+            }
+            assert_eq!(find(&farm, build.id).state, BuildState::Published);
+            fs::remove_file(&other).unwrap();
+            farm.say(&word, true).unwrap();
+        }
+    }
+}

@@ -228,7 +228,10 @@ pub(super) fn is_tail_word(words: &[NameWord], at: usize) -> bool {
 
 /// Whether the number behind this word is that of a version, a copy of a file, a part or an order.
 pub(super) fn is_numbering_word(word: &str) -> bool {
-    NUMBERED.split_whitespace().chain(["nr", "no", "pos", "order", "auftrag", "commande"]).any(|known| known == word)
+    NUMBERED
+        .split_whitespace()
+        .chain(["nr", "no", "pos", "part", "teil", "pièce", "piece", "order", "auftrag", "commande"])
+        .any(|known| known == word)
 }
 
 /// Whether these letters are a word of their own that ends in x.

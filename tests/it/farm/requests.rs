@@ -125,7 +125,7 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.nestd_ok(&["resume", "test"]);
     farm.flush();
-    let names = printed_names(&farm.wait_for_queued(3)[2]);
+    let names = printed_names(&farm.wait_for_queued(2)[1]);
     assert_eq!(names, [("cube_x8.stl".to_owned(), 8), ("urgent.stl".to_owned(), 1)].into());
 }
 

@@ -7,7 +7,7 @@ use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
     ServingRight, SharedFarm, UtcTimestamp,
-    change::{ChangeOrigin, CommandsDone, LedgerChange},
+    change::{CommandsDone, LedgerChange},
     error::Result,
     health,
     sql::{SqlExecutor, SqlTransaction},
@@ -366,7 +366,7 @@ impl Ledger {
             #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => {
                 let (transaction, counted) = store.begin_change().await?;
-                (SqlTransaction::Postgres(transaction), ChangeOrigin::Server(counted))
+                (SqlTransaction::Postgres(transaction), super::change::ChangeOrigin::Server(counted))
             }
         };
         Ok(LedgerChange::new(transaction, self.now(), origin, self.commands.clone()))

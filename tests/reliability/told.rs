@@ -1,9 +1,9 @@
 //! What operators say of builds whose files are in the queue, taken, truncated or replaced: with and without insisting. Counts the copies
 //! in all files that printers could print; these are never more than wanted.
 
-use std::{fs, path::Path, thread, time::Duration};
+use std::{fs, thread, time::Duration};
 
-use nestd::ledger::{BuildState, PartState};
+use nestd::ledger::{BuildState, PartId, PartState};
 
 use super::{
     budget::SectionBudget,
@@ -64,6 +64,9 @@ fn say_one(farm: &TestFarm, name: &str, fate: FileFate, (word, bad): (&str, usiz
     let part = of(PartState::Built)?.id;
     let build = farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()).pop()?;
     let file = farm.folder("queue").join(build.staged.file_name.as_deref()?);
+    if printable(farm, part) != COPIES {
+        return Some(format!("{word}: the copies of part {part} are not seen in the queue"));
+    }
     match fate {
         FileFate::Queued => {}
         FileFate::Taken => fs::remove_file(&file).unwrap(),
@@ -73,32 +76,26 @@ fn say_one(farm: &TestFarm, name: &str, fate: FileFate, (word, bad): (&str, usiz
     let text = word.replace('B', &build.id.to_string()).replace('P', &part.to_string());
     let words: Vec<&str> = text.split(' ').collect();
     farm.nestd(&words);
-    let refused = printable(farm);
+    let refused = printable(farm, part);
     if !word.starts_with("withdraw") {
         farm.nestd(&[&words[..], &["--anyway"]].concat());
     }
     farm.nestd(&["resume", PROFILE]);
     thread::sleep(Duration::from_millis(600));
     farm.nestd(&["flush", PROFILE]);
-    wait_until_or("what waits is built", 60.0, || farm.log(), || of(PartState::Waiting).is_none());
-    let counts = [refused, printable(farm)];
+    wait_until_or("what waits is built", 60.0, || farm.log(), || of(PartState::Built).is_some());
+    let counts = [refused, printable(farm, part)];
     let most = if fate == FileFate::Taken { bad } else { COPIES };
-    let is_kept = farm
-        .queued()
-        .iter()
-        .all(|file| copies_in(file).is_some() || fate == FileFate::Truncated || fate == FileFate::Replaced);
     farm.queued().into_iter().for_each(|file| fs::remove_file(file).unwrap());
-    // Where nothing of it stands, the next case begins with nothing that waits.
-    farm.nestd(&["cancel", &format!("p{part}")]);
-    (counts.iter().any(|count| *count > most) || !is_kept)
+    counts
+        .iter()
+        .any(|count| *count > most)
         .then(|| format!("{text}, {fate:?}: {counts:?} copies in files that printers see, and {most} are wanted"))
 }
 
-/// Copies in all files that a printer could print.
-fn printable(farm: &TestFarm) -> usize {
-    farm.queued().iter().filter_map(|file| copies_in(file)).sum()
-}
-
-fn copies_in(file: &Path) -> Option<usize> {
-    build_file::read_build(file, &Default::default()).ok().map(|copies| copies.len())
+/// Copies of a part in all files that a printer could print.
+fn printable(farm: &TestFarm, part: PartId) -> usize {
+    let number = part.to_string();
+    let builds = farm.queued().into_iter().filter_map(|file| build_file::read_build(&file, &Default::default()).ok());
+    builds.flatten().filter(|copy| copy.part_number.as_ref() == Some(&number)).count()
 }

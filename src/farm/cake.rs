@@ -269,7 +269,7 @@ impl OriginalMeshes {
     }
 }
 
-pub(super) fn hash_file(file: &Path) -> std::io::Result<blake3::Hash> {
+fn hash_file(file: &Path) -> std::io::Result<blake3::Hash> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(std::fs::File::open(file)?)?;
     Ok(hasher.finalize())

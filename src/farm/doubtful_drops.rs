@@ -39,10 +39,7 @@ pub(super) async fn ask_about_doubts(
 
 /// Adds a doubt to what is asked about the solids of a file.
 pub(super) fn add_question(solids: &mut [SolidFacts], doubt: &str) {
-    for solid in solids {
-        let before = if solid.question.is_empty() { "" } else { "; " };
-        solid.question = format!("{}{before}{doubt}", solid.question);
-    }
+    solids.iter_mut().for_each(|solid| solid.ask(doubt));
 }
 
 /// A name in all formats; none if it is not that of a single part.

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeSet, fs, path::PathBuf, time::Duration};
 
-use super::cake::hash_file;
+use super::staged_build::has_hash;
 use crate::{
     ledger::{BuildRow, InQueueError, Ledger, LedgerError, OperatorWord, PrintOutcome, StagedFile, WordAnswer},
     queue::{QueueFolder, StagedState},
@@ -129,6 +129,6 @@ fn find_copy(queue: &QueueFolder, name: &str, staged: &StagedFile) -> Option<Str
     names.filter(|other| other != name && !other.starts_with('.')).find(|other| {
         let path = queue.published_path(other);
         fs::symlink_metadata(&path).is_ok_and(|seen| seen.is_file() && seen.len() == bytes)
-            && hash_file(&path).is_ok_and(|found| found.to_hex().as_str() == hash)
+            && has_hash(&path, hash).unwrap_or(false)
     })
 }

@@ -80,10 +80,11 @@ pub fn read_part(
         warnings.extend(solid.warnings.iter().cloned());
         warnings.extend(far_warning(&solid, profile));
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
-        let asked = [size_question(&solid, (part, read_unit), profile), solid.question.clone().unwrap_or_default()];
-        let question = asked.into_iter().filter(|one| !one.is_empty()).collect::<Vec<_>>().join("; ");
+        let question = size_question(&solid, (part, read_unit), profile);
         let found = solid_facts(&solid, index as u32, part, warnings);
-        facts.push(SolidFacts { question, request, read_unit, ..found });
+        let mut found = SolidFacts { question, request, read_unit, ..found };
+        found.ask(solid.question.as_deref().unwrap_or_default());
+        facts.push(found);
         let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,

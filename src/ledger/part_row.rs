@@ -161,6 +161,14 @@ pub struct SolidFacts {
     pub request: Option<RequestedTerms>,
 }
 
+impl SolidFacts {
+    /// Adds to what a person must confirm; "" = nothing.
+    pub fn ask(&mut self, doubt: &str) {
+        let between = if self.question.is_empty() || doubt.is_empty() { "" } else { "; " };
+        self.question.push_str(&format!("{between}{doubt}"));
+    }
+}
+
 /// A part: one solid of one dropped file, for one machine profile, with its copies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartRow {

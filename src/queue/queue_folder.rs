@@ -196,25 +196,25 @@ impl QueueFolder {
         Ok(was_staged)
     }
 
+    /// The names of all entries.
+    fn names(&self) -> Result<impl Iterator<Item = String>, QueueError> {
+        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
+        Ok(entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()))
+    }
+
     /// The names of all builds that are visible here, including those of other farms.
     pub fn published_build_names(&self) -> Result<Vec<String>, QueueError> {
-        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        Ok(names.filter(|name| file_names::build_stem(name).is_ok()).collect())
+        Ok(self.names()?.filter(|name| file_names::build_stem(name).is_ok()).collect())
     }
 
     /// The names of all visible files that a printer would take for a build, whoever gave them.
     pub fn visible_names(&self) -> Result<Vec<String>, QueueError> {
-        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        Ok(names.filter(|name| name.ends_with(file_names::BUILD) && !name.starts_with('.')).collect())
+        Ok(self.names()?.filter(|name| name.ends_with(file_names::BUILD) && !name.starts_with('.')).collect())
     }
 
     /// The names of all builds that have dot-files here, including those of other farms.
     pub fn staged_build_names(&self) -> Result<Vec<String>, QueueError> {
-        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        let mut builds: Vec<String> = names
+        let mut builds: Vec<String> = (self.names()?)
             .filter_map(|name| Some(format!("{}{}", file_names::staged_file_stem(&name)?, file_names::BUILD)))
             .collect();
         builds.sort();

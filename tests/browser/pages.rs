@@ -96,6 +96,14 @@ impl BrowserDashboard {
         wait_until_or("the ledger has it", 30.0, || self.farm.log(), || self.parts(PartState::Batched).is_empty());
     }
 
+    /// The printer takes the file of a build out of its queue, so that its copies may be told bad.
+    pub fn printer_takes(&self, build: &str) {
+        let name = format!("_{:06}.build.3mf", build.parse::<i64>().unwrap());
+        let mut files = fs::read_dir(self.folder("queue")).unwrap().map(|entry| entry.unwrap().path());
+        let file = files.find(|path| path.to_string_lossy().ends_with(&name)).expect("its file lies there");
+        fs::remove_file(file).unwrap();
+    }
+
     /// Drops some copies of all sample parts except the largest, as one order per customer.
     pub fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
         let samples: Vec<_> =

@@ -27,6 +27,7 @@ pub fn eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon() {
     dashboard.flush();
     let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
     let failed = history[0]["build"].to_string();
+    dashboard.printer_takes(&failed);
     dashboard.farm.nestd_ok(&["outcome", &failed, "failed", "--note", "bed moved"]);
     dashboard.drop("Gamma", "late_part.stl.toml", b"copies = 1\ndue = \"2026-01-15\"\n");
     dashboard.drop("Gamma", "late_part.stl", &box_of(33.0, 22.0, 11.0));

@@ -83,6 +83,8 @@ pub struct ForgottenFile {
     pub note: Option<ClaimNote>,
     /// Whether the stored file is there.
     pub is_stored: bool,
+    /// Whether its original is still claimed in the hot folder: the daemon takes it from there.
+    pub is_in_work: bool,
     /// How often it was refused, cancelled or taken back, as counted in its note.
     pub decisions: u32,
 }
@@ -107,7 +109,8 @@ pub fn list_stored_files(settings: &Settings) -> Result<BTreeMap<String, StoredC
     ContentStore::from_dir(dir.clone()).list_contents().with_context(|| format!("listing {}", dir.display()))
 }
 
-/// The stored files and claims that have no row and are not just being claimed.
+/// The stored files and claims that have no row and are not just being claimed. A claim in a hot folder whose note counts decisions had
+/// its row when they were made: it would be recorded once more, and what was refused or cancelled would be printed.
 ///
 /// # Errors
 /// A note, a hot folder or the ledger cannot be read.
@@ -133,16 +136,20 @@ pub async fn find_forgotten_files(
         return Ok(Vec::new());
     }
     let own = without_other_nodes(settings, ledger).await?;
-    let (in_work, hashes) = claims_in_work(settings, &own, !nameless.is_empty())?;
+    let in_work = ClaimsInWork::list(settings, &own, !nameless.is_empty())?;
     // A claim that was released between the two queries has its row by now.
     unknown = ledger.unknown_claims(&unknown).await?;
     nameless = ledger.unknown_contents(&nameless).await?;
-    unknown.retain(|claim| !in_work.contains(claim));
-    nameless.retain(|hash| !hashes.contains(hash));
+    unknown.retain(|claim| !in_work.taken_over.contains(claim));
+    nameless.retain(|hash| !in_work.hashes.contains(hash));
     unknown.sort();
     let mut found = Vec::new();
     for claim in unknown {
         let Some((hash, is_stored, decisions)) = by_claim.remove(&claim) else { continue };
+        let is_in_work = in_work.whole.contains(&claim);
+        if decisions == 0 && (is_in_work || in_work.unfinished.contains(&claim)) {
+            continue;
+        }
         let text = match fs::read_to_string(store.note_path(&hash, &claim)?) {
             // Its content was built or forgotten meanwhile.
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
@@ -151,34 +158,47 @@ pub async fn find_forgotten_files(
         // A note that a power cut left empty says nothing, and is reported.
         let note = serde_json::from_str::<ClaimNote>(&text).ok();
         let note = note.filter(|note| note.part.claim == claim && note.part.content_hash == hash);
-        found.push(ForgottenFile { hash, claim: Some(claim), note, is_stored, decisions });
+        found.push(ForgottenFile { hash, claim: Some(claim), note, is_stored, is_in_work, decisions });
     }
-    let without_note = |hash| ForgottenFile { hash, claim: None, note: None, is_stored: true, decisions: 0 };
+    let without_note =
+        |hash| ForgottenFile { hash, claim: None, note: None, is_stored: true, is_in_work: false, decisions: 0 };
     found.extend(nameless.into_iter().map(without_note));
     Ok(found)
 }
 
-/// The claims in the hot folders and, if asked for, the BLAKE3 of their files; also in those of other nodes' machines, as far as they can
-/// be read here: such a machine was perhaps this node's when the file was claimed. `own` = the machines of this node.
-fn claims_in_work(settings: &Settings, own: &Settings, with_hashes: bool) -> Result<(Vec<String>, Vec<String>)> {
-    let (mut claims, mut hashes) = (Vec::new(), Vec::new());
-    for (name, profile) in &settings.profiles {
-        let inbox = &profile.folders.inbox;
-        let work = match intake::list_claims(inbox) {
-            Err(_) if !own.profiles.contains_key(name) => continue,
-            other => other.with_context(|| format!("listing {}", inbox.join(".claimed").display()))?,
-        };
-        for claim in work.claims {
-            if with_hashes {
-                hashes.extend(intake::hash_file(&claim.part).ok());
+/// The claims in the hot folders.
+#[derive(Default)]
+struct ClaimsInWork {
+    whole: Vec<String>,
+    /// Those that are being created or removed.
+    unfinished: Vec<String>,
+    /// Those that another farm has in its ledger.
+    taken_over: Vec<String>,
+    /// BLAKE3 of their files, if asked for.
+    hashes: Vec<String>,
+}
+
+impl ClaimsInWork {
+    /// Lists them, also in the hot folders of other nodes' machines, as far as they can be read here: such a machine was perhaps this
+    /// node's when the file was claimed. `own` = the machines of this node.
+    fn list(settings: &Settings, own: &Settings, with_hashes: bool) -> Result<Self> {
+        let mut found = Self { taken_over: claims_taken_over(own)?, ..Self::default() };
+        for (name, profile) in &settings.profiles {
+            let inbox = &profile.folders.inbox;
+            let work = match intake::list_claims(inbox) {
+                Err(_) if !own.profiles.contains_key(name) => continue,
+                other => other.with_context(|| format!("listing {}", inbox.join(".claimed").display()))?,
+            };
+            for claim in work.claims {
+                if with_hashes {
+                    found.hashes.extend(intake::hash_file(&claim.part).ok());
+                }
+                found.whole.push(claim.id);
             }
-            claims.push(claim.id);
+            found.unfinished.extend(work.unfinished.iter().filter_map(|dir| claim_id(dir)));
         }
-        claims.extend(work.unfinished.iter().filter_map(|dir| claim_id(dir)));
+        Ok(found)
     }
-    // The other farm has them in its ledger.
-    claims.extend(claims_taken_over(own)?);
-    Ok((claims, hashes))
 }
 
 /// The claims of this farm that another farm has taken over.

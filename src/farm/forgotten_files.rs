@@ -32,7 +32,7 @@ impl ForgottenFileRecovery<'_> {
     pub(super) async fn recover_file(&mut self, one: ForgottenFile) -> Result<()> {
         let name = one.display_name();
         match &one.note {
-            Some(taken) if one.is_stored => self.recover_noted_file(&one, taken).await,
+            Some(taken) if one.is_stored || one.is_in_work => self.recover_noted_file(&one, taken).await,
             Some(_) => {
                 self.report.doubts.push(format!("{name} was taken after the backup was made, and its file is gone from the store: drop it again if it is needed"));
                 self.schedule_set_aside(&one);
@@ -97,7 +97,9 @@ impl ForgottenFileRecovery<'_> {
         self.ledger.reject_claim(id, cause, &why).await?;
         self.ledger.raise_decision_count(&part.claim, one.decisions).await?;
         let row = self.ledger.find_part(id).await?.context("a part that was recorded has no row")?;
-        self.show_in_error_folder(&row, lies)?;
+        if !one.is_in_work || lies.is_some() {
+            self.show_in_error_folder(&row, lies)?;
+        }
         self.report.doubts.push(format!("part {id} ({name}) is not printed. {why}"));
         Ok(())
     }

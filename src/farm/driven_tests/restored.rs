@@ -82,6 +82,49 @@ fn a_restored_ledger_wants_at_least_the_copies_that_were_printed_since_and_holds
     }
 }
 
+#[test]
+fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_after_a_restore() {
+    type Decide = fn(&mut HandDrivenFarm);
+    let stories: [(&str, Decide); 2] = [
+        ("it is no part", |farm| {
+            farm.drop_bytes("a.stl", b"solid nothing\nendsolid nothing\n");
+        }),
+        ("it was cancelled before it was read", |farm| {
+            farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+            let part = farm.wait_for_parts(PartState::Claimed, 1).remove(0);
+            farm.order(CommandKind::Cancel, Some(part.id));
+        }),
+    ];
+    for (story, decide) in stories {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let backup = farm.write_backup("backup");
+        // What is refused stays where it is claimed.
+        let (error, aside) = (farm.folder("error"), farm.root().join("aside"));
+        fs::rename(&error, &aside).unwrap();
+        decide(&mut farm);
+        farm.wait_for_parts(PartState::Rejected, 1);
+        farm.pass_secs(1.0);
+        farm.stop();
+        let _ = fs::remove_dir(&error);
+        fs::rename(&aside, &error).unwrap();
+        let told = farm.restore(&backup).doubts.join("\n");
+        for _ in 0..2 {
+            farm.start();
+            farm.stop();
+        }
+        farm.start();
+        farm.pass_secs(3.0);
+        assert_eq!((farm.parts(PartState::Rejected).len(), farm.parts(PartState::Waiting).len()), (1, 0), "{story}");
+        assert!(told.contains("a.stl") && told.contains("is not printed"), "{story}: {told}");
+        let refused = crate::intake::files_below(&error).unwrap();
+        assert_eq!(refused.iter().filter(|file| file.ends_with("a.stl")).count(), 1, "{story}: {refused:?}");
+        let retried = farm.parts(PartState::Rejected)[0].id;
+        farm.order_and_wait(CommandKind::Retry, Some(retried));
+        farm.pass_secs(2.0);
+        farm.assert_ledger_agrees_with_folders();
+    }
+}
+
 /// Records an order of two lines as the door does, and its note.
 fn take_order(farm: &HandDrivenFarm) -> NewOrderRequest {
     let bytes = stl(&block(10.0, 12.0, 14.0));

@@ -162,7 +162,7 @@ fn the_crates_remember_nothing_for_the_whole_process_and_only_the_stop_rule_has_
             if code().any(|line| is_static(line) || remembers.iter().any(|kind| line.contains(kind))) {
                 faults.push(format!("{} has process-wide memory", file.display()));
             }
-            let is_stop_rule = file.ends_with("nester/src/search_budget.rs");
+            let is_stop_rule = file.ends_with("nester/src/problem/search_budget.rs");
             if !is_stop_rule && code().any(|line| line.contains("Instant") || line.contains("SystemTime")) {
                 faults.push(format!("{} looks at a clock", file.display()));
             }

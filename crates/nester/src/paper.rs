@@ -22,13 +22,11 @@
 
 mod clearance_check;
 mod layout;
-mod paper_config;
 mod shape;
 mod zone_obstacles;
 
 use clearance_check::keeps_clearance;
 use layout::{PaperLayout, PlacementBudget};
-pub use paper_config::PaperConfig;
 use shape::{PaperShape, prepare_shapes};
 use solids::Bounds;
 use zone_obstacles::ZoneObstacles;

@@ -9,10 +9,8 @@ use solids::{Bounds, ClearanceTree, Pose};
 
 use body_trees::PlacedBodyTrees;
 
-use super::{
-    ItemPlacement, NestingInstance, OrientationLimits, OrientationRule, TiltLimit, reserved::box_mesh,
-    rotations::axis_rotations,
-};
+use super::{ItemPlacement, NestingInstance, OrientationLimits, OrientationRule, TiltLimit};
+use crate::{orientation::rotations::axis_rotations, problem::reserved::box_mesh};
 
 pub use disassembly::{Disassembly, find_removal_order};
 pub use placed_solid::PlacedSolid;

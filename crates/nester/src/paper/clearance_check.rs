@@ -3,7 +3,7 @@
 use solids::{Bounds, Pose};
 
 use super::shape::PaperShape;
-use crate::{ItemPlacement, NestingInstance, prepared_instance::raised_bounds};
+use crate::{ItemPlacement, NestingInstance, prepare::prepared_instance::raised_bounds};
 
 /// Whether two placements keep their clearance on the triangles and neither is inside the other.
 pub(super) fn keeps_clearance(

@@ -6,8 +6,8 @@ use solids::{Bounds, Pose};
 use super::{clearance_check::surfaces_keep_clearance, shape::PaperShape, zone_obstacles::ZoneObstacles};
 use crate::{
     ItemPlacement, NestingInstance, PaperConfig, StopCondition,
-    layers::{FilledLayers, PartLayerAreas},
     pollination::{FlowerPollination, GeneBoundary, GeneRange, PollinationSettings},
+    prepare::layers::{FilledLayers, PartLayerAreas},
 };
 
 /// Number of times that a flower whose proposal interferes is redrawn within one turn. Step 4 of figure 9 repeats

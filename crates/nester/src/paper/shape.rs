@@ -10,8 +10,8 @@ use solids::{ClearanceTree, Mesh, Obb, ObbTree, Pose};
 
 use crate::{
     NestingInstance, OrientationLimits, OrientationRule,
+    orientation::rotations::axis_rotations,
     pollination::{GeneBoundary, GeneRange},
-    rotations::axis_rotations,
 };
 
 /// A prepared item.

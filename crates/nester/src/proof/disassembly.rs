@@ -7,7 +7,7 @@ use glam::{DVec3, IVec3};
 use solids::Bounds;
 
 use super::{LayoutProver, placed_solid::PlacedSolid};
-use crate::disassembly::removal_gap_mm;
+use crate::separation::disassembly::removal_gap_mm;
 
 /// The order in which a layout comes apart.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use super::{
     super::{LayoutProver, PlacedSolid},
     Disassembly, DisassemblyProver, FIRST_FALLING, find_removal_order, removal_directions,
 };
-use crate::testing::{block, cells, hollow, range};
+use crate::tests::testing::{block, cells, hollow, range};
 
 const NOBODY: [usize; 0] = [];
 /// Edge of the cells that the solids below are made of, mm.
@@ -217,7 +217,7 @@ fn place() -> impl Strategy<Value = Place> {
 /// Bodies at those of the poses that keep their clearance from all previous ones.
 fn build(places: Vec<Place>) -> Vec<PlacedSolid> {
     let meshes = [frame(5), frame(4), rod(true, false), cells(CELL, range([0, 0, 0], [3, 1, 1]))];
-    let turns = crate::rotations::axis_rotations();
+    let turns = crate::orientation::rotations::axis_rotations();
     let mut bodies: Vec<PlacedSolid> = Vec::new();
     for (x, y, z, kind, turn) in places {
         let next = PlacedSolid { pose: Pose::new(turns[turn], DVec3::new(x, y, z)), ..body(&meshes[kind], [0.0; 3]) };

@@ -1,0 +1,259 @@
+//! The lanes of one search on the threads of this process. With fewer threads than lanes, the lanes take turns, so the
+//! result depends on the number of lanes and not on the number of threads.
+
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+
+use super::{
+    lanes::{RoundShares, continued_rank, lane_seed},
+    tournament::{DescentEnd, DescentStart, run_descent, run_tournament},
+};
+use crate::{
+    DescentPace, LanePlan, LaneTask, lower_bound_mm,
+    prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
+    start::nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
+};
+
+/// Evaluations after which a lane gives way to the next one where there are fewer threads than lanes.
+const TURN_EVALUATIONS: u64 = 200;
+
+impl NestingRun<'_> {
+    /// Lowers the height limit of the best layouts in rounds of lanes, until the share `until` of the budget is used up.
+    pub(super) fn compress_layouts(&mut self, task: &PreparedInstance, until: f64) {
+        let begun = self.stop.spent_share_at(self.evaluations);
+        if !self.can_compress() || begun >= until {
+            return;
+        }
+        let (floor_mm, starts) = (self.floor_mm(task), self.starting_layouts());
+        let lanes = u32::try_from(self.config.lane_count()).unwrap_or(u32::MAX);
+        let rounds = if lanes == 1 { 1 } else { LanePlan::USUAL_ROUNDS };
+        // The first layouts are shared out: each lane prefers another one.
+        let first = |lane: u32| (rotated(&starts, lane), DescentPace::default());
+        let mut goes_on: Vec<(Vec<Vec<PlacedItem>>, DescentPace)> = (0..lanes).map(first).collect();
+        for round in 0..rounds {
+            let starts = goes_on.iter().zip(0..).map(|((layouts, pace), lane)| {
+                let seed = lane_seed(self.config.seed, round, lane);
+                DescentStart { prepared: task, layouts, floor_mm, seed, pace: *pace }
+            });
+            let end = until - (until - begun) * f64::from(rounds - 1 - round) / f64::from(rounds);
+            let shares = RoundShares { begun, until: end, whole: until };
+            let mut ends = self.run_round(&starts.collect::<Vec<_>>(), shares, rounds);
+            // The sort is stable: of equally high layouts that of the lowest lane comes first.
+            ends.sort_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
+            self.other_ends = ends.iter().flat_map(|end| end.others.iter().chain([&end.items])).cloned().collect();
+            let continued = |lane: u32| &ends[continued_rank(lane, lanes)];
+            goes_on = (0..lanes).map(continued).map(|end| (vec![end.items.clone()], end.pace)).collect();
+        }
+    }
+
+    /// One round of one lane of a search over many lanes: continues with the best layout, or in the first round with the
+    /// first layout that this lane prefers. Returns the pace to go on with.
+    pub(super) fn compress_in_lane(
+        &mut self,
+        prepared: &PreparedInstance,
+        task: &LaneTask,
+        shares: RoundShares,
+    ) -> DescentPace {
+        if !self.can_compress() || self.stop.spent_share_at(self.evaluations) >= shares.until {
+            return task.pace;
+        }
+        let layouts = rotated(&self.starting_layouts(), task.lane);
+        let (floor_mm, seed, pace) = (self.floor_mm(prepared), self.config.seed, task.pace);
+        let start = DescentStart { prepared, layouts: &layouts, floor_mm, seed, pace };
+        self.run_round(&[start], shares, task.rounds).remove(0).pace
+    }
+
+    fn can_compress(&self) -> bool {
+        !self.best_items.is_empty() && self.config.components.separation
+    }
+
+    /// A height that no layout can beat, mm.
+    fn floor_mm(&self, task: &PreparedInstance) -> f64 {
+        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items))
+    }
+
+    /// Runs one round of all lanes. Returns the ends in the order of the lanes; the best of them is the best layout if it
+    /// is not higher than the one before. If there is one round only, a lane is a tournament of its own.
+    fn run_round(&mut self, starts: &[DescentStart<'_>], shares: RoundShares, rounds: u32) -> Vec<DescentEnd> {
+        let (stop, before, lanes) = (self.stop, self.evaluations, starts.len() as u64);
+        // As all lanes make the same number of evaluations, each of them knows how many all have made.
+        let spent = |made: u64| shares.of_rounds(stop.spent_share_at(before + made * lanes));
+        let tell = |run: &mut Self, pieces: Vec<PlacedItem>, made: u64| {
+            run.evaluations = before + made * lanes;
+            run.offer_layout(pieces);
+        };
+        let descend =
+            |start: &DescentStart<'_>, spent: &dyn Fn(u64) -> f64, found: &mut dyn FnMut(&[PlacedItem], u64)| {
+                if rounds == 1 {
+                    return run_tournament(start, spent, found);
+                }
+                let until = if shares.until < shares.whole { shares.of_rounds(shares.until) } else { 1.0 };
+                run_descent(start, until, spent, found)
+            };
+        let ends: Vec<DescentEnd> = if let [start] = starts {
+            vec![descend(start, &spent, &mut |pieces, made| tell(self, pieces.to_vec(), made))]
+        } else {
+            let turns = TurnQueue::new(self.config.thread_count());
+            let run_lane = |start: &DescentStart<'_>, sender: mpsc::Sender<_>| {
+                let (turn, last) = (turns.wait_turn(), std::cell::Cell::new(0));
+                let spent = |made: u64| {
+                    if made >= last.get() + TURN_EVALUATIONS {
+                        last.set(made);
+                        turn.give_way();
+                    }
+                    spent(made)
+                };
+                // The receiver lives as long as the scope, so sending cannot fail.
+                descend(start, &spent, &mut |pieces, made| drop(sender.send((pieces.to_vec(), made))))
+            };
+            let run_lane = &run_lane;
+            std::thread::scope(|scope| {
+                let (sender, found) = mpsc::channel();
+                let start_lane = |start| {
+                    let sender = sender.clone();
+                    scope.spawn(move || run_lane(start, sender))
+                };
+                let handles: Vec<_> = starts.iter().map(start_lane).collect();
+                drop(sender);
+                found.into_iter().for_each(|(pieces, made)| tell(self, pieces, made));
+                handles.into_iter().map(|lane| lane.join().expect("a lane does not panic")).collect()
+            })
+        };
+        self.evaluations = before + ends.iter().map(|end| end.made).sum::<u64>();
+        // The lanes are heard in any order: of equally low layouts that of the lowest lane counts.
+        let best = ends.iter().min_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
+        if let Some(best) = best.filter(|best| height_mm(&best.items) <= height_mm(&self.best_items)) {
+            self.best_items.clone_from(&best.items);
+        }
+        ends
+    }
+
+    /// Returns the starting layouts of the search: the best layout, and other layouts with the same number of copies
+    /// that are not much higher.
+    fn starting_layouts(&self) -> Vec<Vec<PlacedItem>> {
+        let height = height_mm(&self.best_items);
+        let is_other = |other: &&Vec<PlacedItem>| {
+            let there = height_mm(other);
+            other.len() == self.best_items.len() && there != height && there <= MAX_HEIGHT_RATIO * height
+        };
+        std::iter::once(&self.best_items).chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
+    }
+}
+
+/// The layouts in their order, from the one on that a lane prefers.
+fn rotated(layouts: &[Vec<PlacedItem>], lane: u32) -> Vec<Vec<PlacedItem>> {
+    let mut layouts = layouts.to_vec();
+    let from = lane as usize % layouts.len();
+    layouts.rotate_left(from);
+    layouts
+}
+
+/// Lets a number of lanes run at a time, in the order in which they asked.
+struct TurnQueue {
+    state: Mutex<QueueState>,
+    moved: Condvar,
+}
+
+/// The state of a queue: a lane may run while its number is less than `called`.
+struct QueueState {
+    next: u64,
+    called: u64,
+}
+
+/// The right of a lane to run, until it is dropped.
+struct LaneTurn<'a>(&'a TurnQueue);
+
+impl TurnQueue {
+    /// A queue for this number of lanes at a time.
+    fn new(at_once: usize) -> Self {
+        Self { state: Mutex::new(QueueState { next: 0, called: at_once as u64 }), moved: Condvar::new() }
+    }
+
+    fn locked(&self) -> MutexGuard<'_, QueueState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until the calling lane may run.
+    fn wait_turn(&self) -> LaneTurn<'_> {
+        self.enter(self.locked());
+        LaneTurn(self)
+    }
+
+    fn enter(&self, mut state: MutexGuard<'_, QueueState>) {
+        let number = state.next;
+        state.next += 1;
+        let still = |state: &mut QueueState| number >= state.called;
+        drop(self.moved.wait_while(state, still).unwrap_or_else(PoisonError::into_inner));
+    }
+
+    fn leave(&self) -> MutexGuard<'_, QueueState> {
+        let mut state = self.locked();
+        state.called += 1;
+        self.moved.notify_all();
+        state
+    }
+}
+
+impl LaneTurn<'_> {
+    /// Lets the lanes that wait go first.
+    fn give_way(&self) {
+        let state = self.0.leave();
+        self.0.enter(state);
+    }
+}
+
+impl Drop for LaneTurn<'_> {
+    fn drop(&mut self) {
+        drop(self.0.leave());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn no_more_lanes_run_at_once_than_may() {
+        for at_once in [1, 2] {
+            let (queue, running) = (TurnQueue::new(at_once), AtomicUsize::new(0));
+            let run_lane = || {
+                let turn = queue.wait_turn();
+                for _ in 0..200 {
+                    assert!(running.fetch_add(1, Ordering::SeqCst) < at_once);
+                    std::thread::yield_now();
+                    running.fetch_sub(1, Ordering::SeqCst);
+                    turn.give_way();
+                }
+            };
+            std::thread::scope(|scope| (0..5).for_each(|_| drop(scope.spawn(run_lane))));
+        }
+    }
+
+    #[test]
+    fn lanes_that_wait_go_first() {
+        let (queue, order) = (TurnQueue::new(1), Mutex::new(Vec::new()));
+        let run_lane = |lane: usize| {
+            let turn = queue.wait_turn();
+            for _ in 0..20 {
+                order.lock().expect("is sound").push(lane);
+                turn.give_way();
+            }
+        };
+        let run_lane = &run_lane;
+        std::thread::scope(|scope| {
+            let turn = queue.wait_turn();
+            (0..4).for_each(|lane| drop(scope.spawn(move || run_lane(lane))));
+            while queue.locked().next < 5 {
+                std::thread::yield_now();
+            }
+            drop(turn);
+        });
+        for turns in order.into_inner().expect("is sound").chunks(4) {
+            let mut lanes = turns.to_vec();
+            lanes.sort_unstable();
+            assert_eq!(lanes, [0, 1, 2, 3]);
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The search for a lower layout: layouts are compressed, compete, exchange poses between lanes, and go on in rounds.
+//!
+//! `nester` is the door for callers. It decides when a search begins and ends; how parts move is in `separation`.
+
+pub(super) mod compression;
+pub(super) mod improvement;
+pub(super) mod lane_rounds;
+pub(super) mod lanes;
+pub(super) mod nester;
+pub(super) mod tournament;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::MeshDefects;
+use crate::MeshDefects;
 
 /// Places that differ by at most this plus [`NOISE_SHARE`] of the largest coordinate count as equal, mm.
 const NOISE_MM: f64 = 1e-6;
@@ -35,14 +35,14 @@ fn is_collapsed([a, b, c]: [DVec3; 3]) -> bool {
 
 /// Triangles without common vertices, as STL files hold them, welded while they are read.
 #[derive(Debug, Default)]
-pub(super) struct SoupWelder {
+pub(crate) struct SoupWelder {
     welder: VertexWelder,
     triangles: Vec<[u32; 3]>,
 }
 
 impl SoupWelder {
     /// Makes room for so many triangles.
-    pub(super) fn reserve(&mut self, triangles: usize) {
+    pub(crate) fn reserve(&mut self, triangles: usize) {
         self.triangles.reserve_exact(triangles);
         // A closed surface has half as many vertices as triangles.
         self.welder.kept.reserve_exact(triangles / 2 + 2);

@@ -6,19 +6,21 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
-use super::{
+use crate::{
     Bounds, Mesh, Obb, Pose,
-    box_tree::TriangleBoxTree,
-    extreme_points::PointCells,
-    tree_pair_walk::{MEET_MM, TreePairWalk},
-    winding_number,
+    trees::{
+        box_tree::TriangleBoxTree,
+        extreme_points::PointCells,
+        tree_pair_walk::{MEET_MM, TreePairWalk},
+        winding_number,
+    },
 };
 
 /// A box tree over a mesh's triangles. Built once per mesh, shared by all its copies; the triangles stay in the mesh.
 #[derive(Debug, Clone)]
 pub struct ClearanceTree {
     obb: Obb,
-    pub(super) tree: TriangleBoxTree,
+    pub(crate) tree: TriangleBoxTree,
     /// Known once bounds are asked for.
     vertex_cells: OnceLock<PointCells>,
 }

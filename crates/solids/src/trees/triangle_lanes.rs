@@ -3,7 +3,8 @@
 
 use glam::{BVec4A, DVec3, Mat3A, Mat4, Vec3A, Vec4};
 
-use super::{Pose, box_tree_build::MAX_LEAF_TRIANGLES, triangle::Triangle};
+use super::box_tree_build::MAX_LEAF_TRIANGLES;
+use crate::{Pose, mesh::triangle::Triangle};
 
 /// Triangles or points that are compared at a time.
 pub(super) const LANES: usize = 4;
@@ -18,7 +19,7 @@ const MIN_DIRECTION_SQ: f32 = 1e-12;
 /// The triangles of a tree in the order of its leaves, rounded to single precision in the frame of its boxes: the coordinates
 /// of one after the other, 36 bytes a triangle, so that a leaf takes few lines of memory.
 #[derive(Debug, Clone)]
-pub(super) struct TriangleLaneStore {
+pub(crate) struct TriangleLaneStore {
     triangles: Vec<[f32; COORDINATES]>,
 }
 
@@ -53,7 +54,7 @@ impl TriangleLaneStore {
 
 /// Four points side by side, as one of each of four triangles.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LanePoints {
+pub(crate) struct LanePoints {
     x: Vec4,
     y: Vec4,
     z: Vec4,
@@ -90,7 +91,7 @@ impl LanePoints {
 
 /// Four triangles.
 #[derive(Clone, Copy)]
-pub(super) struct TriangleLanes {
+pub(crate) struct TriangleLanes {
     corners: [LanePoints; 3],
 }
 
@@ -130,7 +131,7 @@ impl TriangleLanes {
 }
 
 /// Four triangles with their boxes and middles.
-pub(super) struct SpannedLanes {
+pub(crate) struct SpannedLanes {
     corners: [LanePoints; 3],
     low: LanePoints,
     high: LanePoints,

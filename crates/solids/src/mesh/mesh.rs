@@ -4,11 +4,11 @@ use glam::DVec3;
 use thiserror::Error;
 
 use super::{
-    Bounds, MeshDefects, Pose,
     equal_pieces::keep_one_of_equal_pieces,
     local_order::put_in_local_order,
     weld::{edge_defects, weld_equal_vertices, weld_open_edges},
 };
+use crate::{Bounds, MeshDefects, Pose};
 
 /// Why a triangle soup is not a solid.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 
-use super::{Mesh, MeshError, weld::SoupWelder};
+use super::weld::SoupWelder;
+use crate::{Mesh, MeshError};
 
 /// A mesh under construction. It becomes what [`Mesh::new`] makes of the same triangles.
 ///

@@ -3,7 +3,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Mesh, Obb, Pose, obb::vertex_axes, separating_axis::boxes_overlap};
+use super::{obb::vertex_axes, separating_axis::boxes_overlap};
+use crate::{Mesh, Obb, Pose};
 
 /// Below this depth, nodes are halved by count: halving the axis does not separate coincident or very uneven triangles.
 const MAX_UNEVEN_DEPTH: usize = 48;

@@ -4,10 +4,8 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::{
-    Bounds,
-    triangle_lanes::{LANES, LanePoints},
-};
+use super::triangle_lanes::{LANES, LanePoints};
+use crate::Bounds;
 
 /// Approximate number of points per cell; with fewer, boxes cost more than they save.
 const PER_CELL: usize = 64;
@@ -47,7 +45,7 @@ impl<'a> ExtremePoints<'a> {
 /// Points sorted into cells of a regular grid, in single precision. What finds the farthest of them by these looks at the
 /// points themselves only where they are about as far.
 #[derive(Debug, Clone)]
-pub(super) struct PointCells {
+pub(crate) struct PointCells {
     /// The blocks of points of each cell.
     cells: Vec<Range<u32>>,
     /// Middles and half sizes of the boxes of four cells each. Along its longest axis the cloud reaches from -1 to 1.

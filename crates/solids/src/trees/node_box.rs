@@ -8,7 +8,7 @@ const COUNT_BITS: u32 = 3;
 /// A box; single precision, so that a test of two of them takes a few vector instructions. It is never smaller than what
 /// is in it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TreeNodeBox {
+pub(crate) struct TreeNodeBox {
     /// Middle of the box, mm.
     pub center: Vec3A,
     /// Half the edge lengths, mm.
@@ -27,7 +27,7 @@ impl TreeNodeBox {
 
 /// What is below a node: the triangles of a leaf, or two children, which are stored next to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TreeNodeLink(u32);
+pub(crate) struct TreeNodeLink(u32);
 
 impl TreeNodeLink {
     /// Greatest number of triangles of a leaf.

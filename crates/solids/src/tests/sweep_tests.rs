@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
 
-use super::{
+use crate::{
     ClearanceTree, Mesh, Pose,
     fixtures::{block, bucket, cuboid, hollow_box, star},
 };

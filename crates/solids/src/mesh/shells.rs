@@ -1,10 +1,10 @@
 //! The shells of a surface: triangles that share a vertex belong to the same shell.
 
-use super::Mesh;
+use crate::Mesh;
 
 /// The shells of a mesh.
 #[derive(Debug, Clone)]
-pub(super) struct MeshShells {
+pub(crate) struct MeshShells {
     /// The shell of each vertex; empty where there is only one.
     shell_of: Vec<u32>,
     /// A vertex of each shell.
@@ -32,7 +32,7 @@ impl Mesh {
 }
 
 /// Finds the shells of a mesh.
-pub(super) fn find_shells(mesh: &Mesh) -> MeshShells {
+pub(crate) fn find_shells(mesh: &Mesh) -> MeshShells {
     let mut above = joined_vertices(mesh);
     let is_root = |&vertex: &u32| above[vertex as usize] == vertex;
     let first_vertices: Vec<u32> = (0..above.len() as u32).filter(is_root).collect();

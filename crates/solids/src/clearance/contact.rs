@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
-use super::{
+use crate::{
     ClearanceTree, Pose,
-    triangle::{Triangle, closest_point},
+    mesh::triangle::{Triangle, closest_point},
 };
 
 /// Two points of two surfaces that are near each other.

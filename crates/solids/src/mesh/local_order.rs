@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::Bounds;
+use crate::Bounds;
 
 /// Smaller meshes fit in a cache, so they keep their order.
 const MIN_TRIANGLES: usize = 200_000;

@@ -6,13 +6,17 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::{
-    Bounds, Mesh, Pose,
     box_tree_build::build_nodes,
     node_box::{TreeNodeBox, TreeNodeLink},
     normal_bounds::{NormalBounds, normals_below},
-    shells::{MeshShells, find_shells},
-    triangle::Triangle,
     triangle_lanes::{TriangleLaneStore, TriangleLanes},
+};
+use crate::{
+    Bounds, Mesh, Pose,
+    mesh::{
+        shells::{MeshShells, find_shells},
+        triangle::Triangle,
+    },
 };
 
 /// A tree over at most so many triangles keeps them ready, in the order of its leaves, with their normals and once more in
@@ -22,7 +26,7 @@ const MAX_READY_TRIANGLES: usize = 50_000;
 
 /// The tree.
 #[derive(Debug, Clone)]
-pub(super) struct TriangleBoxTree {
+pub(crate) struct TriangleBoxTree {
     mesh: Arc<Mesh>,
     pub boxes: Vec<TreeNodeBox>,
     pub links: Vec<TreeNodeLink>,

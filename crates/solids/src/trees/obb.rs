@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Bounds, ExtremePoints, Mesh, Pose, eigen::symmetric_eigen};
+use crate::{Bounds, ExtremePoints, Mesh, Pose, mesh::eigen::symmetric_eigen};
 
 /// A box in any orientation: `pose` transforms the box's own frame (center at its origin, faces along its axes) to the
 /// surrounding frame.

@@ -2,7 +2,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
-use super::{
+use crate::{
     ClearanceTree, Pose,
     fixtures::{mesh_from_data, tight_pose},
 };

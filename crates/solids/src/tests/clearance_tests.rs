@@ -6,10 +6,10 @@ use glam::{DQuat, DVec3, EulerRot};
 use parry3d_f64::{math::Pose3, query, shape::TriMesh};
 use proptest::prelude::*;
 
-use super::{
+use crate::{
     Bounds, ClearanceTree, Mesh, Pose,
     fixtures::{block, bucket, cuboid, hollow_box, star},
-    triangle::Triangle,
+    mesh::triangle::Triangle,
 };
 
 fn tree(mesh: &Arc<Mesh>) -> ClearanceTree {

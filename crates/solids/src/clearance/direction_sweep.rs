@@ -4,9 +4,13 @@
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
-use super::{
-    ClearanceTree, Pose, box_tree::TriangleBoxTree, box_tree_build::MAX_LEAF_TRIANGLES, node_box::TreeNodeLink,
-    normal_bounds::NormalBounds, tree_pair_walk::opens_first, triangle::Triangle,
+use crate::{
+    ClearanceTree, Pose,
+    mesh::triangle::Triangle,
+    trees::{
+        box_tree::TriangleBoxTree, box_tree_build::MAX_LEAF_TRIANGLES, node_box::TreeNodeLink,
+        normal_bounds::NormalBounds, tree_pair_walk::opens_first,
+    },
 };
 
 /// A face that leans less than this towards the direction (the cosine) counts as parallel to it: its neighbours sweep

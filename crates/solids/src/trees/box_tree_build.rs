@@ -4,13 +4,11 @@
 
 use glam::{DVec3, Vec3, Vec3A};
 
-use super::{
-    Bounds, Mesh, Pose,
-    node_box::{TreeNodeBox, TreeNodeLink},
-};
+use super::node_box::{TreeNodeBox, TreeNodeLink};
+use crate::{Bounds, Mesh, Pose};
 
 /// Greatest number of triangles in a leaf: with fewer, testing boxes costs more than it saves.
-pub(super) const MAX_LEAF_TRIANGLES: usize = 4;
+pub(crate) const MAX_LEAF_TRIANGLES: usize = 4;
 /// Number of bins along an axis, between which a node may be divided.
 const BINS: usize = 16;
 /// The same for nodes of at most [`FEW_TRIANGLES`], of which there are so many that their bins would cost the most.
@@ -26,7 +24,7 @@ const MIN_TRIANGLES_PER_THREAD: usize = 20_000;
 
 /// A tree without its triangles.
 #[derive(Debug)]
-pub(super) struct BuiltTreeNodes {
+pub(crate) struct BuiltTreeNodes {
     pub boxes: Vec<TreeNodeBox>,
     pub links: Vec<TreeNodeLink>,
     /// The mesh's triangles in the order of the leaves.

@@ -2,11 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{node_box::TreeNodeLink, triangle::Triangle};
+use super::node_box::TreeNodeLink;
+use crate::mesh::triangle::Triangle;
 
 /// Bounds of unit normals; single precision, grown by more than its rounding.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct NormalBounds {
+pub(crate) struct NormalBounds {
     middle: Vec3,
     half: Vec3,
 }

@@ -5,20 +5,19 @@
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::{
-    Pose,
     box_tree::TriangleBoxTree,
     node_box::{TreeNodeBox, TreeNodeLink},
-    triangle::Triangle,
 };
+use crate::{Pose, mesh::triangle::Triangle};
 
 /// Surfaces nearer than this count as meeting, mm: far above rounding, far below any printer's resolution.
-pub(super) const MEET_MM: f64 = 1e-9;
+pub(crate) const MEET_MM: f64 = 1e-9;
 
 /// Rounding errors of a comparison of two boxes, as a share of the lengths that enter it: 16 roundings and more.
 const ROUNDING_SHARE: f32 = 1e-6;
 
 /// Two trees, and the second mesh's frame seen from the first one's.
-pub(super) struct TreePairWalk<'a> {
+pub(crate) struct TreePairWalk<'a> {
     tree1: &'a TriangleBoxTree,
     tree2: &'a TriangleBoxTree,
     rotation12: DMat3,
@@ -259,7 +258,7 @@ impl<'a> TreePairWalk<'a> {
 /// Whether to open the first of two nodes that are not both leaves: the one with the larger box, since that improves
 /// the bound most.
 #[inline]
-pub(super) fn opens_first(tree1: &TriangleBoxTree, tree2: &TriangleBoxTree, node1: usize, node2: usize) -> bool {
+pub(crate) fn opens_first(tree1: &TriangleBoxTree, tree2: &TriangleBoxTree, node1: usize, node2: usize) -> bool {
     let size = |node: &TreeNodeBox| node.half.length_squared();
     !tree1.links[node1].is_leaf()
         && (tree2.links[node2].is_leaf() || size(&tree1.boxes[node1]) >= size(&tree2.boxes[node2]))

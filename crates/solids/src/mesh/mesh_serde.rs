@@ -5,7 +5,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::Mesh;
+use crate::Mesh;
 
 #[derive(Serialize)]
 #[serde(rename = "Mesh")]

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Pose, box_tree::TriangleBoxTree};
+use super::box_tree::TriangleBoxTree;
+use crate::Pose;
 
 /// Ray directions that no drawing uses, so that a ray rarely hits an edge; then the next one is tried.
 const DIRECTIONS: [DVec3; 9] = [
@@ -20,7 +21,7 @@ const DIRECTIONS: [DVec3; 9] = [
 /// The winding number of each connected shell about a point of the mesh's frame: 1 inside a solid's outer shell, -1
 /// inside a cavity's, 0 outside. A closed surface needs one ray that hits no edge; for an open one, three rays vote.
 /// `boxes` is the frame of the boxes seen from the mesh's.
-pub(super) fn winding_numbers(tree: &TriangleBoxTree, boxes: &Pose, point: DVec3, is_closed: bool) -> Vec<i32> {
+pub(crate) fn winding_numbers(tree: &TriangleBoxTree, boxes: &Pose, point: DVec3, is_closed: bool) -> Vec<i32> {
     let votes_wanted = if is_closed { 1 } else { 3 };
     let clean = DIRECTIONS.iter().filter_map(|&direction| cast_ray(tree, boxes, point, direction));
     let votes: Vec<Vec<i32>> = clean.take(votes_wanted).collect();

@@ -3,12 +3,14 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{
+use crate::{
     ClearanceTree, Pose,
-    box_tree::TriangleBoxTree,
-    node_box::{TreeNodeBox, TreeNodeLink},
-    tree_pair_walk::{MEET_MM, opens_first},
-    triangle::Triangle,
+    mesh::triangle::Triangle,
+    trees::{
+        box_tree::TriangleBoxTree,
+        node_box::{TreeNodeBox, TreeNodeLink},
+        tree_pair_walk::{MEET_MM, opens_first},
+    },
 };
 
 impl ClearanceTree {

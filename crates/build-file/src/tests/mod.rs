@@ -1,0 +1,14 @@
+//! Tests of several files.
+
+#[cfg(test)]
+pub(super) mod build_tests;
+#[cfg(test)]
+pub(super) mod camspec_tests;
+#[cfg(test)]
+pub(super) mod item_contact_tests;
+#[cfg(test)]
+pub(super) mod slicer_project_tests;
+#[cfg(test)]
+pub(super) mod test_package;
+#[cfg(test)]
+pub(super) mod unfinished_tests;

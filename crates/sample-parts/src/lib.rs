@@ -3,33 +3,20 @@
 //! Parts with sharp edges are built exactly, from outlines that are extruded or swept. Unions and lattices come from
 //! signed distance functions and marching tetrahedra. Every sample is one closed, consistently oriented surface.
 
-mod blocks;
-mod boulder;
-mod distance_functions;
-mod extruded;
-mod fan;
-mod figure;
-mod implicit;
-mod layers;
-mod marching_tetrahedra;
-mod outline;
-mod revolved;
-mod surface;
-mod sweep;
-mod swept;
-mod triangulate;
+mod making;
+mod parts;
 mod workload;
 
 use solids::Mesh;
 
-pub use blocks::{lattice_block, tray};
-pub use boulder::boulder;
-pub use extruded::{bracket, clip, cuboid, hinge, honeycomb, rail, ribbed_bracket, spur_gear};
-pub use fan::axial_fan;
-pub use figure::random_figure;
-pub use implicit::{connecting_rod, gyroid_ball, pipe_tee};
-pub use revolved::{lampshade, pawn, pulley, ring};
-pub use swept::{duct, hook, knob, spring};
+pub use making::implicit::{connecting_rod, gyroid_ball, pipe_tee};
+pub use parts::blocks::{lattice_block, tray};
+pub use parts::boulder::boulder;
+pub use parts::extruded::{bracket, clip, cuboid, hinge, honeycomb, rail, ribbed_bracket, spur_gear};
+pub use parts::fan::axial_fan;
+pub use parts::figure::random_figure;
+pub use parts::revolved::{lampshade, pawn, pulley, ring};
+pub use parts::swept::{duct, hook, knob, spring};
 pub use workload::{SampleWorkload, random_part, workload_parts};
 
 /// A sample part, with the name of its file.

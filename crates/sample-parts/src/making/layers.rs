@@ -15,14 +15,14 @@ fn edge_key(a: DVec2, b: DVec2) -> DirectedEdgeKey {
 }
 
 /// One outline, filled from the first to the last level.
-pub(super) fn extrude_prism(outline: PlanarOutline, levels: &[f64]) -> SurfaceBuilder {
+pub(crate) fn extrude_prism(outline: PlanarOutline, levels: &[f64]) -> SurfaceBuilder {
     extrude_layers(&[outline], levels, |_, _| true, |_, _| true)
 }
 
 /// Builds a solid from regions that share whole edges or do not touch, filled where `solid(region, slab)` is true. Slab
 /// k lies between levels k and k + 1, in rising order, mm. Walls are omitted on edges for which `walled` is false; the
 /// caller adds other surfaces there.
-pub(super) fn extrude_layers(
+pub(crate) fn extrude_layers(
     regions: &[PlanarOutline],
     levels: &[f64],
     solid: impl Fn(usize, usize) -> bool,

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec2;
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     outline::{arc, rectangle, stroke_path},
     sweep::revolve_profile,
 };

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     distance_functions::{DistanceFunction, limb_distance, union},
     implicit::mesh_of_field,
 };

@@ -5,7 +5,7 @@ use solids::Mesh;
 
 /// Triangles that will form a solid.
 #[derive(Debug, Default)]
-pub(super) struct SurfaceBuilder {
+pub(crate) struct SurfaceBuilder {
     corners: Vec<DVec3>,
 }
 
@@ -18,13 +18,13 @@ impl SurfaceBuilder {
     }
 
     /// Adds a quadrilateral, counter-clockwise seen from outside.
-    pub(super) fn add_quad(&mut self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) {
+    pub(crate) fn add_quad(&mut self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) {
         self.add_triangle(a, b, c);
         self.add_triangle(a, c, d);
     }
 
     /// Joins two columns of corners, each from low to high, to a wall; `left` is on the left seen from outside.
-    pub(super) fn add_strip(&mut self, left: &[DVec3], right: &[DVec3]) {
+    pub(crate) fn add_strip(&mut self, left: &[DVec3], right: &[DVec3]) {
         let (mut l, mut r) = (0, 0);
         while l + 1 < left.len() || r + 1 < right.len() {
             let climb_left = match (left.get(l + 1), right.get(r + 1)) {
@@ -42,12 +42,12 @@ impl SurfaceBuilder {
     }
 
     /// Adds all triangles of `other`.
-    pub(super) fn append_surface(&mut self, other: Self) {
+    pub(crate) fn append_surface(&mut self, other: Self) {
         self.corners.extend(other.corners);
     }
 
     /// The solid.
-    pub(super) fn into_mesh(self) -> Mesh {
+    pub(crate) fn into_mesh(self) -> Mesh {
         let triangles = (0..self.corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         Mesh::new(self.corners, triangles).expect("a sample part encloses a volume")
     }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     layers::extrude_layers,
     outline::{PlanarOutline, rectangle},
 };

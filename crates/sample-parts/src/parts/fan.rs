@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     layers::extrude_layers,
     outline::{PlanarOutline, circle, rounded_rectangle},
     surface::SurfaceBuilder,

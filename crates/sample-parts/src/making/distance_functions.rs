@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 /// Signed distance, or a bound of it, from a point in mm; negative inside.
-pub(super) type DistanceFunction = Box<dyn Fn(DVec3) -> f64>;
+pub(crate) type DistanceFunction = Box<dyn Fn(DVec3) -> f64>;
 
 /// A cylinder around the segment `from to` with flat ends.
 pub(super) fn cylinder_distance(from: DVec3, to: DVec3, radius: f64) -> DistanceFunction {
@@ -21,7 +21,7 @@ pub(super) fn ball_distance(center: DVec3, radius: f64) -> DistanceFunction {
 }
 
 /// A limb: the hull of two balls at the ends of a segment, whose radius changes evenly between them.
-pub(super) fn limb_distance((from, first): (DVec3, f64), (to, last): (DVec3, f64)) -> DistanceFunction {
+pub(crate) fn limb_distance((from, first): (DVec3, f64), (to, last): (DVec3, f64)) -> DistanceFunction {
     let along = to - from;
     let scale = 1.0 / along.length_squared().max(1e-12);
     Box::new(move |p| {
@@ -50,7 +50,7 @@ pub(super) fn gyroid_distance(period: f64, thickness: f64) -> DistanceFunction {
 }
 
 /// The union of the fields, with a fillet of about `blend` mm where they meet; 0 = none.
-pub(super) fn union(fields: Vec<DistanceFunction>, blend: f64) -> DistanceFunction {
+pub(crate) fn union(fields: Vec<DistanceFunction>, blend: f64) -> DistanceFunction {
     Box::new(move |p| {
         fields.iter().map(|f| f(p)).fold(f64::INFINITY, |a, b| {
             let overlap = (blend - (a - b).abs()).max(0.0);

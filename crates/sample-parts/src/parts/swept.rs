@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     outline::{PlanarOutline, circle},
     sweep::sweep_outline,
 };

@@ -6,14 +6,14 @@ use glam::DVec2;
 
 /// A plane region: a counter-clockwise outer loop and clockwise holes.
 #[derive(Debug, Clone)]
-pub(super) struct PlanarOutline {
-    pub(super) outer: Vec<DVec2>,
+pub(crate) struct PlanarOutline {
+    pub(crate) outer: Vec<DVec2>,
     pub(super) holes: Vec<Vec<DVec2>>,
 }
 
 impl PlanarOutline {
     /// A region without holes; the loop may have either orientation.
-    pub(super) fn new(mut outer: Vec<DVec2>) -> Self {
+    pub(crate) fn new(mut outer: Vec<DVec2>) -> Self {
         if signed_area(&outer) < 0.0 {
             outer.reverse();
         }
@@ -21,7 +21,7 @@ impl PlanarOutline {
     }
 
     /// Cuts a loop that lies inside the region.
-    pub(super) fn with_hole(mut self, mut hole: Vec<DVec2>) -> Self {
+    pub(crate) fn with_hole(mut self, mut hole: Vec<DVec2>) -> Self {
         if signed_area(&hole) > 0.0 {
             hole.reverse();
         }
@@ -41,7 +41,7 @@ impl PlanarOutline {
 
     /// Area, mm2.
     #[cfg(test)]
-    pub(super) fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         self.loops().map(signed_area).sum()
     }
 }
@@ -57,22 +57,22 @@ pub(super) fn signed_area(points: &[DVec2]) -> f64 {
 }
 
 /// A regular polygon with `n` corners; the first corner is at `start` turns from the x axis.
-pub(super) fn circle(center: DVec2, radius: f64, n: usize, start: f64) -> Vec<DVec2> {
+pub(crate) fn circle(center: DVec2, radius: f64, n: usize, start: f64) -> Vec<DVec2> {
     (0..n).map(|i| center + radius * DVec2::from_angle(TAU * (start + i as f64 / n as f64))).collect()
 }
 
 /// Points of an arc from one angle to another (radians), both ends included, in `n` steps.
-pub(super) fn arc(center: DVec2, radius: f64, from: f64, to: f64, n: usize) -> Vec<DVec2> {
+pub(crate) fn arc(center: DVec2, radius: f64, from: f64, to: f64, n: usize) -> Vec<DVec2> {
     (0..=n).map(|i| center + radius * DVec2::from_angle(from + (to - from) * i as f64 / n as f64)).collect()
 }
 
 /// A rectangle between two corners.
-pub(super) fn rectangle(min: DVec2, max: DVec2) -> Vec<DVec2> {
+pub(crate) fn rectangle(min: DVec2, max: DVec2) -> Vec<DVec2> {
     vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)]
 }
 
 /// A rectangle between two corners with rounded corners, `n` steps each.
-pub(super) fn rounded_rectangle(min: DVec2, max: DVec2, radius: f64, n: usize) -> Vec<DVec2> {
+pub(crate) fn rounded_rectangle(min: DVec2, max: DVec2, radius: f64, n: usize) -> Vec<DVec2> {
     let (low, high) = (min + radius, max - radius);
     let quarter = TAU / 4.0;
     let centers = [high, DVec2::new(low.x, high.y), low, DVec2::new(high.x, low.y)];
@@ -81,7 +81,7 @@ pub(super) fn rounded_rectangle(min: DVec2, max: DVec2, radius: f64, n: usize) -
 }
 
 /// A path drawn with a pen `width` mm wide and flat ends; the width is constant around corners.
-pub(super) fn stroke_path(path: &[DVec2], width: f64) -> PlanarOutline {
+pub(crate) fn stroke_path(path: &[DVec2], width: f64) -> PlanarOutline {
     let last = path.len() - 1;
     let direction = |i: usize| (path[i + 1] - path[i]).normalize();
     let side = |i: usize| {

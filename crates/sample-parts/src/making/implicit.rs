@@ -12,7 +12,7 @@ use super::{
 };
 
 /// The solid of a field inside a box, grown by two grid steps so that the surface closes.
-pub(super) fn mesh_of_field(field: &DistanceFunction, min: DVec3, max: DVec3, spacing: f64) -> Mesh {
+pub(crate) fn mesh_of_field(field: &DistanceFunction, min: DVec3, max: DVec3, spacing: f64) -> Mesh {
     // Not at round coordinates, where flat faces often lie.
     let margin = DVec3::new(2.13, 2.17, 2.11) * spacing;
     marching_tetrahedra(field, min - margin, max + margin, spacing).into_mesh()

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use solids::Mesh;
 
-use super::{
+use crate::making::{
     layers::{extrude_layers, extrude_prism},
     outline::{PlanarOutline, arc, circle, rectangle, rounded_rectangle, stroke_path},
 };

@@ -12,7 +12,7 @@ use super::{
 
 /// Sweeps an outline through `frames`, each of which maps the outline's plane into space with its normal (local z)
 /// along the path. Both ends get a cap.
-pub(super) fn sweep_outline(outline: &PlanarOutline, frames: &[DAffine3]) -> SurfaceBuilder {
+pub(crate) fn sweep_outline(outline: &PlanarOutline, frames: &[DAffine3]) -> SurfaceBuilder {
     let mut surface = sweep_walls(outline, frames);
     let (first, last) = (frames[0], frames[frames.len() - 1]);
     for corners in triangulate_outline(outline) {
@@ -25,7 +25,7 @@ pub(super) fn sweep_outline(outline: &PlanarOutline, frames: &[DAffine3]) -> Sur
 }
 
 /// Rotates a profile of (radius, z), mm, about the z axis in `n` steps; corners at radius 0 become poles.
-pub(super) fn revolve_profile(profile: Vec<DVec2>, n: usize) -> SurfaceBuilder {
+pub(crate) fn revolve_profile(profile: Vec<DVec2>, n: usize) -> SurfaceBuilder {
     let frame = |i: usize| {
         // Backwards, because radius x z points against the rotation.
         let radial = DVec2::from_angle(-TAU * (i % n) as f64 / n as f64).extend(0.0);

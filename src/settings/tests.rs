@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{inputs::FarmInputs, profile_inputs::ProfileInputs, *};
+use super::{machine::profile_inputs::ProfileInputs, service::inputs::FarmInputs, *};
 
 mod folders;
 mod printers;

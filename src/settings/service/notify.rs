@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{NotificationKind, inputs::NotifyInputs, validator::ConfigValidator};
+use super::inputs::NotifyInputs;
+use crate::settings::{NotificationKind, reading::validator::ConfigValidator};
 
 /// Settings of notifications.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +39,7 @@ impl NotifySettings {
 }
 
 /// Validates the notification settings. Reports problems.
-pub(super) fn validate_notify(inputs: &NotifyInputs, validator: &mut ConfigValidator) -> NotifySettings {
+pub(crate) fn validate_notify(inputs: &NotifyInputs, validator: &mut ConfigValidator) -> NotifySettings {
     validator.require_within("notify.timeout_secs", inputs.timeout_secs.0, 0.1..=600.0);
     validator.require_within("notify.keep_secs", inputs.keep_secs.0, 60.0..=31_536_000.0);
     let webhook = inputs.webhook.0.as_ref().map(|url| {

@@ -5,20 +5,26 @@ use std::path::Path;
 use glam::DVec3;
 use jiff::civil::Time;
 
-use super::{
-    BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
-    TurningRules,
-    inputs::{FarmFolders, FarmInputs, FileInputs},
-    logging::parse_log_filter,
-    printer::PrinterRules,
-    printer_validation::{validate_calendar, validate_printing},
-    profile::is_profile_name,
-    profile_inputs::{
-        IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
+use super::printer_validation::{validate_calendar, validate_printing};
+use crate::{
+    access::{self, FilePermissions},
+    settings::{
+        BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
+        TurningRules,
+        machine::{
+            printer::PrinterRules,
+            profile::is_profile_name,
+            profile_inputs::{
+                IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
+            },
+        },
+        reading::validator::ConfigValidator,
+        service::{
+            inputs::{FarmFolders, FarmInputs, FileInputs},
+            logging::parse_log_filter,
+        },
     },
-    validator::ConfigValidator,
 };
-use crate::access::{self, FilePermissions};
 
 /// Longest edge of a machine, mm. A larger value is taken for a wrong unit.
 const MAX_EDGE_MM: f64 = 10_000.0;
@@ -70,7 +76,7 @@ pub(super) fn validate_farm(inputs: &FarmInputs, validator: &mut ConfigValidator
 
 /// Validates the address of a ledger on a server. Its texts never hold the password.
 fn validate_ledger(folders: &FarmFolders, validator: &mut ConfigValidator) {
-    let address = super::folders::ledger_address(folders, Path::new(""));
+    let address = crate::settings::service::folders::ledger_address(folders, Path::new(""));
     if let Some((text, remedy)) = address.find_problem() {
         validator.report_problem("folders.ledger", format!("folders.ledger: {text}"), remedy);
     }
@@ -194,7 +200,7 @@ fn validate_values(inputs: &ProfileInputs, validator: &mut ConfigValidator) {
     if let Some(days) = inputs.output.archive_builds_days.0 {
         validator.require_within("archive_builds_days", days, 0..=36_500);
     }
-    super::keep_out::validate_zones(&inputs.space.keep_out, inputs.space.volume_mm, validator);
+    crate::settings::machine::keep_out::validate_zones(&inputs.space.keep_out, inputs.space.volume_mm, validator);
     validate_search(&inputs.search, validator);
 }
 

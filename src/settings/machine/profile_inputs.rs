@@ -1,6 +1,6 @@
 //! The second stage for machines: the values of a profile's file, merged with the farm's defaults. Only types are checked
 //! here. Its options stand in one flat table of the file; here they are grouped as in
-//! [`MachineProfile`](super::MachineProfile).
+//! [`MachineProfile`](crate::settings::MachineProfile).
 
 use std::path::PathBuf;
 
@@ -8,18 +8,22 @@ use build_file::{Arrangement, InstanceSharing, LengthUnit};
 use nester::{FaceNotDown, NestingConfig, OrientationRule, TiltLimit};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{
-    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
-    duration::DurationSecs,
-    option_group::{option_group, read_option_table, read_options},
-    optional::OptionalValue,
-    printer::PrinterInputs,
+use super::printer::PrinterInputs;
+use crate::{
+    intake::UnlistedPolicy,
+    settings::{
+        ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
+        reading::{
+            duration::DurationSecs,
+            option_group::{option_group, read_option_table, read_options},
+            optional::OptionalValue,
+        },
+    },
 };
-use crate::intake::UnlistedPolicy;
 
 /// A profile's file; also `[defaults]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub(super) struct ProfileInputs {
+pub(crate) struct ProfileInputs {
     #[serde(flatten)]
     pub space: SpaceInputs,
     #[serde(flatten)]
@@ -130,7 +134,7 @@ option_group! {
 /// `[folders]` of a profile's file: exact folders that replace those below the farm's folders.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct ProfileFolders {
+pub(crate) struct ProfileFolders {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inbox: Option<PathBuf>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -144,7 +148,7 @@ pub(super) struct ProfileFolders {
 /// `[trigger]` of a profile.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct TriggerInputs {
+pub(crate) struct TriggerInputs {
     pub fill_height: OptionalValue<f64>,
     pub fill_density: OptionalValue<f64>,
     pub copies: OptionalValue<u32>,

@@ -10,17 +10,17 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::{Table, Value};
 
-use super::{
+use super::{printer_validation, validation_rules};
+use crate::settings::{
     ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, PrinterRules, ResourceSettings,
-    Settings, farm_zone,
-    folder_conflicts::{self, FolderClaim},
-    folders,
-    fragment::{ConfigFragment, read_config_text},
-    inputs::FarmInputs,
-    printer_validation,
-    profile_inputs::ProfileInputs,
-    validation_rules,
-    validator::ConfigValidator,
+    Settings,
+    machine::{farm_zone, profile_inputs::ProfileInputs},
+    reading::{
+        folder_conflicts::{self, FolderClaim},
+        fragment::{ConfigFragment, read_config_text},
+        validator::ConfigValidator,
+    },
+    service::{folders, inputs::FarmInputs},
 };
 
 /// Default paths of the configuration.
@@ -117,10 +117,10 @@ fn read_settings(
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
     let resources = ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes };
-    let node = super::node::validate_node(&inputs.node, resources.thread_count(), &mut validator);
-    let web = super::web::validate_web(&inputs.web, &mut validator);
-    let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
-    let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
+    let node = crate::settings::service::node::validate_node(&inputs.node, resources.thread_count(), &mut validator);
+    let web = crate::settings::service::web::validate_web(&inputs.web, &mut validator);
+    let metrics = crate::settings::service::metrics::validate_metrics(&inputs.metrics, &mut validator);
+    let notify = crate::settings::service::notify::validate_notify(&inputs.notify, &mut validator);
     let root = folders::farm_root(&inputs, root);
     let state_dir = folders::path_below(&root, &inputs.folders.state);
     let state = state_claim(&state_dir, &validator);

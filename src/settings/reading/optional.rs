@@ -9,7 +9,7 @@ use serde::{
 
 /// A value, or "off".
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct OptionalValue<T>(pub Option<T>);
+pub(crate) struct OptionalValue<T>(pub Option<T>);
 
 impl<T> OptionalValue<T> {
     /// Switched off.

@@ -13,10 +13,11 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::{ConfigProblem, problem_text};
+use super::problem_text;
+use crate::settings::ConfigProblem;
 
 /// Reads a file as text. Errors are added to `problems`.
-pub(super) fn read_config_text(file: &Path, problems: &mut Vec<ConfigProblem>) -> Option<String> {
+pub(crate) fn read_config_text(file: &Path, problems: &mut Vec<ConfigProblem>) -> Option<String> {
     let (line, text, remedy) = match fs::read(file).map(String::from_utf8) {
         Ok(Ok(text)) => return Some(text),
         Ok(Err(error)) => {
@@ -31,7 +32,7 @@ pub(super) fn read_config_text(file: &Path, problems: &mut Vec<ConfigProblem>) -
 
 /// The values of a file and their positions.
 #[derive(Debug)]
-pub(super) struct ConfigFragment<'t> {
+pub(crate) struct ConfigFragment<'t> {
     /// The file.
     pub file: PathBuf,
     text: &'t str,

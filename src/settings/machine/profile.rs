@@ -6,8 +6,11 @@ use build_file::LengthUnit;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{FarmZone, KeepOutZone, PrinterRules, PrintingRules};
-use crate::{build::MachineSpec, intake::UnlistedPolicy};
+use crate::{
+    build::MachineSpec,
+    intake::UnlistedPolicy,
+    settings::{FarmZone, KeepOutZone, PrinterRules, PrintingRules},
+};
 
 /// The folders of a machine profile.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use std::{
     time::Duration,
 };
 
-use super::ConfigProblem;
+use crate::settings::ConfigProblem;
 
 /// A share that does not answer within this time is not compared: its folders cannot be used now, and each keeps its
 /// lease for one machine.
@@ -17,7 +17,7 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A configured folder with its purpose and its position in the configuration.
 #[derive(Debug, Clone)]
-pub(super) struct FolderClaim {
+pub(crate) struct FolderClaim {
     /// The folder.
     pub folder: PathBuf,
     /// Its purpose, as in "the inbox of fuse-1".
@@ -60,7 +60,7 @@ fn conflict_problem(inner: &FolderClaim, outer: &FolderClaim, relation: &str) ->
 }
 
 /// Reports folders that conflict by their names and, unless they do, through links and mounts.
-pub(super) fn find_all_conflicts(
+pub(crate) fn find_all_conflicts(
     profiles: Vec<FolderClaim>,
     state: FolderClaim,
     follows_links: bool,

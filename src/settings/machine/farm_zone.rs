@@ -3,7 +3,7 @@
 
 use jiff::{Timestamp, civil, tz::TimeZone};
 
-use super::validator::ConfigValidator;
+use crate::settings::reading::validator::ConfigValidator;
 
 /// The value of `time_zone` that stands for the zone of the system.
 const SYSTEM: &str = "system";
@@ -65,7 +65,7 @@ impl FarmZone {
 }
 
 /// The zone of a `time_zone` of the farm file. Reports a zone that is not known.
-pub(super) fn validate_time_zone(name: &str, validator: &mut ConfigValidator) -> FarmZone {
+pub(crate) fn validate_time_zone(name: &str, validator: &mut ConfigValidator) -> FarmZone {
     if name == SYSTEM {
         return FarmZone::default();
     }

@@ -33,7 +33,7 @@ struct WorkHours {
 
 impl WorkCalendar {
     /// Reads hours such as `Mon-Fri 6-22, Sat 8:30-12`, or `always`. The error says which option is not understood, and what of it.
-    pub(super) fn parse(hours: &str, days_off: &[String]) -> Result<Self, (&'static str, String)> {
+    pub(crate) fn parse(hours: &str, days_off: &[String]) -> Result<Self, (&'static str, String)> {
         let hours: Result<_, _> = match hours.trim() {
             "always" => Ok(Vec::new()),
             hours => hours.split(',').map(|entry| parse_hours(entry.trim())).collect(),

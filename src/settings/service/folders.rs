@@ -5,21 +5,20 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::{
-    MachineFolders,
-    inputs::{FarmFolders, FarmInputs},
-    profile_inputs::ProfileFolders,
+use super::inputs::{FarmFolders, FarmInputs};
+use crate::{
+    ledger::LedgerAddress,
+    settings::{MachineFolders, machine::profile_inputs::ProfileFolders},
 };
-use crate::ledger::LedgerAddress;
 
 /// Returns the root. `asked` (`--root`) takes precedence over the file.
-pub(super) fn farm_root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
+pub(crate) fn farm_root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
     let root = asked.unwrap_or(&inputs.root);
     normalize_path(&std::path::absolute(root).unwrap_or_else(|_| root.to_owned()))
 }
 
 /// Returns the folders of a profile.
-pub(super) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> MachineFolders {
+pub(crate) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> MachineFolders {
     let folder = |own: &Option<PathBuf>, farm: &Path| match own {
         Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
         _ => path_below(root, farm).join(name),
@@ -33,12 +32,12 @@ pub(super) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFold
 }
 
 /// Resolves `path` relative to `base`, without `.` and `..`.
-pub(super) fn path_below(base: &Path, path: &Path) -> PathBuf {
+pub(crate) fn path_below(base: &Path, path: &Path) -> PathBuf {
     normalize_path(&base.join(path))
 }
 
 /// Returns where the ledger is: on a server, or in a file relative to the state directory.
-pub(super) fn ledger_address(folders: &FarmFolders, state_dir: &Path) -> LedgerAddress {
+pub(crate) fn ledger_address(folders: &FarmFolders, state_dir: &Path) -> LedgerAddress {
     let server = folders
         .ledger
         .to_str()

@@ -6,11 +6,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{ConfigProblem, fragment::ConfigFragment};
+use super::fragment::ConfigFragment;
+use crate::settings::ConfigProblem;
 
 /// Collects problems and locates the values concerned in the files.
 #[derive(Debug)]
-pub(super) struct ConfigValidator<'a> {
+pub(crate) struct ConfigValidator<'a> {
     /// Fragments with the prefix of their keys. A value comes from the first fragment that has its key.
     sources: Vec<(&'a ConfigFragment<'a>, &'static str)>,
     /// The problems found.

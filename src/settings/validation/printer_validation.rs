@@ -5,13 +5,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
+use crate::settings::{
     ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
-    folders::path_below,
-    printer::PrinterInputs,
-    profile::is_profile_name,
-    profile_inputs::{PrintingInputs, ProfileInputs},
-    validator::ConfigValidator,
+    machine::{
+        printer::PrinterInputs,
+        profile::is_profile_name,
+        profile_inputs::{PrintingInputs, ProfileInputs},
+    },
+    reading::validator::ConfigValidator,
+    service::folders::path_below,
 };
 
 /// The printers of a machine whose queue folder is `queue` if it names none. `farm_queue` is the folder of the farm that

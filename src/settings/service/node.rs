@@ -2,10 +2,8 @@
 
 use rustix::system::uname;
 
-use super::{
-    inputs::{HOST, NodeInputs},
-    validator::ConfigValidator,
-};
+use super::inputs::{HOST, NodeInputs};
+use crate::settings::reading::validator::ConfigValidator;
 
 /// Most letters of a name.
 const MAX_LETTERS: usize = 64;
@@ -24,7 +22,7 @@ pub struct NodeSettings {
 }
 
 /// Validates the options of the node, whose searches may use `threads`.
-pub(super) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut ConfigValidator) -> NodeSettings {
+pub(crate) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut ConfigValidator) -> NodeSettings {
     let is_fit = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
     let name = match inputs.name.as_str() {
         HOST => {

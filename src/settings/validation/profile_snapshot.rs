@@ -6,9 +6,10 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Deserialize;
 
-use super::{
-    BuildSpace, MachineFolders, MachineProfile, printer_validation, profile_inputs::ProfileInputs, validation_rules,
-    validator::ConfigValidator,
+use super::{printer_validation, validation_rules};
+use crate::settings::{
+    BuildSpace, MachineFolders, MachineProfile, machine::profile_inputs::ProfileInputs,
+    reading::validator::ConfigValidator,
 };
 
 /// The values used from a stored profile. Values that an older version did not store are `None`.

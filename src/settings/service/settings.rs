@@ -6,10 +6,13 @@ use std::{
     sync::{Arc, RwLock},
 };
 
-use super::{
-    FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
+use crate::{
+    access::FilePermissions,
+    ledger::LedgerAddress,
+    settings::{
+        FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
+    },
 };
-use crate::{access::FilePermissions, ledger::LedgerAddress};
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
 pub type SharedSettings = Arc<RwLock<Arc<Settings>>>;

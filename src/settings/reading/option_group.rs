@@ -12,7 +12,7 @@ use serde::{
 };
 
 /// Options that can be read one by one. All of them have a default.
-pub(super) trait OptionGroup: Default {
+pub(crate) trait OptionGroup: Default {
     /// The name for error messages.
     const NAME: &'static str;
 
@@ -28,7 +28,7 @@ macro_rules! option_group {
     ($(#[$group_attr:meta])* $group:ident { $($(#[$attr:meta])* $option:ident: $kind:ty = $default:expr,)* }) => {
         $(#[$group_attr])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-        pub(super) struct $group {
+        pub(crate) struct $group {
             $($(#[$attr])* pub $option: $kind,)*
         }
 
@@ -38,14 +38,14 @@ macro_rules! option_group {
             }
         }
 
-        $crate::settings::option_group::read_options!($group: $($option)*);
+        $crate::settings::reading::option_group::read_options!($group: $($option)*);
     };
 }
 
 /// Implements [`OptionGroup`] for a type with these options, and groups of options where it has some.
 macro_rules! read_options {
     ($group:ident: $($option:ident)* $(, groups $($inner:ident: $inner_kind:ty)*)?) => {
-        impl $crate::settings::option_group::OptionGroup for $group {
+        impl $crate::settings::reading::option_group::OptionGroup for $group {
             const NAME: &'static str = stringify!($group);
 
             fn option_names() -> Vec<&'static str> {
@@ -68,10 +68,10 @@ macro_rules! read_options {
     };
 }
 
-pub(super) use {option_group, read_options};
+pub(crate) use {option_group, read_options};
 
 /// Reads a table of options. Options that are not in the table keep their defaults.
-pub(super) fn read_option_table<'de, T: OptionGroup, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub(crate) fn read_option_table<'de, T: OptionGroup, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     deserializer.deserialize_map(TableVisitor(PhantomData))
 }
 

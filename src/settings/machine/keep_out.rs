@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use solids::Bounds;
 
-use super::validator::ConfigValidator;
+use crate::settings::reading::validator::ConfigValidator;
 
 /// A box in which no part may be placed, mm in the machine's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ impl KeepOutZone {
 }
 
 /// Reports invalid boxes and boxes outside the machine, which have no effect.
-pub(super) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3]>, validator: &mut ConfigValidator) {
+pub(crate) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3]>, validator: &mut ConfigValidator) {
     for (number, zone) in (1..).zip(keep_out) {
         let is_box = zone.min.is_finite() && zone.max.is_finite() && zone.min.cmplt(zone.max).all();
         if !is_box {

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{inputs::MetricsInputs, validator::ConfigValidator};
+use super::inputs::MetricsInputs;
+use crate::settings::reading::validator::ConfigValidator;
 
 /// File extension that node_exporter's textfile collector requires.
 const TEXTFILE_EXTENSION: &str = "prom";
@@ -19,7 +20,7 @@ pub struct MetricsFile {
 }
 
 /// Validates the settings of the metrics file. `None` if there is none. Reports problems.
-pub(super) fn validate_metrics(inputs: &MetricsInputs, validator: &mut ConfigValidator) -> Option<MetricsFile> {
+pub(crate) fn validate_metrics(inputs: &MetricsInputs, validator: &mut ConfigValidator) -> Option<MetricsFile> {
     validator.require_within("metrics.every_secs", inputs.every_secs.0, 1.0..=3600.0);
     let path = inputs.textfile.0.clone()?;
     if !path.is_absolute() || path.extension().is_none_or(|end| end != TEXTFILE_EXTENSION) {

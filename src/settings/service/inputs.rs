@@ -5,17 +5,19 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{
+use crate::settings::{
     LogFormat, NotificationKind,
-    duration::DurationSecs,
-    option_group::{option_group, read_option_table, read_options},
-    optional::OptionalValue,
-    profile_inputs::ProfileInputs,
+    machine::profile_inputs::ProfileInputs,
+    reading::{
+        duration::DurationSecs,
+        option_group::{option_group, read_option_table, read_options},
+        optional::OptionalValue,
+    },
 };
 
 /// The farm file, `nestd.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct FarmInputs {
+pub(crate) struct FarmInputs {
     pub root: PathBuf,
     pub time_zone: String,
     pub scan_secs: DurationSecs,
@@ -74,12 +76,12 @@ option_group! {
 }
 
 /// The value of `node.name` that stands for the name of the server.
-pub(super) const HOST: &str = "host";
+pub(crate) const HOST: &str = "host";
 
 /// `[node]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct NodeInputs {
+pub(crate) struct NodeInputs {
     pub name: String,
     pub address: OptionalValue<String>,
     pub lanes: OptionalValue<usize>,
@@ -94,7 +96,7 @@ impl Default for NodeInputs {
 /// `[folders]` of the farm file: the folders that hold one folder per profile, and the state directory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct FarmFolders {
+pub(crate) struct FarmFolders {
     pub inbox: PathBuf,
     pub queue: PathBuf,
     pub error: PathBuf,
@@ -121,7 +123,7 @@ impl Default for FarmFolders {
 /// `[files]` of the farm file: mode and group of the files that the daemon creates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct FileInputs {
+pub(crate) struct FileInputs {
     pub mode: String,
     pub group: String,
 }
@@ -135,7 +137,7 @@ impl Default for FileInputs {
 /// `[log]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct LogInputs {
+pub(crate) struct LogInputs {
     pub filter: String,
     pub format: LogFormat,
 }
@@ -151,7 +153,7 @@ impl Default for LogInputs {
 /// `[web]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct WebInputs {
+pub(crate) struct WebInputs {
     pub listen: String,
     pub token_file: OptionalValue<PathBuf>,
     pub tokens_file: OptionalValue<PathBuf>,
@@ -185,7 +187,7 @@ impl Default for WebInputs {
 /// `[metrics]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct MetricsInputs {
+pub(crate) struct MetricsInputs {
     pub textfile: OptionalValue<PathBuf>,
     pub every_secs: DurationSecs,
 }
@@ -199,7 +201,7 @@ impl Default for MetricsInputs {
 /// `[notify]` of the farm file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct NotifyInputs {
+pub(crate) struct NotifyInputs {
     pub events: Vec<NotificationKind>,
     pub webhook: OptionalValue<String>,
     pub secret_file: OptionalValue<PathBuf>,

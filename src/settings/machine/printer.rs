@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{FarmZone, WorkCalendar};
+use crate::settings::{FarmZone, WorkCalendar};
 
 /// A printer of a machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ pub struct PrinterRules {
 /// `[[printer]]` of a machine's file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PrinterInputs {
+pub(crate) struct PrinterInputs {
     #[serde(default)]
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -50,7 +50,7 @@ pub fn parse_secs(text: &str) -> Result<f64, String> {
 
 /// A duration in a configuration file, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(super) struct DurationSecs(pub f64);
+pub(crate) struct DurationSecs(pub f64);
 
 impl<'de> Deserialize<'de> for DurationSecs {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -4,8 +4,8 @@ use std::{fmt, net::SocketAddr, path::PathBuf};
 
 use serde::Serialize;
 
-use super::{inputs::WebInputs, validator::ConfigValidator};
-use crate::access::TokenRole;
+use super::inputs::WebInputs;
+use crate::{access::TokenRole, settings::reading::validator::ConfigValidator};
 
 /// Where the dashboard listens.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -54,7 +54,7 @@ impl fmt::Display for ListenAddress {
 }
 
 /// Validates the dashboard's settings. `None` if it is off. Reports problems.
-pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<WebSettings> {
+pub(crate) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<WebSettings> {
     let listen = match inputs.listen.as_str() {
         "off" => return None,
         "systemd" => ListenAddress::Systemd,

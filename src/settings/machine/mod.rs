@@ -1,0 +1,8 @@
+//! A machine and its printers as their file describes them, with their calendar and the zones that stay free.
+
+pub(super) mod farm_zone;
+pub(super) mod keep_out;
+pub(super) mod printer;
+pub(super) mod profile;
+pub(super) mod profile_inputs;
+pub(super) mod work_calendar;

@@ -1,7 +1,7 @@
 //! The fields that people see, each with its label, unit and decimals. A field that several tables and fact sheets
 //! use is one constant here.
 
-use super::field_definition::FieldDefinition;
+use super::columns::field_definition::FieldDefinition;
 
 /// Number of a build.
 pub const BUILD: FieldDefinition = FieldDefinition::whole("Build");

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    table_column::{ColumnAudience, TableColumn},
+    columns::table_column::{ColumnAudience, TableColumn},
     *,
 };
 use crate::{

@@ -5,8 +5,13 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn, time_view::GivenDate};
-use crate::ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp};
+use crate::{
+    ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp},
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
+        fields,
+    },
+};
 
 /// Orders, with what became of their copies.
 pub const ORDER_COLUMNS: &[TableColumn<OrderSummary>] = &[

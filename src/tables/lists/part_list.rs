@@ -4,10 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn, time_view::GivenDate};
 use crate::{
     farm::CakePart,
     ledger::{BuildId, LineCopies, PartRow, PlacementRow},
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
+        fields,
+    },
 };
 
 /// A part in a list that counts some of its copies.

@@ -1,8 +1,13 @@
 //! The history: one row per build, and the totals of the published builds of each machine. A column added here
 //! appears in the terminal, on the page and in the CSV. A test requires a column for each field of the JSON.
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn};
-use crate::ledger::{HeightSummary, HistoryRow};
+use crate::{
+    ledger::{HeightSummary, HistoryRow},
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn},
+        fields,
+    },
+};
 
 /// Builds that are past nesting.
 pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[

@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{fields, table_column::TableColumn};
-use crate::ledger::{Ledger, LedgerError, NodeRow};
+use crate::{
+    ledger::{Ledger, LedgerError, NodeRow},
+    tables::{columns::table_column::TableColumn, fields},
+};
 
 /// A node with its machines.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]

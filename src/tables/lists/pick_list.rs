@@ -3,8 +3,13 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn};
-use crate::ledger::PartId;
+use crate::{
+    ledger::PartId,
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn},
+        fields,
+    },
+};
 
 /// A removal direction is a unit vector. Components smaller than this are not mentioned in its text.
 const SLIGHT: f64 = 0.2;

@@ -1,15 +1,17 @@
 //! The facts of a build, line by line, with its recorded outcomes and its events.
 
-use super::{
-    cell_value::CellValue,
-    field_definition::{FieldDefinition, SheetFact},
-    fields,
-    table_column::TableColumn as Column,
-    time_view::TimeView,
-};
 use crate::{
     ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp},
     settings::MachineProfile,
+    tables::{
+        columns::{
+            cell_value::CellValue,
+            field_definition::{FieldDefinition, SheetFact},
+            table_column::TableColumn as Column,
+            time_view::TimeView,
+        },
+        fields,
+    },
 };
 
 /// The recorded outcomes of a build.
@@ -121,11 +123,11 @@ fn times(attempts: u32) -> String {
 }
 
 /// Size and hash of a file.
-pub(super) fn content(bytes: u64, hash: &str) -> String {
+pub(crate) fn content(bytes: u64, hash: &str) -> String {
     format!("{bytes} bytes, BLAKE3 {hash}")
 }
 
 /// Joins the pieces that are known into one line.
-pub(super) fn joined<const N: usize>(pieces: [Option<String>; N], between: &str) -> String {
+pub(crate) fn joined<const N: usize>(pieces: [Option<String>; N], between: &str) -> String {
     pieces.into_iter().flatten().collect::<Vec<_>>().join(between)
 }

@@ -1,12 +1,16 @@
 //! The facts of a part, line by line.
 
-use super::{
-    build_sheet::{content, joined},
-    field_definition::{FieldDefinition, SheetFact},
-    fields,
-    time_view::{GivenDate, TimeView},
+use super::build_sheet::{content, joined};
+use crate::{
+    ledger::PartRow,
+    tables::{
+        columns::{
+            field_definition::{FieldDefinition, SheetFact},
+            time_view::{GivenDate, TimeView},
+        },
+        fields,
+    },
 };
-use crate::ledger::PartRow;
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {

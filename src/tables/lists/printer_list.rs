@@ -1,7 +1,12 @@
 //! The printers of the machines.
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn};
-use crate::farm::PrinterView;
+use crate::{
+    farm::PrinterView,
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn},
+        fields,
+    },
+};
 
 /// The printers of a farm.
 pub const PRINTER_COLUMNS: &[TableColumn<PrinterView>] = &[

@@ -5,16 +5,18 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{
-    build_sheet::joined,
-    fields,
-    table_column::TableColumn,
-    time_view::{GivenDate, TimeView},
-};
+use super::build_sheet::joined;
 use crate::{
     farm::{FireTrigger, forecast_fire, held_text, night_gain_text},
     ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
+    tables::{
+        columns::{
+            table_column::TableColumn,
+            time_view::{GivenDate, TimeView},
+        },
+        fields,
+    },
 };
 
 /// The current state of a machine, with the forecast of its next build.

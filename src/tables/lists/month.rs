@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{fields, table_column::TableColumn};
-use crate::ledger::{BadCopies, BuildState, HistoryRow};
+use crate::{
+    ledger::{BadCopies, BuildState, HistoryRow},
+    tables::{columns::table_column::TableColumn, fields},
+};
 
 /// Cubic millimetres of a litre.
 const MM3_PER_LITRE: f64 = 1e6;

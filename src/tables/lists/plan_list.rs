@@ -1,11 +1,15 @@
 //! The plan of a machine: its builds under way and to come, and the due dates at risk.
 
-use super::{
-    fields,
-    table_column::TableColumn,
-    time_view::{GivenDate, TimeView},
+use crate::{
+    farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild},
+    tables::{
+        columns::{
+            table_column::TableColumn,
+            time_view::{GivenDate, TimeView},
+        },
+        fields,
+    },
 };
-use crate::farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild};
 
 /// The builds of a plan.
 pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[

@@ -2,51 +2,10 @@
 //! 2 wrong use or configuration.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // the only module that writes to a terminal
 
-mod adopt;
-mod atomic_file;
-mod backup;
-mod build_lookup;
-mod candidates;
-mod check;
-mod command;
-mod common;
-mod completions;
-mod demo;
-mod dismiss;
-mod edit;
-mod expected_parts;
-mod farm_context;
-mod history;
-mod ledger;
-mod logging;
-mod lookup;
-mod metrics;
-mod nest;
-mod new_farm;
-mod nodes;
-mod notify;
-mod operate;
-mod orders;
-mod outcome;
-mod plan;
-mod printer;
-mod quote;
-mod release;
-mod render;
-mod report;
-mod run;
-mod show;
-mod show_text;
-mod status;
-mod table;
-mod target;
+mod act;
+mod look;
+mod serve;
 mod terminal;
-mod token;
-mod values;
-mod verify;
-mod watch;
-mod withdraw;
-
 #[cfg(test)]
 mod tests;
 
@@ -57,7 +16,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::farm;
 
-pub use common::{CommandExit, CommonArgs, UsageError};
+pub use terminal::common::{CommandExit, CommonArgs, UsageError};
 
 /// Runs a powder-bed print farm: parts dropped into a folder become nested builds in the printer's queue.
 #[derive(Debug, Parser)]
@@ -72,132 +31,132 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum CliCommand {
     /// Make a small farm with sample parts, run the daemon on it and show the results
-    Demo(demo::DemoArgs),
+    Demo(serve::demo::DemoArgs),
     /// Run the daemon in the foreground
-    Run(run::RunArgs),
+    Run(serve::run::RunArgs),
     /// Check configuration, folders, permissions, ledger and limits
-    Check(check::CheckArgs),
+    Check(serve::check::CheckArgs),
     /// Show waiting parts, builds that are being nested and whether the daemon runs
-    Status(status::StatusArgs),
+    Status(look::status::StatusArgs),
     /// List builds with their heights
-    History(history::HistoryArgs),
+    History(look::history::HistoryArgs),
     /// Show a build, a part or an order
-    Show(show::ShowArgs),
+    Show(look::show::ShowArgs),
     /// Draw a build as a PNG
-    Render(render::RenderArgs),
+    Render(look::render::RenderArgs),
     /// Write a build as one HTML file to mail: 3D view, facts and pick map
-    Report(report::ReportArgs),
+    Report(look::report::ReportArgs),
     /// Nest and publish the waiting parts of a profile now
     Flush {
         /// Machine profile
-        #[arg(add = candidates::of_profiles())]
+        #[arg(add = terminal::candidates::of_profiles())]
         profile: String,
     },
     /// Stop a profile from firing batches until it is resumed
     Pause {
         /// Machine profile
-        #[arg(add = candidates::of_profiles())]
+        #[arg(add = terminal::candidates::of_profiles())]
         profile: String,
     },
     /// Let a paused profile fire again
     Resume {
         /// Machine profile
-        #[arg(add = candidates::of_profiles())]
+        #[arg(add = terminal::candidates::of_profiles())]
         profile: String,
     },
     /// Take a rejected part back
     Retry {
         /// Part number, as status and show print it (5 or p5)
-        #[arg(value_parser = values::parse_part_number, add = candidates::of_refused_parts())]
+        #[arg(value_parser = terminal::values::parse_part_number, add = terminal::candidates::of_refused_parts())]
         part: i64,
     },
     /// Take waiting parts, or some of their copies, out of the farm
     Cancel {
         /// Parts: numbers (5 or p5, 5=2 for two copies), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART[=N]|ORDER", add = candidates::of_parts())]
+        #[arg(required = true, value_name = "PART[=N]|ORDER", add = terminal::candidates::of_parts())]
         targets: Vec<String>,
     },
     /// Change what was asked with waiting parts: copies, due date, priority, order and so on
-    Edit(edit::EditArgs),
+    Edit(act::edit::EditArgs),
     /// Move waiting parts to another machine
     Move {
         /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
+        #[arg(required = true, value_name = "PART|ORDER", add = terminal::candidates::of_parts())]
         targets: Vec<String>,
         /// Machine profile to move them to
-        #[arg(long, value_name = "PROFILE", add = candidates::of_profiles())]
+        #[arg(long, value_name = "PROFILE", add = terminal::candidates::of_profiles())]
         to: String,
     },
     /// Print parts as they are that wait for a yes
     Confirm {
         /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
-        #[arg(required = true, value_name = "PART|ORDER", add = candidates::of_parts())]
+        #[arg(required = true, value_name = "PART|ORDER", add = terminal::candidates::of_parts())]
         targets: Vec<String>,
     },
     /// Print again what was printed: a build, the last copies of a part, or an order
     Reprint {
         /// Build (b4), part (p5, 5=2 for two copies), order or file name
-        #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER", add = candidates::of_everything())]
+        #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER", add = terminal::candidates::of_everything())]
         targets: Vec<String>,
         /// Also if the file of a build lies in the queue: it is taken out first
         #[arg(long)]
         anyway: bool,
     },
     /// Issue the same proved build once more, as a new build
-    Requeue(edit::RequeueArgs),
+    Requeue(act::edit::RequeueArgs),
     /// List orders and what became of their copies
-    Orders(orders::OrdersArgs),
+    Orders(look::orders::OrdersArgs),
     /// Mark a profile's refused files, or the failed print of a build, as seen: they raise no alert any more
     Dismiss {
         /// Machine profile, or build (b4)
-        #[arg(value_name = "PROFILE|BUILD", add = candidates::of_profiles())]
+        #[arg(value_name = "PROFILE|BUILD", add = terminal::candidates::of_profiles())]
         profile: String,
     },
     /// Record the outcome of a published build
-    Outcome(outcome::OutcomeArgs),
+    Outcome(act::outcome::OutcomeArgs),
     /// Scan the hot folders now
     Scan,
     /// Take over a machine, and the files that another nestd claimed in its hot folder before it went away
     Adopt {
         /// Machine profile
-        #[arg(add = candidates::of_profiles())]
+        #[arg(add = terminal::candidates::of_profiles())]
         profile: String,
     },
     /// Show the printers, or take one out of use (down) and into use again (up)
-    Printer(printer::PrinterArgs),
+    Printer(act::printer::PrinterArgs),
     /// Show the builds to come of the machines, and which due dates are at risk
-    Plan(plan::PlanArgs),
+    Plan(look::plan::PlanArgs),
     /// Say when parts could be done that nobody has ordered yet, and what they would add
-    Quote(quote::QuoteArgs),
+    Quote(look::quote::QuoteArgs),
     /// Say that a proved build may be published, where a machine asks for that; shows what it means
-    Release(release::ReleaseArgs),
+    Release(act::release::ReleaseArgs),
     /// Take a published build that its printer has not taken back out of the queue: its copies wait again
-    Withdraw(withdraw::WithdrawArgs),
+    Withdraw(act::withdraw::WithdrawArgs),
     /// Make, list and take back the tokens with which programs ask the dashboard
     #[command(subcommand)]
-    Token(token::TokenCommand),
+    Token(act::token::TokenCommand),
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
-    Nodes(nodes::NodesArgs),
+    Nodes(look::nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
-    Backup(backup::BackupArgs),
+    Backup(serve::backup::BackupArgs),
     /// Put a backup of the ledger back; builds published since then are not printed again
-    Restore(backup::RestoreArgs),
+    Restore(serve::backup::RestoreArgs),
     /// Copy the ledger between a file and a PostgreSQL database
     #[command(subcommand)]
-    Ledger(ledger::LedgerCommand),
+    Ledger(serve::ledger::LedgerCommand),
     /// Show which messages the webhook and the command have received, or send them a trial message
-    Notify(notify::NotifyArgs),
+    Notify(act::notify::NotifyArgs),
     /// Print the farm's metrics in the Prometheus format
     Metrics,
     /// Nest parts into a build file without a daemon
-    Nest(Box<nest::NestArgs>),
+    Nest(Box<serve::nest::NestArgs>),
     /// Prove a build file on its triangles
-    Verify(verify::VerifyArgs),
+    Verify(serve::verify::VerifyArgs),
     /// Write the configuration of a new farm
-    Init(new_farm::InitArgs),
+    Init(serve::new_farm::InitArgs),
     /// Add a machine to the configuration
     #[command(subcommand)]
-    Machine(new_farm::MachineCommand),
+    Machine(serve::new_farm::MachineCommand),
     /// Print the completions of a shell: nestd completions bash > /etc/bash_completion.d/nestd
     Completions {
         /// The shell
@@ -222,57 +181,57 @@ pub fn main() -> ExitCode {
         Ok(CommandExit::Success) => ExitCode::SUCCESS,
         Ok(CommandExit::Failure) => ExitCode::from(1),
         Err(error) => {
-            table::print_to_stderr(&format!("{error:#}"));
+            terminal::table::print_to_stderr(&format!("{error:#}"));
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
         }
     }
 }
 
 fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
-    use command::DaemonCommand;
+    use act::command::DaemonCommand;
     let common = &cli.common;
     match &cli.command {
-        CliCommand::Demo(args) => demo::run(common, args),
-        CliCommand::Run(args) => run::run(common, args),
-        CliCommand::Check(args) => check::run(common, args),
-        CliCommand::Status(args) => status::run(common, args),
-        CliCommand::History(args) => history::run(common, args),
-        CliCommand::Show(args) => show::run(common, args),
-        CliCommand::Render(args) => render::run(common, args),
-        CliCommand::Report(args) => report::run(common, args),
-        CliCommand::Flush { profile } => command::run(common, &DaemonCommand::Flush(profile.clone())),
-        CliCommand::Pause { profile } => command::run(common, &DaemonCommand::Pause(profile.clone())),
-        CliCommand::Resume { profile } => command::run(common, &DaemonCommand::Resume(profile.clone())),
-        CliCommand::Retry { part } => command::run(common, &DaemonCommand::Retry(crate::ledger::PartId(*part))),
-        CliCommand::Cancel { targets } => edit::run_cancel(common, targets),
-        CliCommand::Edit(args) => edit::run(common, args),
-        CliCommand::Move { targets, to } => edit::run_move(common, targets, to),
-        CliCommand::Confirm { targets } => edit::run_confirm(common, targets),
-        CliCommand::Reprint { targets, anyway } => edit::run_reprint(common, targets, *anyway),
-        CliCommand::Requeue(args) => edit::run_requeue(common, args),
-        CliCommand::Orders(args) => orders::run(common, args),
-        CliCommand::Dismiss { profile } => dismiss::run(common, profile),
-        CliCommand::Outcome(args) => outcome::run(common, args),
-        CliCommand::Scan => command::run(common, &DaemonCommand::Scan),
-        CliCommand::Adopt { profile } => adopt::run(common, profile),
-        CliCommand::Printer(args) => printer::run(common, args),
-        CliCommand::Plan(args) => plan::run(common, args),
-        CliCommand::Quote(args) => quote::run(common, args),
-        CliCommand::Release(args) => release::run(common, args),
-        CliCommand::Withdraw(args) => withdraw::run(common, args),
-        CliCommand::Token(command) => token::run(common, command),
-        CliCommand::Nodes(args) => nodes::run(common, args),
-        CliCommand::Backup(args) => backup::run(common, args),
-        CliCommand::Restore(args) => backup::run_restore(common, args),
-        CliCommand::Ledger(command) => ledger::run(command),
-        CliCommand::Notify(args) => notify::run(common, args),
-        CliCommand::Metrics => metrics::run(common),
-        CliCommand::Nest(args) => nest::run(common, args),
-        CliCommand::Verify(args) => verify::run(common, args),
-        CliCommand::Init(args) => new_farm::run_init(args),
-        CliCommand::Machine(command) => new_farm::run_machine(common, command),
-        CliCommand::Completions { shell } => completions::print_completions(*shell),
-        CliCommand::Man { dir } => completions::write_manual(CommandLine::command(), dir),
+        CliCommand::Demo(args) => serve::demo::run(common, args),
+        CliCommand::Run(args) => serve::run::run(common, args),
+        CliCommand::Check(args) => serve::check::run(common, args),
+        CliCommand::Status(args) => look::status::run(common, args),
+        CliCommand::History(args) => look::history::run(common, args),
+        CliCommand::Show(args) => look::show::run(common, args),
+        CliCommand::Render(args) => look::render::run(common, args),
+        CliCommand::Report(args) => look::report::run(common, args),
+        CliCommand::Flush { profile } => act::command::run(common, &DaemonCommand::Flush(profile.clone())),
+        CliCommand::Pause { profile } => act::command::run(common, &DaemonCommand::Pause(profile.clone())),
+        CliCommand::Resume { profile } => act::command::run(common, &DaemonCommand::Resume(profile.clone())),
+        CliCommand::Retry { part } => act::command::run(common, &DaemonCommand::Retry(crate::ledger::PartId(*part))),
+        CliCommand::Cancel { targets } => act::edit::run_cancel(common, targets),
+        CliCommand::Edit(args) => act::edit::run(common, args),
+        CliCommand::Move { targets, to } => act::edit::run_move(common, targets, to),
+        CliCommand::Confirm { targets } => act::edit::run_confirm(common, targets),
+        CliCommand::Reprint { targets, anyway } => act::edit::run_reprint(common, targets, *anyway),
+        CliCommand::Requeue(args) => act::edit::run_requeue(common, args),
+        CliCommand::Orders(args) => look::orders::run(common, args),
+        CliCommand::Dismiss { profile } => act::dismiss::run(common, profile),
+        CliCommand::Outcome(args) => act::outcome::run(common, args),
+        CliCommand::Scan => act::command::run(common, &DaemonCommand::Scan),
+        CliCommand::Adopt { profile } => act::adopt::run(common, profile),
+        CliCommand::Printer(args) => act::printer::run(common, args),
+        CliCommand::Plan(args) => look::plan::run(common, args),
+        CliCommand::Quote(args) => look::quote::run(common, args),
+        CliCommand::Release(args) => act::release::run(common, args),
+        CliCommand::Withdraw(args) => act::withdraw::run(common, args),
+        CliCommand::Token(command) => act::token::run(common, command),
+        CliCommand::Nodes(args) => look::nodes::run(common, args),
+        CliCommand::Backup(args) => serve::backup::run(common, args),
+        CliCommand::Restore(args) => serve::backup::run_restore(common, args),
+        CliCommand::Ledger(command) => serve::ledger::run(command),
+        CliCommand::Notify(args) => act::notify::run(common, args),
+        CliCommand::Metrics => look::metrics::run(common),
+        CliCommand::Nest(args) => serve::nest::run(common, args),
+        CliCommand::Verify(args) => serve::verify::run(common, args),
+        CliCommand::Init(args) => serve::new_farm::run_init(args),
+        CliCommand::Machine(command) => serve::new_farm::run_machine(common, command),
+        CliCommand::Completions { shell } => serve::completions::print_completions(*shell),
+        CliCommand::Man { dir } => serve::completions::write_manual(CommandLine::command(), dir),
         CliCommand::ReadPart => {
             farm::answer_read_request(std::io::stdin(), std::io::stdout()).map(|()| CommandExit::Success)
         }

@@ -6,7 +6,13 @@ use jiff::Timestamp;
 use nester::TiltLimit;
 
 use super::{
-    CommandExit, CommandLine, command, command::DaemonCommand, lookup, lookup::LookupQuery, show_text, status, table,
+    CommandExit, CommandLine,
+    act::command::{self, DaemonCommand},
+    look::status,
+    terminal::{
+        lookup::{self, LookupQuery},
+        show_text, table,
+    },
 };
 use crate::{
     ledger::{

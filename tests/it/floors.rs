@@ -30,6 +30,37 @@ const FLOORS: [(&str, u32); 12] = [
     ("cli", 9),
 ];
 
+/// The folders of a crate or room in their order: each knows only earlier ones, as in `ARCHITECTURE.md`.
+const FOLDERS: [(&str, &[&str]); 7] = [
+    ("crates/solids", &["mesh", "trees", "clearance", "fixtures"]),
+    ("crates/sample-parts", &["making", "parts", "workload"]),
+    (
+        "crates/nester",
+        &[
+            "pollination",
+            "orientation",
+            "problem",
+            "shapes",
+            "prepare",
+            "separation",
+            "proof",
+            "paper",
+            "start",
+            "finish",
+            "search",
+        ],
+    ),
+    ("crates/build-file", &["common", "stl", "threemf", "read", "build", "picture"]),
+    ("src/settings", &["reading", "machine", "service", "validation"]),
+    ("src/tables", &["columns", "fields", "lists", "sheets"]),
+    ("src/cli", &["terminal", "serve", "look", "act"]),
+];
+
+/// The most source files that stand in one folder.
+const FULLEST_FOLDER: usize = 15;
+/// Rooms whose files do not stand in folders yet.
+const FLAT_ROOMS: [&str; 4] = ["src/farm", "src/intake", "src/ledger", "src/web"];
+
 fn rust_files(dir: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in fs::read_dir(dir).unwrap() {
@@ -189,6 +220,52 @@ fn no_files_of_a_crate_or_a_room_import_each_other_in_a_circle() {
         "a crate of which nothing is read"
     );
     assert!(faults.is_empty(), "files that import each other:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn a_folder_knows_only_earlier_folders_of_its_room() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut faults = Vec::new();
+    for (place, folders) in FOLDERS {
+        let (imports, depth) = match place.strip_prefix("src/") {
+            Some(room) => (imports::imports_of(&root.join("src"), &[room]), 1),
+            None => (imports::imports_of(&root.join(place).join("src"), &[]), 0),
+        };
+        let rank = |module: &imports::ModulePath| {
+            folders.iter().position(|name| Some(*name) == module.get(depth).map(String::as_str))
+        };
+        for (module, targets) in imports.iter().filter(|(module, _)| module.len() > depth) {
+            let Some(own) = rank(module) else {
+                faults.push(format!("{place}: {} stands in no known folder", module.join("/")));
+                continue;
+            };
+            let later = targets.iter().filter(|target| {
+                target.len() > depth && target[..depth] == module[..depth] && rank(target).is_none_or(|rank| rank > own)
+            });
+            faults.extend(later.map(|target| format!("{place}: {} knows {}", module.join("/"), target.join("/"))));
+        }
+        assert!(imports.keys().filter(|module| module.len() > depth + 1).count() > 5, "{place}: no folder is read");
+    }
+    assert!(faults.is_empty(), "folders that know later ones:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn a_folder_has_at_most_15_files_and_a_head() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut counts: std::collections::BTreeMap<PathBuf, usize> = std::collections::BTreeMap::new();
+    for file in ["src", "crates"].iter().flat_map(|place| rust_files(&root.join(place))) {
+        *counts.entry(file.parent().unwrap().strip_prefix(root).unwrap().to_owned()).or_default() += 1;
+    }
+    let is_flat = |folder: &Path| FLAT_ROOMS.iter().any(|room| folder.starts_with(room));
+    let full = counts.iter().filter(|(folder, count)| **count > FULLEST_FOLDER && !is_flat(folder));
+    let mut faults: Vec<String> = full.map(|(folder, count)| format!("{}: {count} files", folder.display())).collect();
+    for (place, folders) in FOLDERS {
+        let source = if place.starts_with("crates/") { root.join(place).join("src") } else { root.join(place) };
+        let heads = folders.iter().map(|folder| source.join(folder).join("mod.rs")).filter(|head| head.exists());
+        let bare = heads.filter(|head| !fs::read_to_string(head).unwrap().starts_with("//! "));
+        faults.extend(bare.map(|head| format!("{} does not say what the folder is for", head.display())));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// `web/admit -> web/server -> web/admit`.

@@ -53,6 +53,40 @@ impl MachineSpec {
         self.keep_out.iter().map(moved).collect()
     }
 
+    /// Why a build that was proved for `was`, and whose top is at `top_mm` above the machine's floor, is not proved for this machine: its
+    /// space is smaller, or its rules are stricter. `None` = the proof holds.
+    pub fn find_stricter_than(&self, was: &Self, top_mm: Option<f64>) -> Option<String> {
+        let ends_at = |machine: &Self| machine.origin_mm() + machine.build_volume().size_mm;
+        let (begins, ends, mut ended) = (self.origin_mm(), ends_at(self), ends_at(was));
+        // What lies below the ceiling does not depend on it.
+        ended.z = top_mm.unwrap_or(ended.z).min(ended.z);
+        if begins.cmpgt(was.origin_mm()).any() {
+            return Some(format!("the space that may be filled begins at {}, {}, {} mm", begins.x, begins.y, begins.z));
+        }
+        if ends.cmplt(ended).any() {
+            return Some(format!("the space that may be filled ends at {} x {} x {} mm", ends.x, ends.y, ends.z));
+        }
+        let is_kept_free = |zone: &Bounds| was.keep_out.iter().any(|free| free.contains_bounds(zone, 0.0));
+        if let Some(Bounds { min, max }) = self.keep_out.iter().find(|zone| !is_kept_free(zone)) {
+            let corner = |at: &DVec3| format!("{}, {}, {}", at.x, at.y, at.z);
+            return Some(format!("no part may be placed between {} and {} mm", corner(min), corner(max)));
+        }
+        if self.clearance_mm > was.clearance_mm {
+            return Some(format!("parts are to be {} mm apart", self.clearance_mm));
+        }
+        if self.clearance_z_extra_mm > was.clearance_z_extra_mm {
+            return Some(format!("parts are to be apart when one is raised by up to {} mm", self.clearance_z_extra_mm));
+        }
+        let has_cap = self.layer_cap.cap_mm2().is_some();
+        if has_cap
+            && (self.layer_cap.area_mm2 < was.layer_cap.area_mm2 || self.layer_cap.layer_mm != was.layer_cap.layer_mm)
+        {
+            return Some("less of a layer may be filled".to_owned());
+        }
+        (self.interlock == InterlockRule::Forbid && was.interlock != InterlockRule::Forbid)
+            .then(|| "parts must not be locked into each other".to_owned())
+    }
+
     /// The instance for the nester.
     ///
     /// # Errors

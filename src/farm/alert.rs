@@ -312,8 +312,8 @@ impl AlertKind {
                  how to settle the build."
             }
             Self::QueueAltered => {
-                "Take the file out of the queue folder before somebody prints it, look whether it was printed, and tell the outcome \
-                 of its build (`nestd outcome`)."
+                "Do what is said of each file before somebody prints it. Where it was printed all the same, tell the outcome of its build \
+                 (`nestd outcome`)."
             }
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \

@@ -6,8 +6,8 @@ use tokio::runtime::Handle;
 use tracing::{info, warn};
 
 use super::{
-    alert::AlertKind, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob, machine_state::MachineState,
-    printers::choose_for_build, staged_build::has_hash,
+    alert::AlertKind, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob, machine_fit::find_misfit,
+    machine_state::MachineState, printers::choose_for_build, staged_build::has_hash,
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, MoveEnd},
@@ -59,6 +59,8 @@ struct MovingBuild {
     target: QueueFolder,
     /// The folder that it was to go to before another one was chosen.
     abandoned: Option<QueueFolder>,
+    /// Why it does not fit its machine any more; `None` = it does.
+    misfit: Option<String>,
     leases: FolderLeases,
     ledger: Ledger,
     runtime: Handle,
@@ -90,7 +92,9 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
         return Ok(());
     }
     let source = queue_with_marker(machine, build.staged.queue_id.as_deref());
-    if build.place.move_to.is_none() && source.is_none() {
+    let misfit = find_misfit(&machine.profile, &build);
+    // What does not fit any more stays where it lies, and is told (`queue_files`).
+    if build.place.move_to.is_none() && (source.is_none() || misfit.is_some()) {
         return Ok(());
     }
     if source.is_none() {
@@ -137,7 +141,7 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
     // Without a folder of origin, it is only removed from the other one.
     let source = source.unwrap_or_else(|| target.clone());
     let (leases, ledger) = (farm.machines[&build.profile].leases.clone(), farm.ledger.clone());
-    let moving = MovingBuild { build, source, target, abandoned, leases, ledger, runtime: Handle::current() };
+    let moving = MovingBuild { build, source, target, abandoned, misfit, leases, ledger, runtime: Handle::current() };
     farm.jobs.start(MoveBuildJob { build: moving.build.id }, move || moving.go_on());
     Ok(())
 }
@@ -209,6 +213,13 @@ impl MovingBuild {
         if self.source.withdraw(name)? == WithdrawalOutcome::Gone {
             return Ok(MoveStep::Taken);
         }
+        if let Some(why) = &self.misfit {
+            anyhow::bail!(
+                "it was taken back from a printer that is down and goes to no other one, for {why}. `nestd outcome {} failed` has its \
+                 parts printed again for the machine as it is now",
+                self.build.id
+            );
+        }
         if let Some(abandoned) = &self.abandoned {
             discard_staged(abandoned, name)?;
         }
@@ -227,6 +238,15 @@ impl MovingBuild {
     }
 
     fn publish_staged(&self, name: &str) -> Result<MoveStep> {
+        if let Some(why) =
+            self.misfit.as_ref().filter(|_| matches!(self.target.staged_state(name), Ok(StagedState::Staged)))
+        {
+            anyhow::bail!(
+                "it was on its way to another printer and is not put into its queue, for {why}. Undo that change of the machine's file and \
+                 reload nestd; then `nestd withdraw {}`, and change the file again",
+                self.build.id
+            );
+        }
         // First, so that what was taken back is never there when it may be visible at the other printer.
         self.source.remove_withdrawn(name)?;
         self.check_rights()?;

@@ -24,6 +24,7 @@ use super::{
     open_night::OpenNight,
     printer_outlook::PrinterOutlook,
     printer_state::MachinePrinters,
+    queue_files::QueueFileMemory,
     time_source::TimeSource,
     time_text::written_stamp,
     trigger::{DueFacts, FireTrigger, TriggerFacts},
@@ -90,6 +91,8 @@ pub struct MachineState {
     pub may_claim: bool,
     /// Its printers.
     pub printers: MachinePrinters,
+    /// What was read of the files in their queue folders.
+    pub queue_files: QueueFileMemory,
     /// The build that collects waiting parts.
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
@@ -167,6 +170,7 @@ impl MachineState {
             },
             leases: FolderLeases::new(holder, &profile),
             printers: MachinePrinters::new(&profile, now),
+            queue_files: QueueFileMemory::default(),
             profile,
             agreed_folders: None,
             may_claim: false,

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeSet, fs, path::PathBuf, time::Duration};
 
-use super::staged_build::has_hash;
+use super::{queue_files::own_name, staged_build::has_hash};
 use crate::{
     ledger::{BuildRow, InQueueError, Ledger, LedgerError, OperatorWord, PrintOutcome, StagedFile, WordAnswer},
     queue::{QueueFolder, StagedState},
@@ -122,13 +122,15 @@ fn look_into(folders: &[(String, PathBuf)], name: &str, staged: &StagedFile) -> 
     seen
 }
 
-/// The name under which the bytes of a build file lie in a queue folder, other than its own.
+/// The name, other than its own, under which a build file lies in a queue folder: its bytes, or what was made of them.
 fn find_copy(queue: &QueueFolder, name: &str, staged: &StagedFile) -> Option<String> {
     let (bytes, hash) = (staged.file_bytes?, staged.file_hash.as_deref()?);
     let names = fs::read_dir(queue.folder_path()).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     names.filter(|other| other != name && !other.starts_with('.')).find(|other| {
         let path = queue.published_path(other);
-        fs::symlink_metadata(&path).is_ok_and(|seen| seen.is_file() && seen.len() == bytes)
-            && has_hash(&path, hash).unwrap_or(false)
+        let Ok(seen) = fs::symlink_metadata(&path) else { return false };
+        let is_same = || seen.len() == bytes && has_hash(&path, hash).unwrap_or(false);
+        let is_made_of_it = || other.to_lowercase().ends_with(".3mf") && own_name(&path).as_deref() == Some(name);
+        seen.is_file() && (is_same() || is_made_of_it())
     })
 }

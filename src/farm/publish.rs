@@ -10,6 +10,7 @@ use super::{
     forget,
     forgettable::Forgettable,
     jobs::BackgroundJob,
+    machine_fit::find_misfit,
     machine_state::MachineState,
     printers,
     publish_decision::{PublishDecision, PublishFacts, decide_publishing},
@@ -63,7 +64,8 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         // The alert on a machine that is not configured covers this.
         let Some(machine) = farm.machines.get(&build.profile) else { continue };
         let printer = machine.printers.of_build(&build);
-        let decision = decide_publishing(&publish_facts(farm, machine, &build));
+        let misfit = find_misfit(&machine.profile, &build);
+        let decision = decide_publishing(&publish_facts(farm, machine, &build, misfit.is_some()));
         if decision == PublishDecision::MakeForAnother {
             start_remake_check(farm, build);
             continue;
@@ -76,7 +78,7 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         let archive = machine.profile.folders.archive.clone();
         let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
         let (leases, ledger) = (machine.leases.clone(), farm.ledger.clone());
-        let staged = StagedBuild { queue, build, archive, leases, ledger };
+        let staged = StagedBuild { queue, build, misfit, archive, leases, ledger };
         farm.jobs.start(PublishBuildJob { build: id }, move || match staged.check_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),
@@ -88,7 +90,7 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
 }
 
 /// What is known of a verified build and its machine.
-fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow) -> PublishFacts {
+fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow, is_misfit: bool) -> PublishFacts {
     let printer = machine.printers.of_build(build);
     let is_printer_down = printer.is_some_and(|printer| printer.down.is_some());
     let is_agreed = match (&machine.agreed_folders, printer) {
@@ -104,6 +106,7 @@ fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow) -> Publi
         has_better_printer: is_printer_down && !printers::usable_printers(machine).is_empty(),
         awaits_release: awaits_release(&machine.profile, build),
         is_recorded: build.staged.publishing_at.is_some(),
+        is_misfit,
     }
 }
 
@@ -117,7 +120,7 @@ fn start_remake_check(farm: &mut Farm, build: BuildRow) {
     farm.jobs.start(PublishBuildJob { build: id }, move || match queue {
         None => check_record_of_away(&archive, &build, &leases),
         Some(queue) => {
-            let staged = StagedBuild { queue, build, archive, leases, ledger };
+            let staged = StagedBuild { queue, build, misfit: None, archive, leases, ledger };
             staged.check_folders()?;
             staged.check_before_remaking()
         }
@@ -144,7 +147,7 @@ async fn on_publish_step(farm: &mut Farm, id: BuildId, step: Result<PublishStep>
             publish_verified_builds(farm).await
         }
         Ok(PublishStep::Done(published)) => on_build_published(farm, id, published).await,
-        Ok(PublishStep::StagedFileDamaged(why)) => {
+        Ok(PublishStep::MadeAgain(why)) => {
             warn!(build.id = %id, "Build {id} is made again: {why}.");
             farm.nesting.backoff.record_failure(id);
             Ok(farm.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)

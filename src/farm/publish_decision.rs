@@ -19,6 +19,8 @@ pub(super) struct PublishFacts {
     pub(super) awaits_release: bool,
     /// The ledger has recorded that it will be renamed.
     pub(super) is_recorded: bool,
+    /// It does not fit its machine any more.
+    pub(super) is_misfit: bool,
 }
 
 /// The next step of a verified build.
@@ -45,6 +47,8 @@ pub(super) fn decide_publishing(facts: &PublishFacts) -> PublishDecision {
         // It may be visible already: it is published first, and moved then.
         (true, false) => PublishDecision::Wait,
         (false, _) if facts.has_better_printer => PublishDecision::MakeForAnother,
+        // It is made again, so that people see what they would say yes to.
+        (false, true) if facts.is_misfit => PublishDecision::Check,
         (false, true) if !facts.awaits_release && !facts.is_printer_down => PublishDecision::Check,
         (false, _) => PublishDecision::Wait,
     }
@@ -65,6 +69,7 @@ mod tests {
             has_better_printer: false,
             awaits_release: false,
             is_recorded: false,
+            is_misfit: false,
         };
         assert_eq!(decide_publishing(&facts), PublishDecision::Check);
         let recorded = PublishFacts { is_recorded: true, ..facts };
@@ -91,10 +96,14 @@ mod tests {
             has_better_printer: false,
             awaits_release: true,
             is_recorded: false,
+            is_misfit: false,
         };
         assert_eq!(decide_publishing(&down), PublishDecision::Wait, "it waits for its printer");
         let better = PublishFacts { has_better_printer: true, ..down };
         assert_eq!(decide_publishing(&better), PublishDecision::MakeForAnother);
         assert_eq!(decide_publishing(&PublishFacts { is_recorded: true, ..better }), PublishDecision::Rename);
+        let misfit = PublishFacts { is_misfit: true, ..down };
+        assert_eq!(decide_publishing(&misfit), PublishDecision::Check, "it is made again, whatever it waits for");
+        assert_eq!(decide_publishing(&PublishFacts { is_running: true, ..misfit }), PublishDecision::Wait);
     }
 }

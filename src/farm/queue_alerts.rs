@@ -1,23 +1,21 @@
-//! Alerts about what lies in queue folders and must not be printed as it is.
+//! The alert about what lies in the queue folders of a machine and must not be printed as it is: one place for all that a look finds.
 
 use super::{alert::AlertKind, farm::Farm};
-use crate::ledger::BuildRow;
 
-/// What lies in the queue under the name of a build is not the file that was proved: nobody can say what was printed.
-pub(super) fn report_altered(farm: &mut Farm, build: &BuildRow) {
-    let id = build.id;
-    let text = format!(
-        "what lies in the queue as build {id} ({}) is not the file that was proved, so it was not taken back: take it out of the \
-         folder, look whether it was printed, and tell the outcome of build {id}",
-        build.staged.file_name.as_deref().unwrap_or_default()
-    );
-    farm.alerts.raise(AlertKind::QueueAltered, &build.profile, &format!("build {id}"), &text);
-}
+/// Maximum number of files named.
+const MAX_NAMED: usize = 8;
 
-/// What a look into the queue folders of a machine found altered; the alert ends when nothing is.
-pub(super) fn report_altered_files(farm: &mut Farm, profile: &str, altered: &[String]) {
-    match altered {
+/// What a look into the queue folders of a machine found; the alert ends when nothing is wrong any more.
+pub(super) fn report_wrong_files(farm: &mut Farm, profile: &str, wrong: &[String]) {
+    match wrong {
         [] => farm.alerts.clear(AlertKind::QueueAltered, profile, "queue files"),
-        clauses => farm.alerts.raise(AlertKind::QueueAltered, profile, "queue files", &clauses.join("; ")),
+        clauses => {
+            let named = clauses.iter().take(MAX_NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
+            let more = match clauses.len().saturating_sub(MAX_NAMED) {
+                0 => String::new(),
+                more => format!("; and {more} more"),
+            };
+            farm.alerts.raise(AlertKind::QueueAltered, profile, "queue files", &format!("{named}{more}"));
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Looks into the queue folders of the machines for their published builds: which were taken, and which are not where the
 //! ledger has them. The latter happens where a ledger was put back from a backup, or is a new one.
 
-use std::fs;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use build_file::format_count;
@@ -9,12 +9,19 @@ use tokio::runtime::Handle;
 use tracing::{info, warn};
 
 use super::{
-    alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_leases::FolderLeases, jobs::BackgroundJob,
-    printer_state::MachinePrinters, queue_alerts::report_altered_files,
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    farm::Farm,
+    folder_leases::FolderLeases,
+    jobs::BackgroundJob,
+    printer_state::MachinePrinters,
+    queue_alerts::report_wrong_files,
+    queue_files::{QueueFileFindings, QueueFileLook, QueueFileMemory},
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
     queue::{QueueFolder, StagedState},
+    settings::MachineProfile,
 };
 
 /// Newest builds of a machine whose files are looked for.
@@ -33,8 +40,8 @@ struct QueueFindings {
     taken: Vec<(BuildId, String)>,
     /// The builds that are elsewhere than the ledger has them.
     elsewhere: Vec<(BuildId, FoundPlace)>,
-    /// What lies there and must not be printed as it is, a clause each.
-    altered: Vec<String>,
+    /// The visible files; `None` = the ledger did not say whose they are.
+    files: Option<QueueFileFindings>,
 }
 
 impl BackgroundJob<Farm> for QueueLookJob {
@@ -55,7 +62,13 @@ impl BackgroundJob<Farm> for QueueLookJob {
             info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
             farm.ledger.correct_place(build, &place).await?;
         }
-        report_altered_files(farm, &self.profile, &found.altered);
+        if let Some(files) = found.files {
+            for (build, printer, queue_id) in files.back {
+                info!(build.id = %build.id, profile = %self.profile, "The file of build {} lies in the queue of {printer} again.", build.id);
+                farm.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
+            }
+            report_wrong_files(farm, &self.profile, &files.wrong);
+        }
         Ok(())
     }
 }
@@ -65,7 +78,8 @@ pub(super) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
     for (name, machine) in &farm.machines {
         let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {
-            profile: name.clone(),
+            profile: machine.profile.clone(),
+            memory: machine.queue_files.clone(),
             queues: machine.printers.open_queues(),
             leases: machine.leases.clone(),
             ledger: farm.ledger.clone(),
@@ -107,7 +121,8 @@ fn report_removed_printers(
 
 /// The open queue folders of a machine, by the names of its printers.
 struct QueueLook {
-    profile: String,
+    profile: Arc<MachineProfile>,
+    memory: QueueFileMemory,
     queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
@@ -116,7 +131,7 @@ struct QueueLook {
 
 impl QueueLook {
     fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
-        let mut found = QueueFindings { altered: self.find_altered(&wanted), ..QueueFindings::default() };
+        let mut found = QueueFindings { files: self.look_at_files(), ..QueueFindings::default() };
         for build in wanted {
             let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
             // Another folder than the one that it was published in says nothing.
@@ -145,36 +160,31 @@ impl QueueLook {
             for file in queue.withdrawn_builds().unwrap_or_default() {
                 match self.settle_withdrawn(printer, queue, &file) {
                     Ok(place) => found.elsewhere.extend(place),
-                    Err(failure) => warn!(profile = %self.profile, "{file} was taken back and stays so: {failure:#}."),
+                    Err(failure) => {
+                        warn!(profile = %self.profile.name, "{file} was taken back and stays so: {failure:#}.")
+                    }
                 }
             }
         }
         found
     }
 
-    /// Published files that were emptied or altered, and copies of them. Sizes tell; bytes are compared when a file is taken back.
-    fn find_altered(&self, wanted: &[QueuedBuild]) -> Vec<String> {
-        let mut altered = Vec::new();
-        for (printer, queue) in &self.queues {
-            for name in queue.visible_names().unwrap_or_default() {
-                let Ok(seen) = fs::symlink_metadata(queue.published_path(&name)) else { continue };
-                if let Some(build) = wanted.iter().find(|build| build.file_name.as_ref() == Some(&name)) {
-                    if !seen.is_file() || build.file_bytes.is_some_and(|bytes| bytes != seen.len()) {
-                        altered.push(format!(
-                            "{name} at {printer} is not the file that was proved as build {}",
-                            build.build
-                        ));
-                    }
-                    continue;
-                }
-                let is_like = |build: &&QueuedBuild| seen.is_file() && build.file_bytes == Some(seen.len());
-                let known = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile, &name));
-                if let (Some(build), Ok(None)) = (wanted.iter().find(is_like), known) {
-                    altered.push(format!("{name} at {printer} looks like a copy of build {}", build.build));
-                }
+    /// Looks at the visible files.
+    fn look_at_files(&self) -> Option<QueueFileFindings> {
+        let look = QueueFileLook {
+            profile: &self.profile,
+            queues: &self.queues,
+            memory: &self.memory,
+            find_build: &|name| Ok(self.runtime.block_on(self.ledger.find_build_of_file(name))?),
+            has_bad_copies: &|build| Ok(self.runtime.block_on(self.ledger.has_bad_copies(build.id))?),
+        };
+        match look.look() {
+            Ok(found) => Some(found),
+            Err(failure) => {
+                warn!(profile = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
+                None
             }
         }
-        altered
     }
 
     /// A file that was taken back belongs to a move or a withdrawal. Where the ledger knows of none, a file that is there was not printed: it goes
@@ -185,7 +195,7 @@ impl QueueLook {
         queue: &QueueFolder,
         file: &str,
     ) -> Result<Option<(BuildId, FoundPlace)>> {
-        let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile, file))?;
+        let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile.name, file))?;
         // Other farms have files of their own.
         let Some(build) = row.filter(|build| build.place.move_to.is_none() && build.place.withdraw_by.is_none()) else {
             return Ok(None);

@@ -19,8 +19,9 @@ pub enum PublishStep {
     Ready,
     /// The build is in the queue, or was.
     Done(PublishOutcome),
-    /// The build is not published, and the staged file is not the one that was proved; why.
-    StagedFileDamaged(String),
+    /// The build is not published and must be made again: the staged file is not the one that was proved, or does not fit the machine
+    /// any more; why.
+    MadeAgain(String),
     /// The first rename was not done for this reason, and will certainly not be done later.
     NotRenamed(anyhow::Error),
     /// It was certainly never published: it may be made again, for another printer.
@@ -34,6 +35,8 @@ pub struct StagedBuild {
     pub queue: QueueFolder,
     /// Its row.
     pub build: BuildRow,
+    /// Why it does not fit its machine any more; `None` = it does.
+    pub misfit: Option<String>,
     /// The archive with its record.
     pub archive: PathBuf,
     /// The leases on its folders.
@@ -83,7 +86,7 @@ impl StagedBuild {
     pub fn check_before_publishing(&self) -> Result<PublishStep> {
         let name = self.file_name()?;
         Ok(match self.staged_state()? {
-            StagedState::Staged => PublishStep::Ready,
+            StagedState::Staged => self.misfit.clone().map_or(PublishStep::Ready, PublishStep::MadeAgain),
             _ if build_record::has_record(&self.archive, name)? => PublishStep::Ready,
             StagedState::Published => {
                 let visible = self.queue.published_path(name);
@@ -93,7 +96,7 @@ impl StagedBuild {
                     false => return Err(QueueError::NameTaken(visible).into()),
                 }
             }
-            StagedState::Gone => PublishStep::StagedFileDamaged("its staged file was removed".to_owned()),
+            StagedState::Gone => PublishStep::MadeAgain("its staged file was removed".to_owned()),
         })
     }
 
@@ -118,10 +121,11 @@ impl StagedBuild {
             self.check_rights()?;
             return Ok(PublishStep::Done(self.queue.publish(self.file_name()?)?));
         }
-        if let Some(why) = self.find_damage()? {
+        let misfit = self.misfit.clone();
+        if let Some(why) = misfit.map_or_else(|| self.find_damage(), |misfit| Ok(Some(misfit)))? {
             // The file is still staged, so it was never renamed.
             build_record::remove_record(&self.archive, self.file_name()?)?;
-            return Ok(PublishStep::StagedFileDamaged(why));
+            return Ok(PublishStep::MadeAgain(why));
         }
         let tried = build_record::write_record(&self.archive, &self.build, record).and_then(|()| {
             // Checked once more: comparing the bytes and writing the record may have taken long.

@@ -13,9 +13,9 @@ use super::{
     jobs::BackgroundJob,
     printer_choice::printer_loads,
     printers::occupation_of,
-    queue_alerts::report_altered,
     release_preview::awaits_release,
     staged_build::has_hash,
+    tick_tasks::TimedTask,
     withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
 };
 use crate::{
@@ -181,7 +181,7 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
         }
         Ok(WithdrawalStep::Altered) => {
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Altered).await?;
-            report_altered(farm, &build);
+            look_again_at(farm, &build);
         }
         Ok(WithdrawalStep::TakenBack) => {
             // It must be there to fire at once.
@@ -219,6 +219,18 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
     farm.nesting.backoff.record_success(&id);
     farm.alerts.clear(AlertKind::PublishingFails, &profile, &format!("build {id}"));
     Ok(())
+}
+
+/// What lies in the queue as a build is not the proved file: the next look reads it, and tells so until that is over.
+fn look_again_at(farm: &mut Farm, build: &BuildRow) {
+    let Some(machine) = farm.machines.get(&build.profile) else { return };
+    if let (Some(queue), Some(name)) =
+        (queue_with_marker(machine, build.staged.queue_id.as_deref()), build.staged.file_name.as_deref())
+    {
+        machine.queue_files.forget(&queue.published_path(name));
+    }
+    let now = farm.now();
+    farm.schedule.tasks.make_due(TimedTask::CheckFolders, now);
 }
 
 fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) -> Result<()> {

@@ -208,8 +208,9 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let (profile, _) = change.require_build(build).await?;
         let set = sql::query(
-            "UPDATE build SET taken_at = NULL, printer = $1, queue_id = $2 WHERE id = $3 AND taken_at IS NOT NULL \
-             AND move_to IS NULL AND withdraw_by IS NULL",
+            "UPDATE build SET taken_at = CASE WHEN state = 'published' THEN NULL ELSE taken_at END, printer = $1, queue_id = $2 \
+             WHERE id = $3 AND taken_at IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL \
+             AND (state = 'published' OR queue_id IS DISTINCT FROM $2)",
         );
         if set.bind(printer).bind(queue_id).bind(build).execute(change.db()).await? > 0 {
             let detail = format!("its file lies in the queue of {printer} again");

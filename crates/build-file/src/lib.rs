@@ -21,7 +21,7 @@ pub use build::build_file::{
     BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, BuildMetadata, HeadingMetadata,
     OrderWords, PlacedMesh, RulesMetadata,
 };
-pub use build::build_read::{read_build, read_build_and_metadata};
+pub use build::build_read::{read_build, read_build_and_metadata, read_build_heading};
 pub use build::build_write::write_build;
 pub use build::model_write::sanitize_name as name_in_build_file;
 pub use build::pick_map::{PickMapRow, pick_rows, write_pick_map};

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use glam::DVec3;
+use nester::{InterlockRule, NestingMethod};
 use serde::Deserialize;
 
 use super::{printer_validation, validation_rules};
 use crate::settings::{
-    BuildSpace, MachineFolders, MachineProfile, machine::profile_inputs::ProfileInputs,
+    BuildSpace, KeepOutZone, MachineFolders, MachineProfile, machine::profile_inputs::ProfileInputs,
     reading::validator::ConfigValidator,
 };
 
@@ -21,12 +22,24 @@ struct ProfileSnapshot {
     wall_margin_mm: Option<f64>,
     floor_margin_mm: Option<f64>,
     lid_margin_mm: Option<f64>,
+    keep_out: Option<Vec<KeepOutZone>>,
+    clearance_mm: Option<f64>,
+    clearance_z_extra_mm: Option<f64>,
     layer_mm: Option<f64>,
+    layer_area_cap: Option<Option<f64>>,
+    nest: NestingSnapshot,
+}
+
+/// The rules for locked parts of a stored profile.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct NestingSnapshot {
+    method: Option<NestingMethod>,
+    interlock: Option<InterlockRule>,
 }
 
 impl MachineProfile {
-    /// Returns the profile at the time of a build: volume, margins and layer come from `snapshot` (JSON),
-    /// everything else from `now`. If the machine is not configured any more, the folders come from the snapshot too.
+    /// Returns the profile at the time of a build: what its proof depends on comes from `snapshot` (JSON), everything else from `now`. If the machine is not configured any more, the folders come from the snapshot too.
     /// Without a snapshot nothing is known of such a machine, and its volume is zero.
     pub fn from_snapshot(name: &str, snapshot: Option<&str>, now: Option<&Self>) -> Self {
         let stored: ProfileSnapshot = snapshot.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
@@ -34,11 +47,18 @@ impl MachineProfile {
             Some(now) => now.clone(),
             None => Self::with_name_only(name, stored.folders.unwrap_or_default()),
         };
-        profile.space.volume_mm = stored.volume_mm.unwrap_or(profile.space.volume_mm);
-        profile.space.wall_margin_mm = stored.wall_margin_mm.unwrap_or(profile.space.wall_margin_mm);
-        profile.space.floor_margin_mm = stored.floor_margin_mm.unwrap_or(profile.space.floor_margin_mm);
-        profile.space.lid_margin_mm = stored.lid_margin_mm.unwrap_or(profile.space.lid_margin_mm);
-        profile.space.layer_mm = stored.layer_mm.unwrap_or(profile.space.layer_mm);
+        let (space, nest) = (&mut profile.space, &mut profile.search.nest);
+        space.volume_mm = stored.volume_mm.unwrap_or(space.volume_mm);
+        space.wall_margin_mm = stored.wall_margin_mm.unwrap_or(space.wall_margin_mm);
+        space.floor_margin_mm = stored.floor_margin_mm.unwrap_or(space.floor_margin_mm);
+        space.lid_margin_mm = stored.lid_margin_mm.unwrap_or(space.lid_margin_mm);
+        space.keep_out = stored.keep_out.unwrap_or_else(|| std::mem::take(&mut space.keep_out));
+        space.clearance_mm = stored.clearance_mm.unwrap_or(space.clearance_mm);
+        space.clearance_z_extra_mm = stored.clearance_z_extra_mm.unwrap_or(space.clearance_z_extra_mm);
+        space.layer_mm = stored.layer_mm.unwrap_or(space.layer_mm);
+        space.layer_area_cap = stored.layer_area_cap.unwrap_or(space.layer_area_cap);
+        nest.method = stored.nest.method.unwrap_or(nest.method);
+        nest.interlock = stored.nest.interlock.unwrap_or(nest.interlock);
         profile
     }
 

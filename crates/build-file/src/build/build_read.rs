@@ -9,7 +9,7 @@ use crate::{
     BuildMetadata, FileReadError, HeadingMetadata, OrderWords, PlacedMesh, ReadLimits, RulesMetadata,
     common::solid::checked_mesh,
     threemf::{
-        document::{ModelDocument, ObjectKey},
+        document::{ModelDocument, ObjectKey, read_leading_metadata},
         flatten::ComponentFlattener,
         model::{ModelItem, ModelMetadata, ObjectBody, ObjectReference},
     },
@@ -52,17 +52,26 @@ pub fn read_build_and_metadata(
     Ok((build_metadata(metadata), placed))
 }
 
+/// Reads only the heading of a build file: the parts that follow it may be damaged.
+pub fn read_build_heading(file: &Path, limits: &ReadLimits) -> Result<HeadingMetadata, FileReadError> {
+    Ok(heading_metadata(&read_leading_metadata(file, limits)?))
+}
+
+fn heading_metadata(metadata: &ModelMetadata) -> HeadingMetadata {
+    HeadingMetadata {
+        title: metadata.standard_value("Title"),
+        application: metadata.standard_value("Application"),
+        created: metadata.standard_value("CreationDate"),
+        profile: metadata.nestd_value("profile"),
+        build_id: metadata.nestd_value("build"),
+        seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
+    }
+}
+
 fn build_metadata(metadata: &ModelMetadata) -> BuildMetadata {
     let number = |name: &str| metadata.nestd_value(name).and_then(|text| text.parse().ok());
     BuildMetadata {
-        heading: HeadingMetadata {
-            title: metadata.standard_value("Title"),
-            application: metadata.standard_value("Application"),
-            created: metadata.standard_value("CreationDate"),
-            profile: metadata.nestd_value("profile"),
-            build_id: metadata.nestd_value("build"),
-            seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
-        },
+        heading: heading_metadata(metadata),
         rules: RulesMetadata {
             volume_mm: metadata.nestd_value("volume_mm").and_then(|text| parse_vector(&text)),
             keep_out: metadata.nestd_value("keep_out_mm").map(|text| parse_boxes(&text)).unwrap_or_default(),

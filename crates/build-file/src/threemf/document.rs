@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::{
-    model::{ModelBudget, ModelObject, ModelPart, ObjectBody, ObjectReference},
-    model_parse,
+    model::{ModelBudget, ModelMetadata, ModelObject, ModelPart, ObjectBody, ObjectReference},
+    model_head, model_parse,
     package::PackageReader,
     slicer_project::SlicerProject,
 };
@@ -129,4 +129,15 @@ fn referenced_paths(part: &ModelPart) -> Vec<String> {
     let items = part.items.iter().map(|item| &item.reference);
     let paths: BTreeSet<String> = components.chain(items).filter_map(|r| r.path.clone()).collect();
     paths.into_iter().collect()
+}
+
+/// The metadata of a package that stand before everything else. What follows them may be damaged.
+pub(crate) fn read_leading_metadata(
+    file: &std::path::Path,
+    limits: &ReadLimits,
+) -> Result<ModelMetadata, FileReadError> {
+    let mut package = PackageReader::open(file, limits)?;
+    let mut budget = ModelBudget::new(limits);
+    let (start, _) = package.start_part_path()?;
+    package.parse_entry(&start, |xml| model_head::parse_leading_metadata(xml, &mut budget))
 }

@@ -6,6 +6,7 @@ pub(super) mod document;
 pub(super) mod flatten;
 pub(super) mod item_contact;
 pub(super) mod model;
+pub(super) mod model_head;
 pub(super) mod model_parse;
 pub(super) mod package;
 pub(super) mod slicer_project;

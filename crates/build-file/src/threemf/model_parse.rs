@@ -9,8 +9,8 @@ use super::{
         CountedElement, ModelBudget, ModelItem, ModelMetadata, ModelObject, ModelPart, ObjectBody, ObjectKind,
         ObjectReference,
     },
-    unpack_guard::UnpackGuard,
-    xml::{DocumentStep, XmlReader},
+    model_head::{ModelXmlReader, open_model, parse_metadata},
+    xml::DocumentStep,
     xml_names::{CORE, ElementTag, NESTD, PRODUCTION, SLICE, XmlNamespace},
 };
 use crate::{FileReadError, LengthUnit, common::decimal::parse_decimal};
@@ -28,20 +28,12 @@ const KNOWN_EXTENSIONS: [&str; 9] = [
     "http://schemas.3mf.io/3dmanufacturing/productionalternatives/2021/04",
 ];
 
-type ModelXmlReader<R> = XmlReader<UnpackGuard<R>>;
-
 /// Reads a whole model part.
 pub(super) fn parse_model<R: BufRead>(
     xml: &mut ModelXmlReader<R>,
     budget: &mut ModelBudget,
 ) -> Result<ModelPart, FileReadError> {
-    loop {
-        match xml.next_step()? {
-            DocumentStep::Open(ElementTag::Model) => break,
-            DocumentStep::Open(_) | DocumentStep::End => return Err(xml.invalid_document("its root is no 3MF model")),
-            _ => {}
-        }
-    }
+    open_model(xml)?;
     let mut part = ModelPart { unit: parse_unit(xml)?, ..ModelPart::default() };
     check_required_extensions(xml)?;
     loop {
@@ -89,46 +81,6 @@ fn check_required_extensions<R: BufRead>(xml: &ModelXmlReader<R>) -> Result<(), 
             });
         }
     }
-    Ok(())
-}
-
-/// Parses a `<metadata>` element; keeps names without a namespace and our own. Texts for people do not affect the
-/// shape: of two with the same name the first one counts, and one without a name or with an undeclared prefix is
-/// ignored. Our own names determine what is proved of a build, so each may appear only once.
-fn parse_metadata<R: BufRead>(
-    xml: &mut ModelXmlReader<R>,
-    budget: &mut ModelBudget,
-    into: &mut ModelMetadata,
-) -> Result<(), FileReadError> {
-    let Some(name) = xml.plain_attribute("name").map(str::to_owned) else {
-        budget.odd_metadata += 1;
-        return xml.skip_element();
-    };
-    let (space, local) = match name.split_once(':') {
-        None => (XmlNamespace::None, name.as_str()),
-        Some((prefix, local)) => match xml.namespace_uri(prefix) {
-            Some(namespace) => (XmlNamespace::from_uri(&namespace), local),
-            None => {
-                budget.odd_metadata += 1;
-                return xml.skip_element();
-            }
-        },
-    };
-    let value = xml.text_inside()?;
-    if !matches!(space, XmlNamespace::None | XmlNamespace::Nestd) {
-        return Ok(());
-    }
-    budget.take_amount(CountedElement::MetadataBytes, (local.len() + value.len() + 64) as u64)?;
-    // A valid group has each name once. The search for duplicates is bounded, so that a hostile file cannot cost much
-    // time.
-    if into.0.len() < 100 && into.0.iter().any(|(s, n, _)| *s == space && n == local) {
-        if space == XmlNamespace::Nestd {
-            return Err(xml.invalid_document(&format!("it has the metadata {name:?} twice")));
-        }
-        budget.odd_metadata += 1;
-        return Ok(());
-    }
-    into.0.push((space, local.to_owned(), value));
     Ok(())
 }
 

@@ -29,12 +29,15 @@ pub struct ClaimNote {
     /// Why the number of copies is not known; `None` = it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unclear: Option<String>,
+    /// Copies wanted of each solid of the file when something was last decided about it; none of a refused one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub wanted: BTreeMap<u32, u32>,
 }
 
 impl ClaimNote {
     /// The note of a claim; `unclear` = why the number of copies is not known.
     pub fn new(farm: &str, part: NewPartRow, unclear: Option<&TicketError>) -> Self {
-        Self { farm: farm.to_owned(), part, unclear: unclear.map(ToString::to_string) }
+        Self { farm: farm.to_owned(), part, unclear: unclear.map(ToString::to_string), wanted: BTreeMap::new() }
     }
 
     /// The note of a part whose original was fetched from the archive.
@@ -51,6 +54,7 @@ impl ClaimNote {
             read_unit: part.measures.read_unit,
             note: part.terms.note.clone(),
         };
+        let wanted = BTreeMap::from([(part.solid.object_index, part.wanted_copies())]);
         let part = NewPartRow {
             claim: part.file.claim.clone(),
             profile: part.profile.clone(),
@@ -63,7 +67,12 @@ impl ClaimNote {
             ticket: None,
             dropped: DroppedFile::default(),
         };
-        Self { farm: farm.to_owned(), part, unclear: None }
+        Self { farm: farm.to_owned(), part, unclear: None, wanted }
+    }
+
+    /// The note of a claim beside its stored file; `None` = there is none, or it cannot be read.
+    pub fn read(store: &ContentStore, hash: &str, claim: &str) -> Option<Self> {
+        serde_json::from_str(&fs::read_to_string(store.note_path(hash, claim).ok()?).ok()?).ok()
     }
 
     /// The text of the file in the store.

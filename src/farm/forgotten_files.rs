@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use super::{
     claim_note::{ClaimNote, ForgottenFile},
     error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, reason_text},
+    newer_decisions::{how_to_take_back, wanted_then},
     reconcile_report::{
         DECIDED_SINCE, DeferredFolderStep, ErrorFolderIndex, ReconcileReport, UNKNOWN_FILES_DIR, copy_to_error_folder,
     },
@@ -72,6 +73,10 @@ impl ForgottenFileRecovery<'_> {
         let (part, name) = (&taken.part, one.display_name());
         let id = self.ledger.record_claim(part).await?.id;
         let lies = self.refused.files_with_content(&part.profile, &one.hash).first().cloned();
+        let wanted = match taken.wanted.values().collect::<Vec<_>>()[..] {
+            [&wanted] if wanted != part.copies => Some(wanted),
+            _ => None,
+        };
         let (cause, why) = match (&taken.unclear, &lies) {
             (_, Some(_)) => (
                 RefusalCause::Other,
@@ -84,7 +89,9 @@ impl ForgottenFileRecovery<'_> {
                 RefusalCause::Other,
                 "A build file in the queue holds the same file, so it may be printed already.".to_owned(),
             ),
-            (None, None) if one.decisions > 0 => (RefusalCause::Other, format!("{DECIDED_SINCE}.")),
+            (None, None) if one.decisions > 0 => {
+                (RefusalCause::Other, format!("{DECIDED_SINCE}{}.", wanted_then(wanted)))
+            }
             (None, None) => {
                 let copies = if part.copies == 1 { "1 copy".to_owned() } else { format!("{} copies", part.copies) };
                 self.report.done.push(format!(
@@ -100,7 +107,11 @@ impl ForgottenFileRecovery<'_> {
         if !one.is_in_work || lies.is_some() {
             self.show_in_error_folder(&row, lies)?;
         }
-        self.report.doubts.push(format!("part {id} ({name}) is not printed. {why}"));
+        let told = match one.decisions {
+            0 => why.trim_end_matches('.').to_owned(),
+            _ => format!("{why} {}", how_to_take_back(id, wanted)),
+        };
+        self.report.doubts.push(format!("part {id} ({name}) is not printed. {told}"));
         Ok(())
     }
 

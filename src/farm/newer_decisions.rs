@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
 
-use super::reconcile_report::ReconcileReport;
+use super::{claim_note::ClaimNote, reconcile_report::ReconcileReport};
 use crate::{
-    intake::StoredContent,
-    ledger::{ClaimDecisions, Ledger, PartId, PartRow},
+    intake::{ContentStore, StoredContent},
+    ledger::{ClaimDecisions, Ledger, PartId, PartRow, PartState},
     settings::Settings,
 };
 
@@ -16,6 +16,8 @@ use crate::{
 #[derive(Debug, Default)]
 pub(super) struct NewerDecisions {
     claims: BTreeMap<String, ClaimDecisions>,
+    /// Copies wanted of each solid of them at the last decision, as their notes say.
+    wanted: BTreeMap<String, BTreeMap<u32, u32>>,
     /// Parts that were reported to a person.
     reported: BTreeSet<PartId>,
 }
@@ -57,7 +59,12 @@ impl NewerDecisions {
     ) -> Result<Self> {
         let claims =
             find_newer_decisions(settings, ledger, kept).await?.into_iter().map(|claim| (claim.claim.clone(), claim));
-        let since = Self { claims: claims.collect(), reported: BTreeSet::new() };
+        let mut since = Self { claims: claims.collect(), ..Self::default() };
+        let store = ContentStore::from_dir(settings.state_dir.join("store"));
+        let noted = kept.iter().flat_map(|(hash, kept)| kept.claims.keys().map(move |claim| (hash, claim)));
+        for (hash, claim) in noted.filter(|(_, claim)| since.claims.contains_key(*claim)) {
+            since.wanted.extend(ClaimNote::read(&store, hash, claim).map(|note| (claim.clone(), note.wanted)));
+        }
         let ids: Vec<String> = since.claims.keys().cloned().collect();
         for build in ledger.nesting_builds_of_claims(&ids).await? {
             ledger.fail_build(build, "the ledger was put back from a backup").await?;
@@ -69,6 +76,12 @@ impl NewerDecisions {
     /// Whether a newer decision concerns this part or another one of its file.
     pub fn contains_part(&self, part: &PartRow) -> bool {
         self.claims.contains_key(&part.file.claim)
+    }
+
+    /// How many copies of a part were wanted at the last decision, where its note says another number than the ledger.
+    pub fn wanted_since(&self, part: &PartRow) -> Option<u32> {
+        let wanted = *self.wanted.get(&part.file.claim)?.get(&part.solid.object_index)?;
+        (wanted != part.wanted_copies()).then_some(wanted)
     }
 
     /// Reports the result for a part to a person.
@@ -91,13 +104,50 @@ impl NewerDecisions {
                 continue;
             }
             found.doubts.extend(parts.first().map(|part| {
+                let wanted = self.wanted_since(part);
                 format!(
-                    "part {} ({}) is {}: it was refused, cancelled, taken back or changed after the backup was made. `nestd retry {0}` \
-                     takes it back, `nestd cancel {0}` cancels it and `nestd edit {0}` changes it, where it should be otherwise",
-                    part.id, part.name, part.state
+                    "part {} ({}) is {}: it was refused, cancelled, taken back or changed after the backup was made{}. {}",
+                    part.id,
+                    part.name,
+                    part.state,
+                    wanted_then(wanted),
+                    remedy(part, wanted)
                 )
             }));
         }
         Ok(())
+    }
+}
+
+/// How many copies were wanted, where it is another number, as the end of a sentence.
+pub(super) fn wanted_then(wanted: Option<u32>) -> String {
+    match wanted {
+        Some(1) => ", and 1 copy of it was wanted then".to_owned(),
+        Some(copies) => format!(", and {copies} copies of it were wanted then"),
+        None => String::new(),
+    }
+}
+
+/// How a part comes back that was taken out, with as many copies as were wanted.
+pub(super) fn how_to_take_back(part: PartId, wanted: Option<u32>) -> String {
+    let edit = wanted.map(|copies| format!(", and then `nestd edit {part} --copies {copies}` wants as many"));
+    format!("`nestd retry {part}` takes it back{}", edit.unwrap_or_default())
+}
+
+/// What helps where a part should be otherwise.
+fn remedy(part: &PartRow, wanted: Option<u32>) -> String {
+    let (id, copies) = (part.id, wanted.map_or_else(|| "N".to_owned(), |copies| copies.to_string()));
+    match part.state {
+        PartState::Rejected => how_to_take_back(id, wanted),
+        PartState::Claimed | PartState::Waiting => {
+            format!(
+                "`nestd edit {id} --copies {copies}` wants as many, and `nestd cancel {id}` takes it out, where it should be otherwise"
+            )
+        }
+        PartState::Batched | PartState::Built => {
+            format!(
+                "`nestd reprint {id}=N` prints copies of it again, and `nestd edit {id} --copies {copies}` wants as many in all, where it should be otherwise"
+            )
+        }
     }
 }

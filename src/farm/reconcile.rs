@@ -16,7 +16,7 @@ use serde_json::json;
 use super::{
     build_record, claim_note, error_folder,
     folder_builds::{self, FolderExpectations},
-    newer_decisions::NewerDecisions,
+    newer_decisions::{NewerDecisions, how_to_take_back, wanted_then},
     order_notes,
     reconcile_report::{DECIDED_SINCE, DeferredFolderStep, ErrorFolderIndex, ReconcileReport, copy_to_error_folder},
 };
@@ -286,7 +286,7 @@ async fn reject_refused_parts(
             () if !is_stored => {
                 "Its file is no longer kept: it was built, refused or cancelled after the backup was made".to_owned()
             }
-            () if is_decided => DECIDED_SINCE.to_owned(),
+            () if is_decided => format!("{DECIDED_SINCE}{}", wanted_then(since.wanted_since(&part))),
             () => continue,
         } + ".";
         if let Err(error) = reject_part(ledger, &part, &why).await {
@@ -307,7 +307,7 @@ async fn reject_refused_parts(
             copy_to_error_folder(settings, profile, &part)?;
         }
         let back = match is_stored {
-            true => format!("`nestd retry {}` takes it back", part.id),
+            true => how_to_take_back(part.id, since.wanted_since(&part)),
             false if is_in_error => "To print it, drop the file that lies in the error folder again".to_owned(),
             false => "To print it all the same, drop its file again".to_owned(),
         };

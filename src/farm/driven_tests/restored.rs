@@ -6,7 +6,10 @@ use super::{HandDrivenFarm, PROFILE, QUICK, block, stl};
 use crate::{
     farm::{note_order, update_order_notes},
     intake::{PutContents, ordered_claim_id},
-    ledger::{AnsweredRequest, CommandKind, NewOrderRequest, OrderedLine, PartEdit, PartId, PartState},
+    ledger::{
+        AnsweredRequest, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
+        ReprintTarget,
+    },
 };
 
 fn publish(farm: &mut HandDrivenFarm, builds: usize) {
@@ -123,6 +126,57 @@ fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_afte
         farm.pass_secs(2.0);
         farm.assert_ledger_agrees_with_folders();
     }
+}
+
+#[test]
+fn the_copies_that_a_late_ticket_asked_for_are_named_with_a_remedy_that_brings_them_back() {
+    // Whether the ledger knew the part before the ticket came.
+    for is_known in [true, false] {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let mut backup = farm.write_backup("before");
+        farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        if is_known {
+            backup = farm.write_backup("known");
+        }
+        farm.drop_bytes("bracket.stl.toml", b"copies = 9\n");
+        farm.pass_until("it is applied", |farm| farm.parts(PartState::Waiting)[0].wanted_copies() == 9);
+        farm.pass_secs(1.0);
+        farm.stop();
+        let told = farm.restore(&backup).doubts.join("\n");
+        assert!(told.contains("bracket.stl") && told.contains("9 copies of it were wanted then"), "{told}");
+        farm.start();
+        let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0).id;
+        assert!(told.contains(&format!("`nestd retry {part}` takes it back")), "{told}");
+        assert!(told.contains(&format!("`nestd edit {part} --copies 9`")), "{told}");
+        farm.order_and_wait(CommandKind::Retry, Some(part));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        edit(&farm, part, 9);
+        publish(&mut farm, 1);
+        farm.assert_nothing_lost_or_doubled();
+    }
+}
+
+#[test]
+fn of_a_part_that_is_built_a_restore_names_words_that_can_be_said() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    let backup = farm.write_backup("backup");
+    publish(&mut farm, 1);
+    fs::remove_file(&farm.queued()[0]).unwrap();
+    let again = OperatorWord::Reprint(ReprintTarget::Part(part, Some(1)));
+    farm.say(&again, false).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(2.0);
+    farm.stop();
+    let told = farm.restore(&backup).doubts.join("\n");
+    assert!(told.contains("is built") && !told.contains("nestd retry"), "{told}");
+    assert!(told.contains(&format!("`nestd reprint {part}=N` prints copies of it again")), "{told}");
+    farm.start();
+    farm.say(&again, false).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    publish(&mut farm, 1);
 }
 
 /// Records an order of two lines as the door does, and its note.

@@ -57,6 +57,9 @@ pub struct NewOrderRequest {
 pub enum RecordedRequest {
     /// It is recorded now.
     New,
+    /// It is recorded now, and was carried out before: its lines are there. Its key was forgotten, or the ledger was put back to an earlier
+    /// time.
+    NewAgain,
     /// A request with this key was carried out before.
     Known(AnsweredRequest),
 }
@@ -85,11 +88,12 @@ impl Ledger {
             return Ok(RecordedRequest::Known(known));
         }
         change.write_request_key(&order.client, &order.key, &order.answered).await?;
+        let mut is_known = false;
         for line in &order.lines {
-            insert_line(&mut change, line).await?;
+            is_known |= !insert_line(&mut change, line).await?;
         }
         change.commit().await?;
-        Ok(RecordedRequest::New)
+        Ok(if is_known { RecordedRequest::NewAgain } else { RecordedRequest::New })
     }
 
     /// The lines for a machine of which the ledger has no part, oldest first, at most `most`.
@@ -185,12 +189,13 @@ impl Ledger {
     }
 }
 
-async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()> {
+/// Records a line, unless it is recorded. `false` = it is, or its part is there.
+async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<bool> {
     let now = change.now;
-    sql::query(
+    let is_new: Option<bool> = sql::query_scalar(
         "INSERT INTO ordered_line (claim, client, profile, order_name, name, content_hash, copies, ticket, ordered_at, read_unit, taken_at) \
          VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, (SELECT max(p.claimed_at) FROM part p WHERE p.claim = $1)) \
-         ON CONFLICT (claim) DO NOTHING",
+         ON CONFLICT (claim) DO NOTHING RETURNING taken_at IS NULL",
     )
     .bind(&line.claim)
     .bind(&line.client)
@@ -202,9 +207,9 @@ async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<()
     .bind(&line.ticket)
     .bind(now)
     .bind(line.read_unit)
-    .execute(change.db())
+    .fetch_optional(change.db())
     .await?;
-    Ok(())
+    Ok(is_new.unwrap_or(false))
 }
 
 impl LedgerChange {

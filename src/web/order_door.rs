@@ -139,9 +139,12 @@ async fn take_order(
     judge_lines(web, profile, &lines).await?;
     let new = new_order(client, key, fingerprint, &order, lines, profile.intake.unit)?;
     match web.ledger.record_order_request(&new).await? {
-        RecordedRequest::New => {
+        recorded @ (RecordedRequest::New | RecordedRequest::NewAgain) => {
             farm::note_order(&web.ledger, &settings.state_dir, &new.client, &new.key, &new.answered).await?;
-            Ok(accepted(new.answered.answer))
+            Ok(match recorded == RecordedRequest::NewAgain {
+                true => replayed(new.answered.answer),
+                false => accepted(new.answered.answer),
+            })
         }
         RecordedRequest::Known(known) => answer_again(web, client, &new.key, &known, &new.answered.fingerprint).await,
     }
@@ -179,6 +182,11 @@ fn accepted(answer: String) -> Response {
     (StatusCode::ACCEPTED, [(header::CONTENT_TYPE, "application/json")], answer).into_response()
 }
 
+/// The same answer, once more.
+fn replayed(answer: String) -> Response {
+    ([(REPLAYED_HEADER, "true")], accepted(answer)).into_response()
+}
+
 async fn answer_again(
     web: &DashboardState,
     client: &RequestClient,
@@ -191,7 +199,7 @@ async fn answer_again(
     }
     // The daemon may have ended before it was noted.
     farm::note_order(&web.ledger, &web.current_settings().state_dir, client.key_name(), key, known).await?;
-    Ok(([(REPLAYED_HEADER, "true")], accepted(known.answer.clone())).into_response())
+    Ok(replayed(known.answer.clone()))
 }
 
 /// Reads a request: JSON, or a form with the JSON as `order` and files, which are named as their lines are.

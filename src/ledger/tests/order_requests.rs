@@ -72,7 +72,7 @@ async fn keys_are_forgotten_after_their_time_and_lines_once_they_are_parts() {
     assert_eq!(ledger.find_answered_request("mes", "k").await.unwrap(), None);
     assert_eq!(ledger.arriving_lines("paper-200", 100).await.unwrap().len(), 1, "it is still owed");
     let again = order("mes", "k", "f", &["order-1", "order-2"]);
-    assert_eq!(ledger.record_order_request(&again).await.unwrap(), RecordedRequest::New);
+    assert_eq!(ledger.record_order_request(&again).await.unwrap(), RecordedRequest::NewAgain);
     assert_eq!(ledger.arriving_lines("paper-200", 100).await.unwrap().len(), 1, "and is not owed twice");
 }
 

@@ -21,7 +21,7 @@ use super::{
     crash::KillAfterChanges,
     life_cycle::{BUSY_MACHINE, FARM},
     pool::{catch_panic, in_parallel, spread_order},
-    section_result::SectionResult,
+    section_result::{ActionCounts, DOUBLED, LOST, SectionResult},
     support::{PROFILE, TestFarm, block, http::send_request, stl},
     trace::{TracedDaemon, is_allowed},
 };
@@ -51,6 +51,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     rows.extend(in_parallel(farms, budget, |seed| catch_panic(&format!("farm {seed}"), || kill_often(seed, budget))));
     let sum = SectionResult::sum(&rows);
     SectionResult {
+        counts: ActionCounts { kills: sum.faults, ..sum.counts },
         note: format!(
             "orders over HTTP: killed after the n-th changing call at {points} points, and at random moments"
         ),
@@ -140,7 +141,9 @@ impl OrderingProgram {
             let asked: Vec<(String, u32)> =
                 copies.iter().enumerate().map(|(at, copies)| (format!("part{at}.stl"), *copies)).collect();
             if found != asked {
-                broken.push(format!("order {key}: asked for {asked:?}, made {found:?}\n{}", self.farm.log()));
+                let sum = |lines: &[(String, u32)]| lines.iter().map(|(_, copies)| copies).sum::<u32>();
+                let kind = if sum(&found) < sum(&asked) { LOST } else { DOUBLED };
+                broken.push(format!("{kind}: order {key}: asked for {asked:?}, made {found:?}\n{}", self.farm.log()));
             }
         }
         // It may be nesting, which does not matter here.
@@ -148,7 +151,8 @@ impl OrderingProgram {
         broken.extend(self.farm.broken_invariants(&self.expectations));
         let files = self.orders.len() as u64 * u64::from(LINES);
         let builds = self.farm.queued().len() as u64;
-        SectionResult { files, builds, broken, ..SectionResult::default() }
+        let counts = ActionCounts { door_orders: self.orders.len() as u64, ..ActionCounts::default() };
+        SectionResult { files, builds, counts, broken, ..SectionResult::default() }
     }
 
     /// The parts that are past their claim, while no claim stands any more.

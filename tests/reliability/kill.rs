@@ -20,7 +20,7 @@ use super::{
     life_cycle::{self, BUSY_MACHINE},
     pool::{catch_panic, in_parallel},
     printer::ScriptedPrinter,
-    section_result::SectionResult,
+    section_result::{ActionCounts, DOUBLED, LOST, SectionResult},
     support::{PROFILE, TestFarm, block, stl},
 };
 
@@ -50,6 +50,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     SectionResult {
         points: faults,
         faults,
+        counts: ActionCounts { kills: faults, ..ActionCounts::default() },
         note: format!("kill -9 under load, on {} farms", rows.len()),
         ..SectionResult::sum(&rows)
     }
@@ -165,7 +166,7 @@ impl KilledFarm {
         for (name, placed) in self.printer.take_builds(&self.farm, &mut self.broken) {
             for copy in placed.into_iter().map(|p| (p.part_number.unwrap(), p.copy.unwrap())) {
                 if !self.copies.insert(copy.clone()) {
-                    self.broken.push(format!("I2: copy {copy:?} is in {name} and in an earlier build"));
+                    self.broken.push(format!("I2, {DOUBLED}: copy {copy:?} is in {name} and in an earlier build"));
                 }
             }
         }
@@ -191,7 +192,8 @@ impl KilledFarm {
         self.broken.extend(self.farm.broken_invariants(&expectations));
         let wanted: u32 = self.wanted.values().sum();
         if self.copies.len() as u32 != wanted {
-            self.broken.push(format!("I2: {wanted} copies were asked, the printer got {}", self.copies.len()));
+            let kind = if (self.copies.len() as u32) < wanted { LOST } else { DOUBLED };
+            self.broken.push(format!("I2, {kind}: {wanted} copies were asked, the printer got {}", self.copies.len()));
         }
         let seed = self.seed;
         SectionResult {

@@ -101,7 +101,7 @@ fn main() -> ExitCode {
         rows.push(row);
     }
     let table = table::table(&rows);
-    println!("\n{table}");
+    println!("\n{table}\n{}\n", SectionResult::sum(&rows).summary());
     if asked.is_whole() {
         table::write_document(&rows, asked.minutes.unwrap_or_default());
     }

@@ -25,7 +25,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     budget::SectionBudget,
     pool::{catch_panic, in_parallel, seed},
-    section_result::SectionResult,
+    section_result::{ActionCounts, LOST, SectionResult, WRONG_IN_SIZE},
     support::{PROFILE, TestFarm, farm_files::list_build_files},
 };
 use asked::{Asked, CopiesByFile, DroppedLine, TakenBuild};
@@ -52,6 +52,7 @@ const REST_SECS: u64 = 120;
 struct RunTotals {
     operations: AtomicU64,
     kills: AtomicU64,
+    edits: AtomicU64,
 }
 
 pub fn run(budget: &SectionBudget) -> SectionResult {
@@ -69,6 +70,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     SectionResult {
         points: operations,
         faults,
+        counts: ActionCounts { kills: faults, edits: totals.edits.into_inner(), ..ActionCounts::default() },
         note: format!("{operations} operations and {faults} kills on {} farms; NESTD_SEED={first}", rows.len()),
         ..SectionResult::sum(&rows)
     }
@@ -219,7 +221,7 @@ impl OrdersFarm {
                 let is_asked =
                     (ratio - 1.0).abs() < 1e-3 || (ratio - 10.0).abs() < 1e-2 && self.operations.iter().any(in_cm);
                 if !is_asked {
-                    self.broken.push(format!("{} was printed {ratio:.3} times as large as it is", line.name));
+                    self.broken.push(format!("{WRONG_IN_SIZE}: {} was printed {ratio:.3} times as large", line.name));
                 }
             }
             *copies.entry(hash).or_default() += 1;
@@ -253,6 +255,8 @@ impl OrdersFarm {
         }
         totals.operations.fetch_add(self.operations.len() as u64, Ordering::Relaxed);
         totals.kills.fetch_add(self.kills, Ordering::Relaxed);
+        let edits = self.operations.iter().filter(|asked| matches!(asked, Asked::Edit { .. })).count();
+        totals.edits.fetch_add(edits as u64, Ordering::Relaxed);
         let (seed, story) = (self.seed, self.story.join("\n  "));
         if !self.broken.is_empty() {
             let parts = self.told_of_broken_parts();
@@ -334,7 +338,7 @@ impl OrdersFarm {
         let dropped = self.lines.keys().filter(|hash| !asked.contains_key(*hash));
         let mut broken = replay.broken.clone();
         if at_rest {
-            broken.extend(dropped.map(|hash| format!("LOST: {} is not in the ledger", self.lines[hash].name)));
+            broken.extend(dropped.map(|hash| format!("{LOST}: {} is not in the ledger", self.lines[hash].name)));
         }
         let expectations = InvariantExpectations {
             at_rest,

@@ -20,7 +20,7 @@ use super::{
     life_cycle::{self, BUSY_MACHINE},
     pool::{catch_panic, in_parallel, seed},
     printer::ScriptedPrinter,
-    section_result::SectionResult,
+    section_result::{ActionCounts, DOUBLED, LOST, SectionResult, WRONG_IN_SIZE},
     support::{PROFILE, TestFarm, block, stl},
 };
 
@@ -72,11 +72,14 @@ struct StormFarm {
     dropped: u64,
     /// By content.
     expected: BTreeMap<String, ExpectedContent>,
+    /// Sizes of the parts, mm, by content.
+    sizes: BTreeMap<String, [f64; 3]>,
     /// Dropped contents, to be dropped again.
     contents: Vec<Vec<u8>>,
     /// Copies in the build files that the printer took, by content.
     printed: BTreeMap<String, u32>,
     printer: ScriptedPrinter,
+    counts: ActionCounts,
     backups: Vec<PathBuf>,
     /// Everything that `restore` reported for a person to look at.
     doubts: String,
@@ -92,9 +95,11 @@ impl StormFarm {
             seed,
             dropped: 0,
             expected: BTreeMap::new(),
+            sizes: BTreeMap::new(),
             contents: Vec::new(),
             printed: BTreeMap::new(),
             printer: ScriptedPrinter::default(),
+            counts: ActionCounts::default(),
             backups: Vec::new(),
             doubts: String::new(),
             history: Vec::new(),
@@ -115,6 +120,7 @@ impl StormFarm {
             std::thread::sleep(Duration::from_millis(self.rng.random_range(2..max_ms)));
             self.farm.kill();
             all.fetch_add(1, Ordering::Relaxed);
+            self.counts.kills += 1;
             self.history.push("kill".to_owned());
             if self.rng.random_bool(0.3) {
                 self.take_printed_files();
@@ -126,7 +132,7 @@ impl StormFarm {
     }
 
     fn run_random_action(&mut self) {
-        match self.rng.random_range(0..16) {
+        match self.rng.random_range(0..17) {
             0..=5 => self.drop_random_part(),
             6 => self.drop_order_list(),
             7 => self.cancel_part(),
@@ -141,6 +147,7 @@ impl StormFarm {
                 self.farm.reload();
             }
             14 => self.take_printed_files(),
+            15 => self.edit_part(),
             _ => self.make_backup(),
         }
     }
@@ -158,12 +165,14 @@ impl StormFarm {
             return (self.contents[again].clone(), false);
         }
         let is_bad = self.rng.random_bool(0.1);
-        let (n, size) = (self.dropped as f64, self.rng.random_range(5..25));
+        let n = self.dropped as f64;
+        let size @ [x, y, z] = [12.0, 9.0 + n * 0.01, f64::from(self.rng.random_range(5..25))];
         let bytes = match is_bad {
             true => format!("solid nonsense {n}\nendsolid\n").into_bytes(),
-            false => stl(&block(12.0, 9.0 + n * 0.01, f64::from(size))),
+            false => stl(&block(x, y, z)),
         };
         if !is_bad {
+            self.sizes.insert(hash(&bytes), size);
             self.contents.push(bytes.clone());
         }
         (bytes, is_bad)
@@ -233,6 +242,18 @@ impl StormFarm {
         self.run_command(&["cancel", &part.id.to_string()]);
     }
 
+    /// Wants another number of copies of a part that waits. A kill may come before or after, so either number may be printed.
+    fn edit_part(&mut self) {
+        let Some(part) = self.pick_part(PartState::Waiting) else { return };
+        let (before, after): (u32, u32) = (part.wanted_copies(), self.rng.random_range(1..5));
+        if let Some(expected) = self.expected.get_mut(&part.file.content_hash) {
+            expected.copies += after.saturating_sub(before);
+            expected.cancelled += after.abs_diff(before);
+        }
+        self.counts.edits += 1;
+        self.run_command(&["edit", &part.id.to_string(), "--copies", &after.to_string()]);
+    }
+
     fn retry_part(&mut self) {
         let Some(part) = self.pick_part(PartState::Rejected) else { return };
         self.run_command(&["retry", &part.id.to_string()]);
@@ -242,8 +263,12 @@ impl StormFarm {
         // The copies of a failed print are printed again unless it is told otherwise; this section counts each once.
         let outcomes: [&[&str]; 3] = [&["complete"], &["interrupted"], &["failed", "--keep"]];
         let outcome = outcomes[self.rng.random_range(0..3)];
-        let build = self.rng.random_range(1..=self.printer.taken.len().max(1)).to_string();
-        self.run_command(&[&["outcome", build.as_str(), "--anyway"], outcome].concat());
+        // Of one that the printer took: who insists on one that lies in the queue has it taken out of the queue.
+        let taken: Vec<&String> = self.printer.taken.iter().collect();
+        let Some(name) = taken.get(self.rng.random_range(0..taken.len().max(1))) else { return };
+        let number = name.trim_end_matches(".build.3mf").rsplit_once('_').map_or("1", |(_, number)| number);
+        let build = number.trim_start_matches('0').to_owned();
+        self.run_command(&[&["outcome", build.as_str()], outcome].concat());
     }
 
     fn make_backup(&mut self) {
@@ -267,6 +292,12 @@ impl StormFarm {
         if !output.status.success() {
             self.broken.push(format!("restoring failed: {output_text}"));
         }
+        self.counts.restores += 1;
+        let checked = self.farm.nestd(&["check", "--deep"]);
+        let checked_text = text(&checked);
+        if !checked_text.contains("I1 to I5 hold") {
+            self.broken.push(format!("the deep check after a restore finds something: {checked_text}"));
+        }
         self.doubts += &output_text.lines().filter(|line| line.contains("LOOK AT")).collect::<Vec<_>>().join("\n");
         self.doubts += "\n";
     }
@@ -275,6 +306,11 @@ impl StormFarm {
     fn take_printed_files(&mut self) {
         for (name, placed) in self.printer.take_builds(&self.farm, &mut self.broken) {
             for copy in placed {
+                let size = copy.mesh.bounds().size().to_array();
+                let dropped = copy.source_hash.as_ref().and_then(|hash| self.sizes.get(hash));
+                if dropped.is_some_and(|dropped| dropped.iter().zip(size).any(|(a, b)| (a - b).abs() > 0.01)) {
+                    self.broken.push(format!("{WRONG_IN_SIZE}: {size:?} mm in {name}, dropped as {dropped:?}"));
+                }
                 *self.printed.entry(copy.source_hash.unwrap_or_default()).or_default() += 1;
             }
             self.history.push(format!("print {name}"));
@@ -307,6 +343,7 @@ impl StormFarm {
         SectionResult {
             files: self.dropped,
             builds: self.printer.taken.len() as u64,
+            counts: self.counts,
             broken: self.broken.iter().map(|text| format!("NESTD_SEED={seed}: {text}")).collect(),
             ..SectionResult::default()
         }
@@ -334,7 +371,7 @@ impl StormFarm {
             let printed = self.printed.remove(content).unwrap_or_default();
             let about = format!("{content} ({:?})", expected.names);
             if printed > expected.copies || (expected.is_bad && printed > 0) {
-                self.broken.push(format!("DOUBLED: {about}: {printed} copies printed, {} asked", expected.copies));
+                self.broken.push(format!("{DOUBLED}: {about}: {printed} copies printed, {} asked", expected.copies));
             }
             let missing = expected.copies.saturating_sub(printed);
             let is_named = refused.contains(content)
@@ -342,7 +379,7 @@ impl StormFarm {
                 || expected.names.iter().any(|name| self.doubts.contains(name.as_str()));
             if missing > 0 && !is_named && missing > expected.cancelled {
                 self.broken.push(format!(
-                    "LOST: {about}: {printed} copies printed, {} asked, {} cancelled, and nobody was told",
+                    "{LOST}: {about}: {printed} copies printed, {} asked, {} cancelled, and nobody was told",
                     expected.copies, expected.cancelled
                 ));
             }

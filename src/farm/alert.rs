@@ -114,6 +114,11 @@ impl AlertKind {
         }
     }
 
+    /// Whether the ledger cannot be reached or changed, until that is over by itself.
+    pub(super) fn cuts_ledger_off(self) -> bool {
+        matches!(self, Self::LedgerLocked | Self::LedgerUnreachable | Self::RepairDue)
+    }
+
     /// Every kind.
     pub const ALL: [Self; 38] = [
         Self::LedgerDamaged,

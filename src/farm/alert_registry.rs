@@ -37,11 +37,25 @@ const MAX_LISTED_ALERTS: usize = 8;
 /// What is wrong with each service, by alert and name; `None` = it works.
 type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;
 
+/// What the other services of the daemon may do with the ledger.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum ServicePhase {
+    /// Nothing yet: the farm has not found it intact.
+    #[default]
+    Opening,
+    /// Use it.
+    Open,
+    /// Nothing any more, and why, with the remedy: the farm has halted because of it.
+    Halted(String),
+    /// Nothing any more: the farm closes it.
+    Closed,
+}
+
 /// Connects the farm with the other services of the daemon; usable from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct ServiceBridge {
     reports: Arc<Mutex<ServiceReports>>,
-    is_open: watch::Sender<bool>,
+    phase: watch::Sender<ServicePhase>,
 }
 
 impl ServiceBridge {
@@ -56,20 +70,37 @@ impl ServiceBridge {
     }
 
     /// Runs work that uses the ledger: starts it once the farm has found the ledger intact, and stops it when the farm
-    /// begins to close the ledger.
+    /// begins to close the ledger, or halts.
     pub async fn run_while_open(&self, work: impl Future<Output = ()>) {
-        let (mut opens, mut closes) = (self.is_open.subscribe(), self.is_open.subscribe());
-        if opens.wait_for(|is_open| *is_open).await.is_ok() {
+        self.run_until(|phase| *phase != ServicePhase::Open, work).await;
+    }
+
+    /// Same as [`ServiceBridge::run_while_open`] for work that goes on while the farm is halted, and does not use the ledger then.
+    pub async fn run_until_closed(&self, work: impl Future<Output = ()>) {
+        self.run_until(|phase| *phase == ServicePhase::Closed, work).await;
+    }
+
+    async fn run_until(&self, is_over: impl FnMut(&ServicePhase) -> bool, work: impl Future<Output = ()>) {
+        let (mut begins, mut ends) = (self.phase.subscribe(), self.phase.subscribe());
+        if begins.wait_for(|phase| *phase == ServicePhase::Open).await.is_ok() {
             tokio::select! {
                 () = work => {}
-                _ = closes.wait_for(|is_open| !is_open) => {}
+                _ = ends.wait_for(is_over) => {}
             }
         }
     }
 
-    /// Sets whether the farm is open.
-    pub fn set_open(&self, is_open: bool) {
-        self.is_open.send_replace(is_open);
+    /// Tells the services what they may do.
+    pub fn set_phase(&self, phase: ServicePhase) {
+        self.phase.send_replace(phase);
+    }
+
+    /// Why the farm has halted, with the remedy; `None` = it has not.
+    pub fn halt_reason(&self) -> Option<String> {
+        match &*self.phase.borrow() {
+            ServicePhase::Halted(why) => Some(why.clone()),
+            _ => None,
+        }
     }
 
     fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {

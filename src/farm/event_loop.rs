@@ -5,10 +5,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use nester::SearchBudget;
+use tokio::time::timeout;
 use tracing::{info, warn};
 
 use super::{
-    alert_registry::ServiceBridge,
+    alert_registry::{ServiceBridge, ServicePhase},
     batch, build_move, claim_completion, clock_changes, commands, damaged_files,
     farm::{Farm, TICK_INTERVAL},
     fetch_originals, folder_comparison, hurried_scans,
@@ -28,8 +29,10 @@ use super::{
 };
 use crate::ledger::{Ledger, LedgerError};
 
-/// How long an orderly stop waits for jobs; the service manager allows 10 s.
+/// How long an orderly stop waits for jobs; the service manager allows 15 s.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(8);
+/// How long it then waits for its last changes, and again to close the ledger. Another process may hold that.
+const LAST_CHANGES_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum number of events between two ticks, so that commands and signals are handled in between.
 const MAX_EVENTS_PER_TICK: usize = 64;
 /// While files are read one after the other, the other steps run only at this interval: each of them queries the
@@ -43,17 +46,21 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
     let Some(mut farm) = open::open_with_retry(load, settings, &mut signals).await? else { return Ok(()) };
     farm.lifecycle.services = outside;
     let ledger = farm.ledger.clone();
-    show_life(&ledger, run_tick(&mut farm)).await;
-    farm.lifecycle.services.set_open(!farm.lifecycle.is_halted);
-    systemd::notify_ready(&farm.display.status_line);
-    info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
-    let result = run_event_loop(&mut farm, &mut signals).await;
+    if show_life(&ledger, &mut signals, run_tick(&mut farm)).await.is_some() {
+        if !farm.lifecycle.is_halted {
+            farm.lifecycle.services.set_phase(ServicePhase::Open);
+        }
+        systemd::notify_ready(&farm.display.status_line);
+        info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
+        run_event_loop(&mut farm, &mut signals).await;
+    }
     systemd::notify_stopping();
     shut_down(&mut farm).await;
-    result
+    Ok(())
 }
 
-async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result<()> {
+/// Runs until the daemon is told to stop.
+async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
     let mut ticks = tokio::time::interval(TICK_INTERVAL);
     ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     let (ledger, mut worked_at) = (farm.ledger.clone(), Instant::now());
@@ -61,10 +68,16 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result
         let mut only_read = false;
         tokio::select! {
             signal = signals.next_signal() => match signal {
-                DaemonSignal::Stop => return Ok(()),
-                DaemonSignal::Reload => show_life(&ledger, machine_setup::reload_configuration(farm)).await,
+                DaemonSignal::Stop => return,
+                DaemonSignal::Reload => {
+                    let reload = machine_setup::reload_configuration(farm);
+                    let Some(()) = show_life(&ledger, signals, reload).await else { return };
+                }
             },
-            Some(event) = farm.jobs.next_event() => only_read = show_life(&ledger, handle_events(farm, event)).await,
+            Some(event) = farm.jobs.next_event() => {
+                let Some(read) = show_life(&ledger, signals, handle_events(farm, event)).await else { return };
+                only_read = read;
+            }
             _ = ticks.tick() => {}
         }
         if only_read && !farm.lifecycle.is_halted && worked_at.elapsed() < TICK_INTERVAL_WHILE_READING {
@@ -73,18 +86,20 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result
                 continue;
             }
         }
-        show_life(&ledger, run_tick(farm)).await;
+        let Some(()) = show_life(&ledger, signals, run_tick(farm)).await else { return };
         worked_at = Instant::now();
     }
 }
 
 /// Does work of the loop. As long as it only waits for another process to let go of the ledger, the service manager is told that the
-/// daemon lives, and by whom the ledger is held.
-async fn show_life<T>(ledger: &Ledger, work: impl Future<Output = T>) -> T {
+/// daemon lives, and by whom the ledger is held. `None` = the daemon is told to stop meanwhile: the work is cut short as by a crash, before
+/// it has changed anything.
+async fn show_life<T>(ledger: &Ledger, signals: &mut SignalListener, work: impl Future<Output = T>) -> Option<T> {
     tokio::pin!(work);
     loop {
         tokio::select! {
-            done = &mut work => return done,
+            done = &mut work => return Some(done),
+            () = signals.wait_for_stop(), if ledger.waited_for_lock().is_some() => return None,
             () = tokio::time::sleep(TICK_INTERVAL) => {
                 if let Some(holder) = ledger.waited_for_lock() {
                     systemd::notify_watchdog();
@@ -189,17 +204,18 @@ async fn handle_events(farm: &mut Farm, first: LoopEvent<Farm>) -> bool {
     only_read
 }
 
-/// Ends running searches, waits a short time for jobs, and stores the layouts found so far.
+/// Ends running searches, waits a short time for jobs, and stores the layouts found so far. What is cut short, because another process
+/// holds the ledger, is done after the next start, as after a crash.
 pub(super) async fn shut_down(farm: &mut Farm) {
     info!("The farm closes.");
-    farm.lifecycle.services.set_open(false);
+    farm.lifecycle.services.set_phase(ServicePhase::Closed);
     farm.lifecycle.is_stopping = true;
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     farm.nesting.final_searches.values().for_each(|search| search.budget.cancel());
     farm.nesting.lanes.values().for_each(SearchBudget::cancel);
     farm.machines.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
     farm.machines.values().for_each(|machine| machine.open.night.stop());
-    job_events::wait_for_jobs(farm, deadline).await;
+    let _ = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await;
     if farm.lifecycle.is_halted {
         status::write_stopped_status(farm).await;
         // Nothing is written into a damaged ledger, and it gets no checksum.
@@ -210,17 +226,21 @@ pub(super) async fn shut_down(farm: &mut Farm) {
         }
         return;
     }
-    save_found_layouts(farm).await;
     status::write_stopped_status(farm).await;
     lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    if let Err(failure) = farm.ledger.record_shutdown(&farm.settings.node.name).await {
-        warn!("The stop could not be recorded in the ledger: {failure}.");
-    }
-    match farm.ledger.close_with_checksum().await {
-        Ok(true) => {}
-        Ok(false) => info!("The ledger has no checksum; the next start checks all of it."),
-        Err(failure) => warn!("The ledger could not be closed in order: {failure}."),
+    let last_changes = async {
+        save_found_layouts(farm).await;
+        if let Err(failure) = farm.ledger.record_shutdown(&farm.settings.node.name).await {
+            warn!("The stop could not be recorded in the ledger: {failure}.");
+        }
+    };
+    let _ = timeout(LAST_CHANGES_TIMEOUT, last_changes).await;
+    match timeout(LAST_CHANGES_TIMEOUT, farm.ledger.close_with_checksum()).await {
+        Ok(Ok(true)) => {}
+        Ok(Ok(false)) => info!("The ledger has no checksum; the next start checks all of it."),
+        Ok(Err(failure)) => warn!("The ledger could not be closed in order: {failure}."),
+        Err(_) => info!("Another process holds the ledger, so it has no checksum; the next start checks all of it."),
     }
     info!("The farm is closed.");
 }

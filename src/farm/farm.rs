@@ -8,7 +8,7 @@ use nester::SearchBudget;
 
 use super::{
     alert::{AlertKind, FarmAlert},
-    alert_registry::AlertRegistry,
+    alert_registry::{AlertRegistry, ServicePhase},
     jobs::JobRunner,
     lost_ledger::ledger_alert,
     machine_state::MachineStates,
@@ -83,7 +83,9 @@ impl Farm {
 
     /// Reports a failure that is retried. If the ledger is damaged, the farm halts instead.
     pub(super) fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, failure: &anyhow::Error) {
-        match ledger_alert(failure) {
+        let ledger_alert = ledger_alert(failure);
+        self.schedule.is_cut_off |= ledger_alert.as_ref().is_some_and(|(kind, _)| kind.cuts_ledger_off());
+        match ledger_alert {
             // The next tick detects it and saves what is known.
             Some((AlertKind::LedgerReplaced, _)) => {}
             // The next tick sees it, and what failed is done again when the lock is free.
@@ -104,12 +106,15 @@ impl Farm {
     pub(super) fn halt_farm(&mut self, kind: AlertKind, why: &str) {
         if !self.lifecycle.is_halted {
             self.lifecycle.is_halted = true;
-            self.lifecycle.services.set_open(false);
             self.nesting.final_searches.values().for_each(|search| search.budget.cancel());
             self.nesting.lanes.values().for_each(SearchBudget::cancel);
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();
+            let alert = active.iter().find(|alert| alert.kind == kind).map(FarmAlert::alert_text).unwrap_or_default();
+            self.lifecycle
+                .services
+                .set_phase(ServicePhase::Halted(format!("{alert} {}", kind.remedy().trim_end_matches('.'))));
             self.display.status_line = halt_summary(&active).unwrap_or_else(|| "halted".to_owned());
             systemd::notify_status(&self.display.status_line);
         }

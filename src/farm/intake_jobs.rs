@@ -43,7 +43,12 @@ impl BackgroundJob<Farm> for PartReadJob {
     }
 
     async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
-        on_part_read(farm, self.part, outcome).await
+        let taken = on_part_read(farm, self.part, outcome).await;
+        if taken.is_err() {
+            // It is read again because of the ledger, and not because its file ended the process.
+            farm.reading.counted_reads.insert(self.part);
+        }
+        taken
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {

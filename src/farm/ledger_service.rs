@@ -1,7 +1,7 @@
 //! The right to serve the ledger. A ledger on a server is served by several nodes, each of which one process is; and it may
 //! be out of reach. While that is not clear, the daemon takes and publishes nothing.
 
-use super::{alert::AlertKind, farm::Farm, lease_clock, state_lock::host_name};
+use super::{alert::AlertKind, farm::Farm, lease_clock, scan_jobs, state_lock::host_name};
 use crate::{
     ledger::{ServerError, ServiceState, ServingNode, ServingRight},
     settings::Settings,
@@ -33,8 +33,14 @@ pub fn may_act(farm: &mut Farm) -> bool {
     if !matches!(state, ServiceState::RepairDue { .. }) {
         farm.alerts.clear(AlertKind::RepairDue, "", "");
     }
+    farm.schedule.is_cut_off |= state != ServiceState::Held;
     match state {
-        ServiceState::Held => true,
+        ServiceState::Held => {
+            if std::mem::take(&mut farm.schedule.is_cut_off) {
+                retry_at_once(farm);
+            }
+            true
+        }
         ServiceState::RepairDue { nodes } => {
             farm.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
             false
@@ -56,4 +62,13 @@ pub fn may_act(farm: &mut Farm) -> bool {
             false
         }
     }
+}
+
+/// The ledger can be reached and changed again: what failed meanwhile is done now, and not after the wait that follows a failure.
+fn retry_at_once(farm: &mut Farm) {
+    farm.schedule.step_backoff.end_waits();
+    farm.reading.backoff.end_waits();
+    farm.nesting.backoff.end_waits();
+    farm.machines.values_mut().for_each(|machine| machine.open.retry_at_once());
+    scan_jobs::schedule_scan(farm);
 }

@@ -273,6 +273,11 @@ impl OpenBuildState {
         self.tried != *wanted && rested && now.duration_since(since) >= ARRIVALS_SETTLE
     }
 
+    /// What made a search fail is over.
+    pub fn retry_at_once(&mut self) {
+        self.retry_at = None;
+    }
+
     /// Searches the same copies once more, after a while.
     pub fn retry_tried_later(&mut self, now: Instant) {
         self.tried.clear();

@@ -149,7 +149,7 @@ mod write_build;
 
 pub use adopt::adopt_claims;
 pub use alert::{AlertKind, FarmAlert};
-pub use alert_registry::{ServiceBridge, read_stored_alerts};
+pub use alert_registry::{ServiceBridge, ServicePhase, read_stored_alerts};
 pub use alert_summary::AlertSummary;
 pub use cake::{
     CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, locate_build_file,

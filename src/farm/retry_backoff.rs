@@ -50,6 +50,12 @@ impl<K: Eq + Hash> RetryBackoff<K> {
         self.waits.insert(what, (self.time.instant() + wait, wait));
     }
 
+    /// What made the operations fail is over: each is tried at once, and waits as after a first failure if it fails again.
+    pub fn end_waits(&mut self) {
+        let now = self.time.instant();
+        self.waits.values_mut().for_each(|wait| *wait = (now, FIRST_WAIT / 2));
+    }
+
     /// Number of operations whose last attempt failed.
     pub fn len(&self) -> usize {
         self.waits.len()
@@ -74,6 +80,10 @@ mod tests {
             assert!(waits.is_waiting(&"a") && waits.waits["a"].1 == Duration::from_secs(secs));
         }
         assert!(!waits.is_waiting(&"b"));
+        waits.end_waits();
+        assert!(!waits.is_waiting(&"a") && waits.is_failing(&"a"));
+        waits.record_failure("a");
+        assert!(waits.waits["a"].1 == FIRST_WAIT);
         waits.record_success(&"a");
         assert!(!waits.is_waiting(&"a") && !waits.is_failing(&"a"));
     }

@@ -131,16 +131,15 @@ async fn on_scan_done(farm: &mut Farm, name: &str, mut scan: HotFolderScan) {
     if let Err(failure) = control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await {
         farm.report_failure(AlertKind::TakingFails, name, "obeying a control file", &failure);
     }
-    if let Err((keys, failure)) = late_tickets::apply_late_tickets(farm, name, &mut scan).await {
-        farm.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
-        with_scanner(farm, name, |scanner| keys.iter().for_each(|key| scanner.offer_again(key)));
-    }
+    let mut are_all_recorded = true;
     for (at, drop) in drops.into_iter().enumerate() {
         if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
+            are_all_recorded = false;
             farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
             with_scanner(farm, name, |scanner| scanner.retry_claim(drop.claim));
         }
     }
+    take_late_tickets(farm, name, are_all_recorded, &mut scan).await;
     tell_of_scan(farm, name, &scan);
     if let Some(machine) = farm.machines.get_mut(name) {
         for file in &scan.refused {
@@ -151,6 +150,26 @@ async fn on_scan_done(farm: &mut Farm, name: &str, mut scan: HotFolderScan) {
     if let Err(failure) = record_refusals(farm, name).await {
         farm.report_failure(AlertKind::TakingFails, name, "recording a refusal", &failure);
     }
+}
+
+/// Applies the late tickets of a scan. While a drop of it could not be recorded, nobody knows whether that is the part that one of them
+/// is for.
+async fn take_late_tickets(farm: &mut Farm, name: &str, are_all_recorded: bool, scan: &mut HotFolderScan) {
+    let keys = match are_all_recorded {
+        true => match late_tickets::apply_late_tickets(farm, name, scan).await {
+            Ok(()) => return,
+            Err((keys, failure)) => {
+                farm.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
+                keys
+            }
+        },
+        false => {
+            // What was told of them stays.
+            scan.is_truncated |= !scan.late_tickets.is_empty();
+            std::mem::take(&mut scan.late_tickets).into_iter().map(|late| late.key).collect()
+        }
+    };
+    with_scanner(farm, name, |scanner| keys.iter().for_each(|key| scanner.offer_again(key)));
 }
 
 /// The scanner of a machine, unless it has another hot folder by now.

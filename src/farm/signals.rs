@@ -18,6 +18,8 @@ pub struct SignalListener {
     terminate: tokio::signal::unix::Signal,
     interrupt: tokio::signal::unix::Signal,
     hang_up: tokio::signal::unix::Signal,
+    /// A reload that was asked for while the loop was busy.
+    is_reload_due: bool,
 }
 
 impl SignalListener {
@@ -28,11 +30,26 @@ impl SignalListener {
             terminate: listen(SignalKind::terminate())?,
             interrupt: listen(SignalKind::interrupt())?,
             hang_up: listen(SignalKind::hangup())?,
+            is_reload_due: false,
         })
     }
 
     /// The next signal.
     pub async fn next_signal(&mut self) -> DaemonSignal {
+        if std::mem::take(&mut self.is_reload_due) {
+            return DaemonSignal::Reload;
+        }
+        self.receive().await
+    }
+
+    /// Waits until the daemon is to stop. A reload that is asked for meanwhile is the next signal.
+    pub async fn wait_for_stop(&mut self) {
+        while self.receive().await == DaemonSignal::Reload {
+            self.is_reload_due = true;
+        }
+    }
+
+    async fn receive(&mut self) -> DaemonSignal {
         tokio::select! {
             _ = self.terminate.recv() => DaemonSignal::Stop,
             _ = self.interrupt.recv() => DaemonSignal::Stop,

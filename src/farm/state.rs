@@ -57,7 +57,7 @@ pub(super) struct CompletionState {
 pub(super) struct ReadingState {
     /// Parts that could not be read because the disk failed.
     pub(super) backoff: RetryBackoff<PartId>,
-    /// Parts whose first read was counted when they were recorded but has not started yet.
+    /// Parts whose next read is counted already: the first when they were recorded, another one when the ledger did not take in its end.
     pub(super) counted_reads: HashSet<PartId>,
     /// Number of times that the step looked for parts to read.
     pub(super) rounds: usize,
@@ -149,6 +149,8 @@ pub(super) struct LoopSchedule {
     pub(super) is_unwatched: bool,
     /// Steps that failed and wait for a retry, by name.
     pub(super) step_backoff: RetryBackoff<String>,
+    /// Whether anything has failed, or was not begun, because the ledger could not be reached or changed.
+    pub(super) is_cut_off: bool,
     /// When each task of the tick is due.
     pub(super) tasks: TaskTimes,
 }
@@ -162,6 +164,7 @@ impl LoopSchedule {
             watched: None,
             is_unwatched: false,
             step_backoff: RetryBackoff::by(time.clone()),
+            is_cut_off: false,
             tasks: TaskTimes::starting_at(time.instant(), scan_secs),
             time,
         }

@@ -111,8 +111,7 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
         }
     }
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    let cut_off = [AlertKind::LedgerLocked, AlertKind::LedgerUnreachable, AlertKind::RepairDue];
-    let is_cut_off = cut_off.iter().any(|&kind| farm.alerts.is_active(kind, "", ""));
+    let is_cut_off = AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && farm.alerts.is_active(kind, "", ""));
     if !(farm.lifecycle.is_halted || is_cut_off)
         || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
     {
@@ -133,8 +132,7 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
 /// The ledger's file was removed, replaced or overwritten: saves what the daemon knows beside it, and halts.
 pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
     if let LedgerError::Overwritten { what, .. } = why {
-        let detail = format!("{what}; what nestd had written cannot be saved, so put the newest backup back");
-        return farm.halt_farm(AlertKind::LedgerReplaced, &detail);
+        return farm.halt_farm(AlertKind::LedgerReplaced, what);
     }
     let mut file = farm.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
     file.push(lost_ledger::SAVED);

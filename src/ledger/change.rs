@@ -74,7 +74,7 @@ impl LedgerChange {
                 #[cfg_attr(not(feature = "postgres"), expect(irrefutable_let_patterns, reason = "there is no server"))]
                 if let ChangeOrigin::File(file, seen) = &self.origin {
                     seen.record(counted);
-                    health::note_changes(file, counted.changes);
+                    health::note_changes(file, counted);
                 }
             }
             #[cfg(feature = "postgres")]

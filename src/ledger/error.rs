@@ -97,8 +97,8 @@ pub enum LedgerError {
     },
     /// The content of the open file is not the one that this process has changed.
     #[error(
-        "the ledger {} was overwritten while it was open: {what}. nestd stopped using it: stop nestd, and put the newest \
-         backup back with `nestd restore FILE`",
+        "the ledger {} was overwritten while it was open: {what}. nestd does not use it any more: stop nestd, put the newest backup back \
+         with `nestd restore FILE`, and start nestd",
         .path.display()
     )]
     Overwritten {

@@ -18,7 +18,9 @@ use sqlx::SqlitePool;
 use self::checksum::{ChecksumStatus, verify_checksum};
 pub use self::checksum::{checkpoint_with_checksum, checksum_path, remove_checksum, write_checksum};
 use self::lost_changes::find_lost_changes;
-pub use self::lost_changes::{CHANGES_NOTED, clear_note, has_content, note_changes};
+pub use self::lost_changes::{
+    CHANGES_NOTED, clear_note, has_content, note_changes, note_loss, noted_change, noted_loss,
+};
 use super::{LedgerError, error::Result};
 
 /// Maximum number of SQLite's error messages that are reported.
@@ -28,6 +30,7 @@ const MAX_COMPLAINTS: u32 = 3;
 /// that. Returns whether the ledger is known to be whole, byte for byte.
 pub async fn check_files(path: &Path) -> Result<bool> {
     let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
+    ensure_no_noted_loss(path)?;
     match verify_checksum(path) {
         Ok(ChecksumStatus::Matches) => return Ok(true),
         Ok(ChecksumStatus::Missing) => {}
@@ -39,6 +42,13 @@ pub async fn check_files(path: &Path) -> Result<bool> {
         Err(source) => return Err(LedgerError::Folder { path: path.to_owned(), source }),
     }
     find_lost_changes(path).await?.map_or(Ok(false), |what| Err(damaged(what)))
+}
+
+/// Fails if a process has found that changes are missing.
+///
+/// `Overwritten`.
+pub fn ensure_no_noted_loss(path: &Path) -> Result<()> {
+    noted_loss(path).map_or(Ok(()), |what| Err(LedgerError::Overwritten { path: path.to_owned(), what }))
 }
 
 /// Runs SQLite's check of all pages, indexes, constraints and references. Reads the whole file.

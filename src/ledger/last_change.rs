@@ -12,11 +12,11 @@ use super::sqlite_code::{SQLITE_ERROR, sqlite_code};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LastChange {
     /// Random number of the ledger.
-    line: i64,
+    pub line: i64,
     /// How many changes were made.
     pub changes: i64,
-    /// Random number of this one.
-    stamp: i64,
+    /// Random number of this one; `None` = it is known from the note beside the ledger.
+    stamp: Option<i64>,
 }
 
 /// The last change that this process has seen.
@@ -64,7 +64,12 @@ pub async fn count_change(db: &mut SqliteConnection) -> Result<LastChange, sqlx:
 
 impl LastChange {
     fn of_columns((line, changes, stamp): (i64, i64, i64)) -> Self {
-        Self { line, changes, stamp }
+        Self { line, changes, stamp: Some(stamp) }
+    }
+
+    /// One that is noted beside the ledger.
+    pub fn noted(line: i64, changes: i64) -> Self {
+        Self { line, changes, stamp: None }
     }
 }
 
@@ -72,7 +77,7 @@ fn describe_loss(seen: LastChange, found: Option<LastChange>) -> Option<String> 
     match found {
         None => Some("it holds no ledger of this nestd any more".to_owned()),
         Some(found) if found.line == seen.line && found.changes >= seen.changes => {
-            let is_other = found.changes == seen.changes && found.stamp != seen.stamp;
+            let is_other = found.changes == seen.changes && seen.stamp.is_some_and(|seen| found.stamp != Some(seen));
             is_other.then(|| format!("its change {} is another one than this nestd has seen", seen.changes))
         }
         Some(found) if found.changes < seen.changes => Some(format!(
@@ -89,14 +94,15 @@ mod tests {
 
     #[test]
     fn changes_of_others_are_no_loss_and_whatever_was_seen_must_be_there() {
-        let seen = LastChange { line: 7, changes: 20, stamp: 3 };
-        for same in [seen, LastChange { changes: 21, stamp: 9, ..seen }, LastChange { changes: 900, ..seen }] {
+        let seen = LastChange { line: 7, changes: 20, stamp: Some(3) };
+        for same in [seen, LastChange { changes: 21, stamp: Some(9), ..seen }, LastChange { changes: 900, ..seen }] {
             assert_eq!(describe_loss(seen, Some(same)), None);
+            assert_eq!(describe_loss(LastChange::noted(7, 20), Some(same)), None);
         }
         for (found, said) in [
             (None, "holds no ledger"),
             (Some(LastChange { changes: 19, ..seen }), "counts 19 changes, and this nestd has seen 20"),
-            (Some(LastChange { stamp: 4, ..seen }), "its change 20 is another one"),
+            (Some(LastChange { stamp: Some(4), ..seen }), "its change 20 is another one"),
             (Some(LastChange { line: 8, changes: 21, ..seen }), "another ledger"),
             (Some(LastChange { line: 8, changes: 2, ..seen }), "counts 2 changes"),
         ] {

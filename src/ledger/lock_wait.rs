@@ -68,7 +68,8 @@ impl LockWait {
     /// The holder, if it was given up to wait for the lock, and it is still held as far as anybody knows.
     pub fn given_up(&self, ledger: &Path) -> Option<Option<LockHolder>> {
         let held = self.lock().clone().filter(|held| held.is_given_up)?;
-        let now = find_holder(ledger);
+        // The kernel's list is read in pieces while others change it: a lock that is held may be missing once.
+        let now = find_holder(ledger).or_else(|| find_holder(ledger));
         if now.is_some() || held.holder.is_none() && held.seen_at.elapsed() < ASK_AGAIN {
             return Some(now);
         }

@@ -79,6 +79,7 @@ impl SqliteStore {
             return Err(LedgerError::Missing { path: path.to_owned() });
         }
         location::reject_network_location(path)?;
+        health::ensure_no_noted_loss(path)?;
         let store = Self::connect(path, connect_options(path)).await?;
         schema::ensure_current_version(path, &store.writer).await?;
         Ok(store)
@@ -158,7 +159,9 @@ impl SqliteStore {
     }
 
     fn refuse_overwritten(&self, loss: Option<String>) -> Result<()> {
-        loss.map_or(Ok(()), |what| Err(LedgerError::Overwritten { path: self.path.clone(), what }))
+        let Some(what) = loss else { return Ok(()) };
+        health::note_loss(&self.path, &what);
+        Err(LedgerError::Overwritten { path: self.path.clone(), what })
     }
 
     /// Where a change is made.
@@ -183,6 +186,10 @@ impl SqliteStore {
     /// with "database is locked" if another process wrote in between, whatever the busy timeout is.
     pub async fn begin_change(&self) -> Result<Transaction<'static, Sqlite>> {
         self.ensure_files_in_place()?;
+        // Also what other processes have changed may not be missing.
+        if let Some(noted) = health::noted_change(&self.path) {
+            self.last_change.record(noted);
+        }
         // One change has waited; the others need not wait as well.
         if let ServiceState::Locked { by } = self.service_state() {
             return Err(LedgerError::Locked { by });

@@ -3,6 +3,7 @@
 //! - Where there are bearer tokens, the request must carry one, whose role allows what it asks.
 //! - Pages of other sites may only link here; a link must be followed by a person.
 //! - Commands must come from the dashboard's own pages.
+//! - While the farm is halted because of its ledger, every answer is the reason.
 //!
 //! Security headers of every response forbid what the pages do not need.
 
@@ -38,10 +39,13 @@ pub(super) async fn guard_request(
 ) -> Response {
     let path = request.uri().path().to_owned();
     let response = match check_request(&web, &request) {
-        Ok(client) => {
-            request.extensions_mut().insert(client);
-            next.run(request).await
-        }
+        Ok(client) => match web.farm.halt_reason().filter(|_| needs_ledger(&path)) {
+            None => {
+                request.extensions_mut().insert(client);
+                next.run(request).await
+            }
+            Some(why) => HandlerError::Refused(StatusCode::SERVICE_UNAVAILABLE, why).into_response(),
+        },
         Err(problem) => problem.into_response(),
     };
     let mut response = format_error_response(response, &path);
@@ -64,6 +68,11 @@ pub(super) async fn guard_request(
         response.headers_mut().insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
     }
     response
+}
+
+/// Whether the answer at an address comes from the ledger.
+fn needs_ledger(path: &str) -> bool {
+    path != "/healthz" && !path.starts_with("/assets/")
 }
 
 /// Who asks, unless it asks too much.

@@ -1,6 +1,7 @@
 //! Which requests the dashboard answers.
 
 use super::*;
+use crate::farm::ServicePhase;
 
 #[tokio::test]
 async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
@@ -193,4 +194,19 @@ async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
     }
     assert_eq!(ask("HEAD", &link).await.status(), StatusCode::FORBIDDEN);
     assert_eq!(dashboard.get("/").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn of_a_farm_that_has_halted_every_page_says_why_and_takes_nothing() {
+    let why = "The ledger was overwritten: put the newest backup back with `nestd restore FILE`.";
+    let dashboard = TestDashboard::new(|web| web.farm.set_phase(ServicePhase::Halted(why.to_owned()))).await;
+    for path in ["/", "/history", "/orders", "/api/v1/orders", "/readyz", "/metrics"] {
+        let answer = dashboard.get(path).await;
+        assert_eq!(answer.status, StatusCode::SERVICE_UNAVAILABLE, "{path}");
+        assert!(answer.text.contains("put the newest backup back"), "{path}: {}", answer.text);
+    }
+    assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
+    let pause = dashboard.post("key=key&kind=pause&profile=cube", "same-origin").await;
+    assert_eq!(pause.status, StatusCode::SERVICE_UNAVAILABLE);
+    assert!(dashboard.ledger.pending_commands().await.unwrap().is_empty());
 }

@@ -32,7 +32,7 @@ use super::{
 };
 use crate::{
     access,
-    farm::QuoteMeshes,
+    farm::{QuoteMeshes, ServiceBridge},
     ledger::Ledger,
     metrics::MetricsExporter,
     settings::{SharedSettings, WebSettings},
@@ -43,7 +43,7 @@ use crate::{
 ///
 /// # Errors
 /// When the address cannot be bound, when it needs a token and none is configured, or when the token cannot be read.
-pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Result<()> {
+pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings, farm: ServiceBridge) -> Result<()> {
     if let Some(file) = &web.tokens_file {
         access::read_tokens(file)?;
     }
@@ -64,6 +64,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
     info!("The dashboard is at {}.", web.listen);
     let shared = Arc::new(DashboardState {
         ledger,
+        farm,
         settings,
         is_tcp: matches!(listener, DashboardListener::Tcp(_)),
         hosts: web.hosts,

@@ -11,7 +11,7 @@ use super::{
     upload_turns::UploadTurns,
 };
 use crate::{
-    farm::{self, QuoteMeshes},
+    farm::{self, QuoteMeshes, ServiceBridge},
     ledger::Ledger,
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
@@ -21,6 +21,8 @@ use crate::{
 /// The state that all request handlers share.
 pub(super) struct DashboardState {
     pub(super) ledger: Ledger,
+    /// Tells whether the farm has halted.
+    pub(super) farm: ServiceBridge,
     pub(super) settings: SharedSettings,
     /// Whether the dashboard listens on TCP. Only then can another site make a browser send requests to it.
     pub(super) is_tcp: bool,
@@ -71,6 +73,9 @@ impl DashboardState {
 
     /// A text that changes whenever anything changes that the pages show.
     pub(super) async fn change_token(&self) -> HandlerResult<String> {
+        if let Some(halted) = self.farm.halt_reason() {
+            return Ok(halted);
+        }
         let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&self.current_settings().state_dir);

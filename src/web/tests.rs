@@ -72,6 +72,7 @@ impl TestDashboard {
         let ledger = fixtures::fresh().await;
         let mut web = DashboardState {
             ledger: (*ledger).clone(),
+            farm: Default::default(),
             settings: Arc::new(RwLock::new(Arc::new(settings))),
             is_tcp: true,
             hosts: Vec::new(),

@@ -226,7 +226,17 @@ impl FarmStatus {
     }
 
     fn daemon_line(&self, now: Timestamp) -> String {
-        match &self.daemon {
+        let halted = farm::halt_summary(&self.attention).filter(|_| self.is_served);
+        match (&self.daemon, halted) {
+            // It does not write into the ledger any more, and what is there may be another daemon's.
+            (Some(d), Some(halted)) if !d.alive || d.is_silent(now) => format!("A daemon runs: {halted}."),
+            (daemon, _) => self.heartbeat_line(daemon.as_ref(), now),
+        }
+    }
+
+    /// What the last heartbeat tells.
+    fn heartbeat_line(&self, daemon: Option<&NodeRow>, now: Timestamp) -> String {
+        match daemon {
             None if self.is_served => {
                 "A daemon is starting, or waits for something: its log says for what, and `nestd check` finds most causes."
                     .to_owned()

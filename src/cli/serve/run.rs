@@ -99,15 +99,16 @@ fn has_receivers(shared: &SharedSettings) -> bool {
     settings.interfaces.metrics.is_some() || !outbox::configured_receivers(&settings.interfaces.notify).is_empty()
 }
 
-/// Serves the dashboard while the farm is open: before that, the ledger is not checked yet, and this process may not be
-/// the one daemon of the farm that may bind the address. A failure is reported; the farm works without the dashboard.
+/// Serves the dashboard from when the farm is open: before that, the ledger is not checked yet, and this process may not be
+/// the one daemon of the farm that may bind the address. Of a halted farm it only says why it has halted. A failure is reported; the
+/// farm works without the dashboard.
 async fn serve_dashboard(shared: SharedSettings, web: settings::WebSettings, outside: farm::ServiceBridge) {
     let serving = async {
-        if let Err(failure) = web::serve_dashboard(shared, web).await {
+        if let Err(failure) = web::serve_dashboard(shared, web, outside.clone()).await {
             outside.report_dashboard_failure(&format!("{failure:#}"));
         }
     };
-    outside.run_while_open(serving).await;
+    outside.run_until_closed(serving).await;
 }
 
 /// Writes metrics and sends messages in tasks of their own, while its ledger is open.

@@ -1,6 +1,7 @@
 //! A ledger that cannot be changed for a while, as on a full disk.
 
 use super::{
+    super::AlertKind,
     HandDrivenFarm, PROFILE, QUICK, block,
     night::{drop_mixed, go_on_with_round, lowering, rest},
 };
@@ -94,6 +95,24 @@ fn a_hot_folder_is_scanned_again_after_the_ledger_has_refused_what_a_scan_found(
     let ticketed = farm.ask(async |ledger| ledger.parts_named("a.stl").await.unwrap()).remove(0);
     assert_eq!(ticketed.wanted_copies(), 2);
     farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_ticket_whose_part_could_not_be_recorded_yet_is_no_ticket_without_a_part() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let refused = RefusedChanges::of(&farm, "INSERT ON part");
+    farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+    farm.pass_until("it is claimed", |farm| !farm.folder("inbox").join("bracket.stl").exists());
+    farm.drop_bytes("bracket.stl.toml", b"copies = 9\n");
+    for _ in 0..24 {
+        farm.pass_secs(0.5);
+        assert!(!farm.has_alert(AlertKind::Incomplete), "{}", farm.alert_text(AlertKind::Incomplete));
+    }
+    refused.allow(&farm);
+    farm.pass_until("the ticket is applied", |farm| {
+        farm.parts(PartState::Waiting).iter().any(|part| part.wanted_copies() == 9)
+    });
+    assert!(!farm.folder("error").join("bracket.stl.toml").exists());
 }
 
 async fn count_events(ledger: &Ledger, kind: &str) -> i64 {

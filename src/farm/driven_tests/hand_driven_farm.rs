@@ -88,13 +88,21 @@ impl HandDrivenFarm {
 
     /// Opens it, as the daemon does at its start.
     pub fn start(&mut self) {
+        self.farm = Some(self.try_to_open().map_err(|failure| format!("{failure:#}")).unwrap());
+        self.tick();
+    }
+
+    /// Why it does not open.
+    pub fn start_failure(&self) -> anyhow::Error {
+        self.try_to_open().err().unwrap()
+    }
+
+    fn try_to_open(&self) -> anyhow::Result<Farm> {
         let (config, root) = (self.root().join("config/nestd.toml"), self.root().to_owned());
         let load = Box::new(move || settings::load_settings(Some(&config), Some(&root)));
         let settings = load().unwrap();
         let opening = open_farm(load, settings, self.time.clone());
-        let opened = self.runtime.block_on(opening).map_err(|(_, _, failure)| format!("{failure:#}"));
-        self.farm = Some(opened.unwrap());
-        self.tick();
+        self.runtime.block_on(opening).map_err(|(_, _, failure)| failure)
     }
 
     /// Closes it in an orderly way.
@@ -342,6 +350,11 @@ impl HandDrivenFarm {
     /// What `status.json` says next.
     pub fn status_json(&self) -> serde_json::Value {
         self.farm.as_ref().unwrap().machines[PROFILE].status.1.clone()
+    }
+
+    /// Why it has halted, as the pages say it.
+    pub fn halt_reason(&self) -> String {
+        self.farm.as_ref().unwrap().lifecycle.services.halt_reason().unwrap_or_default()
     }
 
     /// The published build files in the queue.

@@ -13,6 +13,7 @@ use crate::{
 };
 
 const SUBJECT: &str = "ledger";
+const RESTORE: &str = "put a backup back with `nestd restore FILE`";
 /// The file in a queue folder that holds the folder's identity.
 const QUEUE_MARKER: &str = ".nestd-queue";
 
@@ -35,6 +36,9 @@ async fn open_and_check(settings: &Settings, others: &OtherMachines, report: &mu
             };
         }
         Err(error @ LedgerError::OlderSchema { .. }) => return report.add_note(SUBJECT, error.to_string()),
+        Err(error @ (LedgerError::Damaged { .. } | LedgerError::Overwritten { .. })) => {
+            return report.add_problem(SUBJECT, error_chain(&error), RESTORE);
+        }
         Err(error) => {
             let remedy = "keep the file; if it is damaged, put back a copy together with its -wal file";
             return report.add_problem(SUBJECT, error_chain(&error), remedy);
@@ -43,7 +47,7 @@ async fn open_and_check(settings: &Settings, others: &OtherMachines, report: &mu
     // A ledger that the daemon would not open is not compared: what would be said of it could not be followed.
     let is_served = ledger.is_served().await.unwrap_or(true);
     if !is_served && let Err(error @ LedgerError::Damaged { .. }) = Ledger::check_files(&settings.ledger).await {
-        report.add_problem(SUBJECT, error_chain(&error), "put a backup back with `nestd restore FILE`");
+        report.add_problem(SUBJECT, error_chain(&error), RESTORE);
         return ledger.close().await;
     }
     if let Err(error) = check_rows(&ledger, (settings, others), report).await {

@@ -1,12 +1,24 @@
 //! What a test looks at and does in the searches of a hand-driven farm.
 
-use super::{HandDrivenFarm, PROFILE};
+use super::{HandDrivenFarm, MOST_TICKS, PROFILE, STEP};
 use crate::farm::batch;
 
 impl HandDrivenFarm {
     /// Looks whether the open build fires, as a tick does after its look at the clock.
     pub fn look_at_open_build(&mut self) {
         self.runtime.block_on(batch::update_open_build(self.farm.as_mut().unwrap(), PROFILE)).unwrap();
+    }
+
+    /// Lets time pass until a search for the open build has begun, and takes in nothing that it finds.
+    pub fn begin_search(&mut self) {
+        for _ in 0..MOST_TICKS {
+            if self.farm.as_ref().unwrap().machines[PROFILE].open.search.is_some() {
+                return;
+            }
+            self.hands.pass(STEP);
+            self.begin_tick();
+        }
+        panic!("no search begins");
     }
 
     /// Whether a search lowers the open build of a machine now.

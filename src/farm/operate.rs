@@ -78,7 +78,7 @@ async fn is_out_of_queue(
 fn prints_again(word: &OperatorWord) -> bool {
     match word {
         OperatorWord::Outcome(_, told) => told.outcome == PrintOutcome::Failed || !told.bad.is_empty(),
-        OperatorWord::Reprint(_) | OperatorWord::Requeue(_) => true,
+        OperatorWord::Reprint(_) | OperatorWord::Requeue(_) | OperatorWord::Withdraw(..) => true,
         OperatorWord::BreakOut(_) => false,
     }
 }

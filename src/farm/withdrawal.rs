@@ -11,6 +11,7 @@ use super::{
     farm::Farm,
     folder_leases::FolderLeases,
     jobs::BackgroundJob,
+    operate::operate,
     printer_choice::printer_loads,
     printers::occupation_of,
     release_preview::awaits_release,
@@ -19,7 +20,10 @@ use super::{
     withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
 };
 use crate::{
-    ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, OccupyingBuild, WITHDRAWN_BY_NESTD, WithdrawalEnd},
+    ledger::{
+        BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
+        WITHDRAWN_BY_NESTD, WithdrawalEnd,
+    },
     queue::{QueueFolder, StagedState, WithdrawalOutcome},
     settings::WithdrawalPolicy,
 };
@@ -41,8 +45,6 @@ pub(super) enum WithdrawalStep {
     Altered,
     /// It is in the queue folder no more.
     Removed,
-    /// Its outcome was told before its copies were put back. Whether its file was taken back then: nothing was printed.
-    Told { is_taken_back: bool },
     /// It is at another printer than the ledger says, as after a backup was put back.
     Elsewhere(FoundPlace),
 }
@@ -72,8 +74,7 @@ struct WithdrawnBuild {
     all_queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
-    /// Whether a word waits for the file; `Some(false)` = it was carried out.
-    awaits: Option<bool>,
+    is_carried_out: bool,
 }
 
 impl WithdrawnBuild {
@@ -82,32 +83,18 @@ impl WithdrawnBuild {
         self.ledger.ensure_served()?;
         self.leases.check_publish_folders(self.queue.folder_path())?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
-        let is_put_back = match self.awaits {
-            Some(awaits) => !awaits,
-            None => self.build.place.withdrawn_at.is_some(),
-        };
-        if is_put_back {
+        if self.is_carried_out {
             self.queue.remove_withdrawn(name)?;
             return Ok(WithdrawalStep::Removed);
         }
         let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
-        let take_back = || self.queue.withdraw_proved(name, |file| has_hash(file, proved));
-        if self.awaits.is_some() || self.build.state == BuildState::Published {
-            return Ok(match take_back()? {
-                WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
-                WithdrawalOutcome::Altered => WithdrawalStep::Altered,
-                WithdrawalOutcome::Gone => {
-                    self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
-                }
-            });
-        }
-        // Copies of a failed print wait again: nobody must print them from this file.
-        let is_taken_back = match self.build.state {
-            BuildState::Failed => take_back()? == WithdrawalOutcome::TakenBack,
-            _ => self.queue.withdrawn_path(name).exists(),
-        };
-        self.queue.remove_withdrawn(name)?;
-        Ok(WithdrawalStep::Told { is_taken_back })
+        Ok(match self.queue.withdraw_proved(name, |file| has_hash(file, proved))? {
+            WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
+            WithdrawalOutcome::Altered => WithdrawalStep::Altered,
+            WithdrawalOutcome::Gone => {
+                self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
+            }
+        })
     }
 
     fn find_elsewhere(&self, name: &str) -> Option<FoundPlace> {
@@ -142,8 +129,8 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
             };
             let all_queues = machine.printers.open_queues();
             let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
-            let awaits = ledger.awaits_take_back(id).await?;
-            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, awaits };
+            let is_carried_out = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
+            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, is_carried_out };
             farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
         }
     }
@@ -153,8 +140,10 @@ pub(super) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
 /// The queue folder of the build is no printer's any more: nobody can say whether its file is there.
 async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
     let id = build.id;
-    // No printer of the farm sees its file: a word is carried out, a withdrawal ends.
-    farm.ledger.finish_noted_word(id).await?;
+    // No printer of the farm sees its file: another word is carried out, but who withdraws it does not say whether it was printed.
+    if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+        farm.ledger.finish_noted_word(id).await?;
+    }
     farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
     let text = format!(
         "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
@@ -169,7 +158,9 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
     let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
     let profile = build.profile.clone();
     match step {
-        Ok(WithdrawalStep::TakenBack) if farm.ledger.awaits_take_back(id).await? == Some(true) => {
+        Ok(WithdrawalStep::TakenBack) => {
+            // It must be there to fire at once.
+            farm.ledger.open_build(&profile).await?;
             match farm.ledger.finish_noted_word(id).await {
                 Ok(told) => {
                     let told = told.unwrap_or_default().join(" ");
@@ -183,32 +174,15 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Altered).await?;
             look_again_at(farm, &build);
         }
-        Ok(WithdrawalStep::TakenBack) => {
-            // It must be there to fire at once.
-            farm.ledger.open_build(&profile).await?;
-            if let Some(report) = farm.ledger.finish_withdrawal(id).await? {
-                let told = report.sentences().join(" ");
-                info!(build.id = %id, profile = %profile, "Build {id} was taken back out of the queue. {told}");
-            }
-            return withdraw_builds(farm).await;
-        }
         Ok(WithdrawalStep::Taken) => {
             // A word was said of a file that lay untouched: of one that its printer has, it may not be true.
-            if farm.ledger.awaits_take_back(id).await? == Some(true) {
+            if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
                 report_word_dropped(farm, &build);
             }
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Taken).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
         Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
-        Ok(WithdrawalStep::Told { is_taken_back }) => {
-            let is_failed = build.state == BuildState::Failed;
-            let end = if is_taken_back { WithdrawalEnd::Removed } else { WithdrawalEnd::Taken };
-            farm.ledger.end_withdrawal(id, end).await?;
-            if is_failed != is_taken_back {
-                report_told_meanwhile(farm, &build, is_taken_back);
-            }
-        }
         Ok(WithdrawalStep::Elsewhere(place)) => {
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
             farm.ledger.correct_place(id, &place).await?;
@@ -249,22 +223,6 @@ fn report_word_dropped(farm: &mut Farm, build: &BuildRow) {
     farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
 }
 
-/// The outcome that was told and what became of the file contradict each other. The alert ends with the daemon.
-fn report_told_meanwhile(farm: &mut Farm, build: &BuildRow, is_taken_back: bool) {
-    let (id, state) = (build.id, build.state);
-    let text = match is_taken_back {
-        true => format!(
-            "build {id} was told to be {state} while its file was taken back out of the queue: where it was not printed, say `nestd \
-             outcome {id} failed --correct`"
-        ),
-        false => format!(
-            "build {id} was told to be {state} while it was to be taken back, but its printer has taken its file: look whether it is \
-             printed, and correct the outcome if it is"
-        ),
-    };
-    farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
-}
-
 /// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.
 pub(super) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<()> {
     let Some(machine) = farm.machines.get(name) else { return Ok(()) };
@@ -300,8 +258,15 @@ pub(super) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<(
         is_hindered: machine.paused || machine.printers.are_all_down() || is_making || is_ending,
     };
     if let Some(why) = decide_withdrawal(&machine.profile, &facts, now) {
-        farm.ledger.begin_withdrawal(build.id, WITHDRAWN_BY_NESTD, why).await?;
-        info!(build.id = %build.id, profile = %name, "Build {} is taken back out of the queue: {why}.", build.id);
+        let word = OperatorWord::Withdraw(build.id, why.to_owned());
+        match operate(&farm.ledger, &farm.settings, &word, WITHDRAWN_BY_NESTD, false).await {
+            // Its printer was first, or its file lies there under another name, which is told.
+            Err(LedgerError::InQueue(_) | LedgerError::NotInQueue(_)) => {}
+            said => {
+                said?;
+                info!(build.id = %build.id, profile = %name, "Build {} is taken back out of the queue: {why}.", build.id);
+            }
+        }
     }
     Ok(())
 }

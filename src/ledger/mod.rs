@@ -112,7 +112,7 @@ pub use move_build::{FoundPlace, MoveEnd};
 pub use name_search::{NamePattern, NamedBuildRow, NamedPartRow};
 pub use night_search::{NightSearchRow, NightState};
 pub use node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
-pub use operator_word::{OperatorWord, WordAnswer};
+pub use operator_word::{OperatorWord, TakenBackFor, WordAnswer};
 pub use order_request::{NewOrderRequest, OrderedLine, RecordedRequest};
 pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use part::Namesake;

@@ -12,8 +12,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     BreakOutAnswer, BuildId, BuildRow, BuildState, EventKind, InQueueError, Ledger, LedgerError, PartId, PutBackReport,
-    ReprintTarget, ToldOutcome, change::LedgerChange, error::Result, outcome::tell_outcome, pick::end_break_out,
-    put_back::printed_copies, requeue::issue_again, sql,
+    ReprintTarget, ToldOutcome,
+    change::LedgerChange,
+    error::Result,
+    outcome::tell_outcome,
+    pick::end_break_out,
+    put_back::printed_copies,
+    requeue::issue_again,
+    sql,
+    withdrawal::{record_withdrawn, withdraw},
 };
 
 /// A word of a person about published builds.
@@ -27,6 +34,8 @@ pub enum OperatorWord {
     Requeue(BuildId),
     /// Something was said of each copy of its cake.
     BreakOut(BuildId),
+    /// It was not printed, and its copies wait again; why.
+    Withdraw(BuildId, String),
 }
 
 /// What became of a word.
@@ -49,8 +58,21 @@ enum BuildWord {
     Reprint(Vec<(PartId, u32)>),
     Requeue,
     BreakOut,
+    /// Why it is withdrawn.
+    Withdraw(String),
     /// It was carried out: what was taken back is to be removed.
     CarriedOut,
+}
+
+/// What the file of a build is taken back for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakenBackFor {
+    /// The build is withdrawn.
+    Withdrawal,
+    /// Another word, which says that its copies are to be printed again.
+    Word,
+    /// It was carried out: what was taken back is to be removed.
+    Nothing,
 }
 
 /// What a word about one build did.
@@ -94,6 +116,10 @@ impl BuildWord {
                     WordEffect::of_report(Some(format!("Build {build} is broken out.")), &report)
                 }
             },
+            Self::Withdraw(reason) => {
+                let report = withdraw(change, build, by, reason).await?;
+                WordEffect { makes_bad: true, ..WordEffect::of_report(None, &report) }
+            }
             Self::CarriedOut => WordEffect::default(),
         })
     }
@@ -103,9 +129,10 @@ impl Ledger {
     /// The published builds whose copies a word may make bad.
     pub async fn builds_meant(&self, word: &OperatorWord) -> Result<Vec<BuildRow>> {
         let ids: Vec<BuildId> = match word {
-            OperatorWord::Outcome(build, _) | OperatorWord::Requeue(build) | OperatorWord::BreakOut(build) => {
-                vec![*build]
-            }
+            OperatorWord::Outcome(build, _)
+            | OperatorWord::Requeue(build)
+            | OperatorWord::BreakOut(build)
+            | OperatorWord::Withdraw(build, _) => vec![*build],
             OperatorWord::Reprint(target) => {
                 let mut change = self.begin_change().await?;
                 let copies = printed_copies(&mut change, target).await?;
@@ -133,10 +160,17 @@ impl Ledger {
             OperatorWord::Outcome(build, told) => (*build, BuildWord::Outcome(told.clone())),
             OperatorWord::Requeue(build) => (*build, BuildWord::Requeue),
             OperatorWord::BreakOut(build) => (*build, BuildWord::BreakOut),
+            OperatorWord::Withdraw(build, reason) => (*build, BuildWord::Withdraw(reason.clone())),
         };
+        // Who withdraws a build wants its file out of the queue: there is nothing to insist on.
+        let is_withdrawal = matches!(word, BuildWord::Withdraw(_));
+        let anyway = anyway || is_withdrawal;
         let mut change = self.begin_change().await?;
         ensure_no_word_noted(&mut change, build).await?;
         let effect = word.apply(&mut change, build, by).await?;
+        if is_withdrawal && out_of_queue.contains(&build) {
+            return Err(LedgerError::NotInQueue(build));
+        }
         if !effect.makes_bad || out_of_queue.contains(&build) {
             change.commit().await?;
             return Ok(WordAnswer { sentences: effect.sentences, noted: Vec::new() });
@@ -176,8 +210,8 @@ impl Ledger {
         Ok(answer)
     }
 
-    /// Carries out the word that waits for the file of a build, which lies in no queue folder any more: it was taken back, or its printer
-    /// took it. `None` = none waits.
+    /// Carries out the word that waits for the file of a build, which was taken back and lies in no queue folder any more. `None` = none
+    /// waits. What nobody printed, and of which no other outcome was told, is withdrawn.
     pub async fn finish_noted_word(&self, build: BuildId) -> Result<Option<Vec<String>>> {
         let mut change = self.begin_change().await?;
         let (profile, _) = change.require_build(build).await?;
@@ -187,20 +221,25 @@ impl Ledger {
         };
         let effect = word.apply(&mut change, build, &by).await?;
         set_word(&mut change, build, &by, &BuildWord::CarriedOut).await?;
-        let detail = format!("out of the queue, as {by} said: {}", effect.sentences.join(" "));
-        change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
+        let said = effect.sentences.join(" ");
+        let detail = format!("out of the queue, as {by} said: {said}");
+        if change.require_build(build).await?.1 == BuildState::Published {
+            record_withdrawn(&mut change, build, &by, &detail).await?;
+        } else if !matches!(word, BuildWord::Withdraw(_)) {
+            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
+        }
         change.commit().await?;
         Ok(Some(effect.sentences))
     }
 
-    /// Whether a word waits for the file of a build: `Some(false)` = it was carried out, and what was taken back is to be removed.
-    pub async fn awaits_take_back(&self, build: BuildId) -> Result<Option<bool>> {
-        let text: Option<Option<String>> = sql::query_scalar("SELECT withdraw_word FROM build WHERE id = $1")
-            .bind(build)
-            .fetch_optional(self.reader()?)
-            .await?;
-        let word = text.flatten().map(|text| parse_word(&text)).transpose()?;
-        Ok(word.map(|word| word != BuildWord::CarriedOut))
+    /// What the file of a build is taken back for; `None` = it is not taken back.
+    pub async fn taken_back_for(&self, build: BuildId) -> Result<Option<TakenBackFor>> {
+        let word = word_of_row(sql::query_as(NOTED_ROW).bind(build).fetch_one(self.reader()?).await?)?;
+        Ok(word.map(|(_, word)| match word {
+            BuildWord::Withdraw(_) => TakenBackFor::Withdrawal,
+            BuildWord::CarriedOut => TakenBackFor::Nothing,
+            _ => TakenBackFor::Word,
+        }))
     }
 
     /// The file of a build that was seen to be taken lies in a queue folder again: that of `printer`, with this marker.
@@ -235,10 +274,24 @@ fn parse_word(text: &str) -> Result<BuildWord> {
     serde_json::from_str(text).map_err(wrong)
 }
 
+/// Who wants the file of a build back, the word that waits for it, why it is withdrawn, and whether that is over already.
+type NotedRow = (Option<String>, Option<String>, String, bool);
+
+const NOTED_ROW: &str = "SELECT withdraw_by, withdraw_word, coalesce(withdraw_reason, ''), \
+    withdrawn_at IS NOT NULL OR state <> 'published' FROM build WHERE id = $1";
+
+/// The word that waits for the file of a build, and who said it. An earlier nestd wrote no word of a withdrawal.
+fn word_of_row((by, word, reason, is_over): NotedRow) -> Result<Option<(String, BuildWord)>> {
+    let Some(by) = by else { return Ok(None) };
+    Ok(Some(match word {
+        Some(word) => (by, parse_word(&word)?),
+        None if is_over => (by, BuildWord::CarriedOut),
+        None => (by, BuildWord::Withdraw(reason)),
+    }))
+}
+
 async fn noted_word(change: &mut LedgerChange, build: BuildId) -> Result<Option<(String, BuildWord)>> {
-    let query = sql::query_as("SELECT coalesce(withdraw_by, ''), withdraw_word FROM build WHERE id = $1").bind(build);
-    let (by, text): (String, Option<String>) = query.fetch_one(change.db()).await?;
-    Ok(text.map(|text| parse_word(&text)).transpose()?.map(|word| (by, word)))
+    word_of_row(sql::query_as(NOTED_ROW).bind(build).fetch_one(change.db()).await?)
 }
 
 /// One word at a time: the first is carried out before another one is heard.
@@ -266,12 +319,8 @@ async fn note_word(
     answer: &mut WordAnswer,
 ) -> Result<()> {
     let (profile, state) = change.require_build(build).await?;
-    let query = sql::query_as("SELECT printer, move_to, withdraw_by FROM build WHERE id = $1").bind(build);
-    let (printer, move_to, withdraw_by): (Option<String>, Option<String>, Option<String>) =
-        query.fetch_one(change.db()).await?;
-    if withdraw_by.is_some() {
-        return Err(InQueueError::BeingTakenBack(build).into());
-    }
+    let query = sql::query_as("SELECT printer, move_to FROM build WHERE id = $1").bind(build);
+    let (printer, move_to): (Option<String>, Option<String>) = query.fetch_one(change.db()).await?;
     if move_to.is_some() {
         return Err(InQueueError::OnItsWay(build).into());
     }
@@ -290,8 +339,11 @@ async fn note_word(
     }
     set_word(change, build, by, word).await?;
     answer.noted.push(build);
-    answer.sentences.push(format!(
-        "Noted: the file of build {build} is taken out of the queue of {printer} first; then it is done."
-    ));
+    answer.sentences.push(match word {
+        BuildWord::Withdraw(_) => {
+            format!("Build {build} is taken back out of the queue of {printer}, unless the printer is first. Its page says what became of it.")
+        }
+        _ => format!("Noted: the file of build {build} is taken out of the queue of {printer} first; then it is done."),
+    });
     Ok(())
 }

@@ -89,15 +89,6 @@ impl ToldOutcome {
 }
 
 impl Ledger {
-    /// Records the reported outcome of a published build and changes its state, through printing if needed. Copies that
-    /// were printed badly (all of them if the print failed) wait again with all that was asked, unless told otherwise.
-    pub async fn record_outcome(&self, build: BuildId, told: &ToldOutcome) -> Result<PutBackReport> {
-        let mut change = self.begin_change().await?;
-        let report = tell_outcome(&mut change, build, told).await?;
-        change.commit().await?;
-        Ok(report)
-    }
-
     /// The reported outcomes of a build, oldest first.
     pub async fn outcomes_of_build(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
         let query = sql::select_as("FROM outcome WHERE build_id = $1 ORDER BY id").bind(build);
@@ -124,7 +115,8 @@ impl Ledger {
     }
 }
 
-/// Records an outcome within a change, as [`Ledger::record_outcome`] says.
+/// Records the reported outcome of a published build within a change, and changes its state, through printing if needed. Copies that
+/// were printed badly (all of them if the print failed) wait again with all that was asked, unless told otherwise.
 pub(super) async fn tell_outcome(
     change: &mut LedgerChange,
     build: BuildId,

@@ -113,18 +113,10 @@ impl Ledger {
         let query = "SELECT coalesce(max(id), 0) FROM pick_mark";
         Ok(sql::query_scalar(query).fetch_one(self.reader()?).await?)
     }
-
-    /// Tells that a build is printed, once something was said of each of its copies: those that are bad or were not found wait again.
-    /// What was told of it before stays.
-    pub async fn finish_break_out(&self, build: BuildId, told_by: &str) -> Result<BreakOutAnswer> {
-        let mut change = self.begin_change().await?;
-        let answer = end_break_out(&mut change, build, told_by).await?;
-        change.commit().await?;
-        Ok(answer)
-    }
 }
 
-/// Ends the breaking out within a change, as [`Ledger::finish_break_out`] says.
+/// Tells within a change that a build is printed, once something was said of each of its copies: those that are bad or were not found
+/// wait again. What was told of it before stays.
 pub(super) async fn end_break_out(change: &mut LedgerChange, build: BuildId, told_by: &str) -> Result<BreakOutAnswer> {
     let (_, state) = change.require_build(build).await?;
     let counted: Vec<(PartId, u32)> =

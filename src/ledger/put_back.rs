@@ -84,21 +84,6 @@ pub enum ReprintTarget {
 }
 
 impl Ledger {
-    /// Puts printed copies back among the waiting ones.
-    pub async fn reprint_copies(&self, target: &ReprintTarget, told_by: &str) -> Result<PutBackReport> {
-        let mut change = self.begin_change().await?;
-        let mut chosen: BTreeMap<BuildId, Vec<(PartId, u32)>> = BTreeMap::new();
-        for (build, part, copy) in printed_copies(&mut change, target).await? {
-            chosen.entry(build).or_default().push((part, copy));
-        }
-        let mut report = PutBackReport::default();
-        for (build, copies) in chosen {
-            change.mark_bad(build, &copies, told_by, true, &mut report).await?;
-        }
-        change.commit().await?;
-        Ok(report)
-    }
-
     /// The parts whose originals were requested from the archive, oldest first.
     pub async fn parts_to_fetch(&self) -> Result<Vec<super::PartRow>> {
         let query = sql::select_as("FROM part WHERE fetch_at IS NOT NULL ORDER BY id");

@@ -3,26 +3,16 @@
 use std::collections::BTreeSet;
 
 use super::{
-    BuildId, BuildState, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, change::LedgerChange,
-    error::Result, nesting::group_by_part, sql,
+    BuildId, BuildState, EventKind, LedgerError, PartId, PartState, PutBackReport, change::LedgerChange, error::Result,
+    nesting::group_by_part, sql,
 };
 
 /// States of a build that may be issued again.
 const PRINTED: &[BuildState] =
     &[BuildState::Published, BuildState::Printing, BuildState::Complete, BuildState::Interrupted, BuildState::Failed];
 
-impl Ledger {
-    /// Makes a new build of the same copies at the same poses. Copies that still count as printed are put back first.
-    /// The new build is nesting, and is written once the originals are in the store.
-    pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> Result<BuildId> {
-        let mut change = self.begin_change().await?;
-        let new = issue_again(&mut change, build, asked_by).await?;
-        change.commit().await?;
-        Ok(new)
-    }
-}
-
-/// Issues a build once more within a change, as [`Ledger::requeue_build`] says.
+/// Makes, within a change, a new build of the same copies at the same poses. Copies that still count as printed are put back first.
+/// The new build is nesting, and is written once the originals are in the store.
 pub(super) async fn issue_again(change: &mut LedgerChange, build: BuildId, asked_by: &str) -> Result<BuildId> {
     let profile = change.ensure_build_state(build, PRINTED).await?;
     let counted: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")

@@ -1,16 +1,16 @@
 //! A published build that its printer has not taken can be withdrawn. Each step is recorded before the disk is changed, so
 //! that after a crash the file shows what happened:
 //!
-//! 1. `begin_withdrawal`. The file is taken back by one rename; if it is not there, its printer took it (`end_withdrawal`).
-//! 2. `finish_withdrawal`: its copies wait again, with all that was asked. From now on the file is not wanted.
+//! 1. The word is noted (`operator_word`). The file is taken back by one rename; if it is not there, its printer took it (`end_withdrawal`).
+//! 2. The word is carried out: its copies wait again, with all that was asked. From now on the file is not wanted.
 //! 3. What was taken back is removed. `end_withdrawal`.
 //!
 //! For the ledger, the print of a withdrawn build has failed and somebody has seen to it: whatever holds for the copies of a failed
 //! print holds for its copies, also where a backup is put back.
 
 use super::{
-    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PauseCause, PrintOutcome, PutBackReport,
-    ToldOutcome,
+    BuildId, BuildRow, BuildState, EventKind, Ledger, PauseCause, PrintOutcome, PutBackReport, ToldOutcome,
+    change::LedgerChange,
     error::Result,
     outcome::{counted_copies, record_told},
     sql,
@@ -24,59 +24,6 @@ impl Ledger {
     pub async fn builds_to_withdraw(&self, profile: &str) -> Result<Vec<BuildRow>> {
         let query = sql::select_as("FROM build WHERE withdraw_by IS NOT NULL AND profile = $1 ORDER BY id");
         Ok(query.bind(profile).fetch_all(self.reader()?).await?)
-    }
-
-    /// The file of a published build is about to be taken back out of the queue. Asking again changes nothing.
-    ///
-    /// `WrongState` unless it is published; `NotInQueue` if its printer has taken it, it is on its way to another one, or an earlier
-    /// nestd published it, which did not write down where.
-    pub async fn begin_withdrawal(&self, build: BuildId, by: &str, reason: &str) -> Result<()> {
-        let mut change = self.begin_change().await?;
-        change.ensure_build_state(build, &[BuildState::Published]).await?;
-        let set = sql::query(
-            "UPDATE build SET withdraw_by = coalesce(withdraw_by, $1), withdraw_reason = coalesce(withdraw_reason, $2) \
-             WHERE id = $3 AND taken_at IS NULL AND move_to IS NULL AND printer IS NOT NULL AND queue_id IS NOT NULL",
-        );
-        if set.bind(by).bind(reason).bind(build).execute(change.db()).await? == 0 {
-            return Err(LedgerError::NotInQueue(build));
-        }
-        change.commit().await
-    }
-
-    /// The file of a build was taken back: its copies wait again, in the place that they had in the order of precedence. Where nestd
-    /// itself withdrew it, the open build fires at once; where a person did, the machine is paused, so that the copies can be changed.
-    /// Returns `None`, and changes nothing, if the outcome of the build was told meanwhile.
-    pub async fn finish_withdrawal(&self, build: BuildId) -> Result<Option<PutBackReport>> {
-        let mut change = self.begin_change().await?;
-        let (profile, state) = change.require_build(build).await?;
-        let asked = sql::query_as("SELECT withdraw_by, coalesce(withdraw_reason, '') FROM build WHERE id = $1");
-        let (by, reason): (Option<String>, String) = asked.bind(build).fetch_one(change.db()).await?;
-        let Some(by) = by.filter(|_| state == BuildState::Published) else { return Ok(None) };
-        let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-        let told = ToldOutcome::new(PrintOutcome::Failed, &format!("withdrawn from the queue by {by}{why}"), &by);
-        change.move_build(build, BuildState::Failed, &told.note).await?;
-        record_told(&mut change, build, &told).await?;
-        let mut report = PutBackReport::default();
-        let copies = counted_copies(&mut change, build).await?;
-        change.mark_bad(build, &copies, &by, true, &mut report).await?;
-        let now = change.now;
-        // They were not printed badly: they do not go before what is more urgent.
-        let usual = sql::query(
-            "UPDATE part SET put_back_at = NULL WHERE put_back_at = $1 \
-             AND id IN (SELECT part_id FROM bad_placement WHERE build_id = $2)",
-        );
-        usual.bind(now).bind(build).execute(change.db()).await?;
-        let set = sql::query("UPDATE build SET withdrawn_at = $1, seen_at = $1 WHERE id = $2");
-        set.bind(now).bind(build).execute(change.db()).await?;
-        change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &told.note).await?;
-        if by == WITHDRAWN_BY_NESTD {
-            let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
-            set.bind(build).bind(profile).execute(change.db()).await?;
-        } else {
-            change.pause_profile(&profile, &by, PauseCause::Person).await?;
-        }
-        change.commit().await?;
-        Ok(Some(report))
     }
 
     /// Nothing of a withdrawal is left to do.
@@ -138,4 +85,46 @@ pub enum WithdrawalEnd {
     Altered,
     /// The file is in no queue folder, or the outcome of its print was told.
     Removed,
+}
+
+/// The file of a published build was taken back: its copies wait again, in the place that they had in the order of precedence. Where nestd
+/// itself withdrew it, the open build fires at once; where a person did, the machine is paused, so that the copies can be changed.
+pub(super) async fn withdraw(
+    change: &mut LedgerChange,
+    build: BuildId,
+    by: &str,
+    reason: &str,
+) -> Result<PutBackReport> {
+    let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
+    let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
+    record_withdrawn(change, build, by, &format!("withdrawn from the queue by {by}{why}")).await?;
+    let mut report = PutBackReport::default();
+    let copies = counted_copies(change, build).await?;
+    change.mark_bad(build, &copies, by, true, &mut report).await?;
+    let now = change.now;
+    // They were not printed badly: they do not go before what is more urgent.
+    let usual = sql::query(
+        "UPDATE part SET put_back_at = NULL WHERE put_back_at = $1 \
+         AND id IN (SELECT part_id FROM bad_placement WHERE build_id = $2)",
+    );
+    usual.bind(now).bind(build).execute(change.db()).await?;
+    if by == WITHDRAWN_BY_NESTD {
+        let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
+        set.bind(build).bind(profile).execute(change.db()).await?;
+    } else {
+        change.pause_profile(&profile, by, PauseCause::Person).await?;
+    }
+    Ok(report)
+}
+
+/// published -> failed: its file was taken back out of the queue, and nobody printed it.
+pub(super) async fn record_withdrawn(change: &mut LedgerChange, build: BuildId, by: &str, note: &str) -> Result<()> {
+    let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
+    let told = ToldOutcome::new(PrintOutcome::Failed, note, by);
+    change.move_build(build, BuildState::Failed, note).await?;
+    record_told(change, build, &told).await?;
+    let now = change.now;
+    let set = sql::query("UPDATE build SET withdrawn_at = $1, seen_at = $1 WHERE id = $2");
+    set.bind(now).bind(build).execute(change.db()).await?;
+    change.write_event(EventKind::Withdrawn, &profile, None, Some(build), note).await
 }

@@ -202,7 +202,8 @@ fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &s
         BuildFormAct::Failed => PrintOutcome::Failed,
         BuildFormAct::Reprint => return Some(OperatorWord::Reprint(ReprintTarget::Build(build))),
         BuildFormAct::Requeue => return Some(OperatorWord::Requeue(build)),
-        BuildFormAct::Seen | BuildFormAct::Release | BuildFormAct::Withdraw => return None,
+        BuildFormAct::Withdraw => return Some(OperatorWord::Withdraw(build, String::new())),
+        BuildFormAct::Seen | BuildFormAct::Release => return None,
     };
     let told = ToldOutcome {
         bad,
@@ -223,12 +224,6 @@ async fn carry_out(
         BuildFormAct::Release => {
             ledger.release_build(build, form.seen.as_deref(), by).await?;
             Ok(vec![format!("Build {build} is released and goes to the queue.")])
-        }
-        BuildFormAct::Withdraw => {
-            ledger.begin_withdrawal(build, by, "").await?;
-            Ok(vec![format!(
-                "Build {build} is taken back out of the queue, unless its printer is first. Its page says what became of it."
-            )])
         }
         BuildFormAct::Seen => {
             ledger.mark_failure_seen(build, by).await?;

@@ -220,11 +220,17 @@ async fn a_form_of_an_earlier_daemon_is_told_what_became_of_it_and_an_unknown_on
 #[tokio::test]
 async fn what_is_refused_while_a_file_lies_in_the_queue_has_a_button_that_sends_the_same_form_once_more() {
     let dashboard = with_a_build("bracket.stl").await;
-    let form =
-        dashboard.form("/builds/1", |form| form.says("act", "complete") || form.says("act", "interrupted")).await;
+    let is_outcome = |form: &PageForm| form.says("act", "complete") || form.says("act", "interrupted");
+    let before = dashboard.ledger.find_build(BuildId(1)).await.unwrap();
+    for (act, bad) in [("failed", ""), ("complete", "1=1"), ("interrupted", "1=1"), ("reprint", ""), ("requeue", "")] {
+        let form = dashboard.form("/builds/1", is_outcome).await.set("act", act).set("bad", bad);
+        let refused = dashboard.press(&form).await;
+        assert!(refused.text.contains("Refused") && refused.text.contains("lies untouched"), "{act}: {}", refused.text);
+    }
+    assert_eq!(dashboard.ledger.find_build(BuildId(1)).await.unwrap(), before);
+    let form = dashboard.form("/builds/1", is_outcome).await;
     let form = form.set("act", "complete").set("bad", "1=1").set("note", "warped & \"bent\"");
     let refused = dashboard.press(&form).await;
-    assert!(refused.text.contains("Refused") && refused.text.contains("lies untouched"), "{}", refused.text);
     let button = forms_of(&refused.text).remove(0);
     let said: Vec<_> = button.fields.iter().filter(|(name, _)| name != "key" && name != "anyway").collect();
     let asked: Vec<_> = form.fields.iter().filter(|(name, _)| name != "key").collect();

@@ -14,7 +14,8 @@ use crate::{
             values::parse_build_number,
         },
     },
-    ledger::{BuildId, Ledger},
+    farm,
+    ledger::{BuildId, Ledger, OperatorWord},
 };
 
 /// Arguments of the command.
@@ -31,9 +32,10 @@ pub struct WithdrawArgs {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &WithdrawArgs) -> Result<CommandExit> {
     let id = BuildId(args.build);
-    let (text, exit) = with_ledger(common, async |_, ledger| {
+    let (text, exit) = with_ledger(common, async |settings, ledger| {
         ledger.find_build(id).await?.with_context(|| format!("there is no build {id}"))?;
-        ledger.begin_withdrawal(id, &user_at_host(), &args.reason).await?;
+        let word = OperatorWord::Withdraw(id, args.reason.clone());
+        farm::operate(ledger, settings, &word, &user_at_host(), false).await?;
         wait_until_taken_back(ledger, id).await
     })?;
     print_text(&text)?;

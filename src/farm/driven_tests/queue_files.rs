@@ -82,7 +82,7 @@ fn a_file_that_is_put_back_when_its_build_is_over_is_told() {
         let aside = farm.root().join("aside");
         if ends == "withdrawn" {
             fs::copy(&file, &aside).unwrap();
-            farm.ask(async |ledger| ledger.begin_withdrawal(build.id, "ann@farm", "").await.unwrap());
+            farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
             farm.pass_until("it is withdrawn", |farm| {
                 let place = find(farm, &build).place;
                 place.withdrawn_at.is_some() && place.withdraw_by.is_none()
@@ -155,7 +155,7 @@ fn what_a_take_back_finds_changed_is_told_until_the_file_is_out_of_the_queue() {
     let mut bytes = fs::read(&file).unwrap();
     bytes[100] ^= 1;
     fs::write(&file, &bytes).unwrap();
-    farm.ask(async |ledger| ledger.begin_withdrawal(build.id, "ann@farm", "").await.unwrap());
+    farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
     farm.pass_until("the withdrawal has ended", |farm| find(farm, &build).place.withdraw_by.is_none());
     expect_told(&mut farm, "is not the file that was proved");
     assert_eq!(find(&farm, &build).state, BuildState::Published);

@@ -185,7 +185,7 @@ fn a_build_in_a_queue_that_does_not_fit_any_more_is_told_goes_to_no_other_printe
     let status = farm.folder("inbox").join("STATUS.txt");
     let is_there = |_: &HandDrivenFarm| fs::read_to_string(&status).unwrap().contains("must not be printed as it is");
     farm.pass_until("the hot folder says so", is_there);
-    farm.ask(async |ledger| ledger.begin_withdrawal(build.id, "ann", "").await.unwrap());
+    farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.ask(async |ledger| ledger.resume_profile(PROFILE, "ann").await.unwrap());
     farm.tick();

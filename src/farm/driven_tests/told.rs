@@ -120,7 +120,7 @@ fn a_file_that_was_emptied_replaced_or_is_a_folder_is_not_taken_back() {
             "folder" => fs::create_dir(&file).unwrap(),
             _ => fs::write(&file, vec![7; if harm == "emptied" { 0 } else { bytes }]).unwrap(),
         }
-        farm.ask(async |ledger| ledger.begin_withdrawal(build.id, "a@test", "").await.unwrap());
+        farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
         farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
         farm.pass_until("the withdrawal has ended", |farm| find(farm, build.id).place.withdraw_by.is_none());
         let row = find(&farm, build.id);

@@ -10,14 +10,14 @@ use super::{
 };
 use crate::{
     ledger::{
-        BuildId, BuildRow, BuildState, CommandArgument, CommandKind, LedgerError, NewCommand, PartEdit, PartState,
-        PrintOutcome, ToldOutcome,
+        BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand,
+        OperatorWord, PartEdit, PartState, PrintOutcome, ToldOutcome,
     },
     queue::QueueFolder,
 };
 
 fn withdraw(farm: &HandDrivenFarm, build: BuildId) -> Result<(), LedgerError> {
-    farm.ask(async |ledger| ledger.begin_withdrawal(build, "a@test", "a mistake").await)
+    farm.say(&OperatorWord::Withdraw(build, "a mistake".to_owned()), false).map(drop)
 }
 
 fn find(farm: &HandDrivenFarm, build: BuildId) -> BuildRow {
@@ -85,11 +85,11 @@ fn a_build_that_is_taken_back_can_be_changed_and_comes_again() {
     let waiting = farm.wait_for_parts(PartState::Waiting, 1);
     assert!(farm.queued().is_empty() && !open_queue(&farm).withdrawn_path(&file).exists());
     let row = find(&farm, build);
-    assert!(row.place.withdrawn_at.is_some() && row.reason.contains("withdrawn from the queue by a@test: a mistake"));
+    assert!(row.place.withdrawn_at.is_some() && row.reason.contains("withdrawn from the queue by ann@farm: a mistake"));
     assert!(farm.ask(async |ledger| ledger.unseen_failures().await.unwrap()).is_empty(), "nobody needs to see to it");
     assert!(matches!(withdraw(&farm, build), Err(LedgerError::WrongState { .. })));
     farm.pass_secs(30.0);
-    assert!(farm.queued().is_empty() && farm.status_text().contains("PAUSED by a@test"), "it waits for a person");
+    assert!(farm.queued().is_empty() && farm.status_text().contains("PAUSED by ann@farm"), "it waits for a person");
     let edit = PartEdit { copies: Some(3), ..PartEdit::default() };
     let argument = CommandArgument { edit: Some(edit), ..CommandArgument::default() };
     let command = NewCommand {
@@ -131,7 +131,7 @@ enum DoneBeforeKill {
 }
 
 #[test]
-fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_whatever_was_told_meanwhile() {
+fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_nothing_else_is_told_meanwhile() {
     let kills = [DoneBeforeKill::Nothing, DoneBeforeKill::Renamed, DoneBeforeKill::PutBack, DoneBeforeKill::Removed];
     for (kill, tell) in kills.into_iter().flat_map(|kill| [(kill, false), (kill, true)]) {
         let (mut farm, build, file) = one_build("");
@@ -141,12 +141,12 @@ fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_whatever_was_told_mea
             queue.withdraw(&file).unwrap();
         }
         if tell {
-            let failed = ToldOutcome::new(PrintOutcome::Failed, "", "b@test");
-            farm.ask(async |ledger| ledger.record_outcome(build, &failed).await.unwrap());
+            let failed = OperatorWord::Outcome(build, ToldOutcome::new(PrintOutcome::Failed, "", "b@test"));
+            let refused = farm.say(&failed, true);
+            assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{refused:?}");
         }
         if matches!(kill, DoneBeforeKill::PutBack | DoneBeforeKill::Removed) {
-            let report = farm.ask(async |ledger| ledger.finish_withdrawal(build).await.unwrap());
-            assert_eq!(report.is_none(), tell);
+            assert!(farm.ask(async |ledger| ledger.finish_noted_word(build).await.unwrap()).is_some());
         }
         if kill == DoneBeforeKill::Removed {
             queue.remove_withdrawn(&file).unwrap();

@@ -1,10 +1,19 @@
 //! Builds that are taken back out of the queue, and how many builds are ahead of a printer.
 
+use std::collections::BTreeSet;
+
 use super::{printers::published_at, *};
-use crate::ledger::{BuildsAhead, MoveEnd, PrintOutcome, ToldOutcome, WITHDRAWN_BY_NESTD, WithdrawalEnd};
+use crate::ledger::{
+    BuildsAhead, InQueueError, MoveEnd, OperatorWord, PrintOutcome, TakenBackFor, ToldOutcome, WITHDRAWN_BY_NESTD,
+    WithdrawalEnd, WordAnswer, error::Result,
+};
 
 async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
     ledger.find_build(build).await.unwrap().unwrap().place
+}
+
+async fn withdraw(ledger: &Ledger, build: BuildId, by: &str, why: &str) -> Result<WordAnswer> {
+    ledger.carry_out(&OperatorWord::Withdraw(build, why.to_owned()), by, &BTreeSet::new(), false).await
 }
 
 async fn to_withdraw(ledger: &Ledger) -> Vec<BuildId> {
@@ -15,8 +24,9 @@ async fn to_withdraw(ledger: &Ledger) -> Vec<BuildId> {
 async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_printed() {
     let ledger = fresh().await;
     let build = published_at(&ledger, "a", "left").await;
-    ledger.begin_withdrawal(build, "a@b", "a mistake").await.unwrap();
-    ledger.begin_withdrawal(build, "c@d", "").await.unwrap();
+    assert_eq!(withdraw(&ledger, build, "a@b", "a mistake").await.unwrap().noted, [build]);
+    let again = withdraw(&ledger, build, "c@d", "").await;
+    assert!(matches!(again, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{again:?}");
     assert_eq!(to_withdraw(&ledger).await, [build]);
     assert_eq!(place(&ledger, build).await.withdraw_by.as_deref(), Some("a@b"), "the first word counts");
     // On its way out of the queue, it is neither taken nor moved.
@@ -24,9 +34,11 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     ledger.begin_move(build, "right").await.unwrap();
     let now = place(&ledger, build).await;
     assert_eq!((now.taken_at, now.move_to), (None, None));
-    let report = ledger.finish_withdrawal(build).await.unwrap().unwrap();
-    assert_eq!(report.put_back_copies(), 1);
-    assert!(ledger.finish_withdrawal(build).await.unwrap().is_none());
+    assert_eq!(ledger.taken_back_for(build).await.unwrap(), Some(TakenBackFor::Withdrawal));
+    assert!(ledger.finish_noted_word(build).await.unwrap().is_some());
+    assert_eq!(ledger.copies_of_withdrawal(build).await.unwrap(), 1);
+    assert_eq!(ledger.taken_back_for(build).await.unwrap(), Some(TakenBackFor::Nothing));
+    assert!(ledger.finish_noted_word(build).await.unwrap().is_none());
     assert_eq!(to_withdraw(&ledger).await, [build], "its file is still to be removed");
     ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
     assert!(to_withdraw(&ledger).await.is_empty());
@@ -51,19 +63,19 @@ async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
     ];
     ledger.record_taken(taken, "queue").await.unwrap();
     ledger.begin_move(moves, "right").await.unwrap();
-    for build in [taken, moves] {
-        let refused = ledger.begin_withdrawal(build, "a@b", "").await;
-        assert!(matches!(refused, Err(LedgerError::NotInQueue(_))), "{refused:?}");
-    }
+    let word = OperatorWord::Withdraw(taken, String::new());
+    let refused = ledger.carry_out(&word, "a@b", &BTreeSet::from([taken]), false).await;
+    assert!(matches!(refused, Err(LedgerError::NotInQueue(_))), "{refused:?}");
+    let refused = withdraw(&ledger, moves, "a@b", "").await;
+    assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::OnItsWay(_)))), "{refused:?}");
     ledger.end_move(moves, MoveEnd::Dropped).await.unwrap();
-    ledger.begin_withdrawal(moves, "a@b", "").await.unwrap();
-    // Its outcome is told before the file was taken back.
-    ledger.record_outcome(moves, &ToldOutcome::new(PrintOutcome::Complete, "", "a@b")).await.unwrap();
-    assert!(ledger.finish_withdrawal(moves).await.unwrap().is_none());
-    ledger.end_withdrawal(moves, WithdrawalEnd::Removed).await.unwrap();
-    assert_eq!(build_state(&ledger, moves).await, BuildState::Complete);
+    withdraw(&ledger, moves, "a@b", "").await.unwrap();
+    // One word at a time.
+    let told = OperatorWord::Outcome(moves, ToldOutcome::new(PrintOutcome::Complete, "", "a@b"));
+    let refused = ledger.carry_out(&told, "a@b", &BTreeSet::new(), true).await;
+    assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{refused:?}");
     // The printer is first.
-    ledger.begin_withdrawal(raced, "a@b", "").await.unwrap();
+    withdraw(&ledger, raced, "a@b", "").await.unwrap();
     ledger.end_withdrawal(raced, WithdrawalEnd::Taken).await.unwrap();
     let now = place(&ledger, raced).await;
     assert!(now.taken_at.is_some() && now.withdraw_by.is_none() && now.withdrawn_at.is_none());
@@ -77,9 +89,9 @@ async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
     let open = ledger.open_build("paper-200").await.unwrap();
     let learned = async || ledger.published_experience("paper-200", 10).await.unwrap().len();
     assert_eq!(learned().await, 1);
-    ledger.begin_withdrawal(build, WITHDRAWN_BY_NESTD, "").await.unwrap();
+    withdraw(&ledger, build, WITHDRAWN_BY_NESTD, "").await.unwrap();
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
-    ledger.finish_withdrawal(build).await.unwrap();
+    ledger.finish_noted_word(build).await.unwrap();
     assert_eq!(learned().await, 0, "it is no print that failed");
     let history = ledger.read_history(&HistoryQuery::default()).await.unwrap();
     assert_eq!((history[0].state_word().as_str(), history[0].is_published()), ("withdrawn", false));
@@ -114,4 +126,30 @@ async fn builds_that_are_made_for_a_printer_or_lie_in_its_queue_are_ahead_of_it(
     assert_eq!(ledger.builds_ahead("paper-200").await.unwrap(), expected);
     let status = ledger.profile_statuses().await.unwrap().remove(0);
     assert_eq!(status.ahead, expected);
+}
+
+#[tokio::test]
+async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_counts_as_withdrawn() {
+    for is_requeue in [true, false] {
+        let ledger = fresh().await;
+        let build = published_at(&ledger, "a", "left").await;
+        let word = if is_requeue {
+            OperatorWord::Requeue(build)
+        } else {
+            OperatorWord::Reprint(crate::ledger::ReprintTarget::Build(build))
+        };
+        ledger.carry_out(&word, "ann", &BTreeSet::new(), true).await.unwrap();
+        assert_eq!(build_state(&ledger, build).await, BuildState::Published);
+        ledger.finish_noted_word(build).await.unwrap().unwrap();
+        ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
+        let row = ledger.find_build(build).await.unwrap().unwrap();
+        assert_eq!((row.state, row.state_word().as_str()), (BuildState::Failed, "withdrawn"));
+        let complete = OperatorWord::Outcome(build, ToldOutcome::new(PrintOutcome::Complete, "", "ann"));
+        let refused = ledger.carry_out(&complete, "ann", &BTreeSet::from([build]), false).await;
+        assert!(matches!(refused, Err(LedgerError::AlreadyTold { .. })), "{refused:?}");
+        let now = UtcTimestamp(jiff::Timestamp::now());
+        let busy = ledger.occupying_builds("paper-200", now).await.unwrap();
+        assert!(busy.iter().all(|busy| busy.build != build), "its printer is free of it");
+        assert!(ledger.unseen_failures().await.unwrap().is_empty(), "nobody needs to see to it");
+    }
 }

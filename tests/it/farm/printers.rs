@@ -2,6 +2,7 @@
 //! exactly once, whoever is killed and whenever a printer takes its file.
 
 use std::{
+    collections::BTreeSet,
     fs,
     path::PathBuf,
     time::{Duration, Instant},
@@ -9,7 +10,7 @@ use std::{
 
 use nestd::{
     farm::InvariantExpectations,
-    ledger::{BuildState, PartState},
+    ledger::{BuildState, OperatorWord, PartState},
 };
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
@@ -175,7 +176,10 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
         for build in farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()) {
             if random.random_bool(0.8) {
                 // Its printer may have taken it.
-                drop(farm.query_ledger(async |ledger| ledger.begin_withdrawal(build.id, "a@test", "").await));
+                let word = OperatorWord::Withdraw(build.id, String::new());
+                drop(
+                    farm.query_ledger(async |ledger| ledger.carry_out(&word, "a@test", &BTreeSet::new(), false).await),
+                );
             }
         }
         let until = Instant::now() + Duration::from_millis(random.random_range(0..1200));

@@ -92,11 +92,18 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     let first = printed_copies(&farm.wait_for_queued(1)[0]);
     assert_eq!(first, [(("cover.stl".to_owned(), 254, "upright".to_owned()), 3)].into());
     farm.wait_for_parts(PartState::Built, 1);
-    let refused = farm.nestd(&["outcome", "1", "failed"]);
-    assert!(
-        !refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("lies untouched"),
-        "{refused:?}"
-    );
+    for word in [
+        "outcome 1 failed",
+        "outcome 1 complete --bad 1=1",
+        "outcome 1 interrupted --bad 1=1",
+        "reprint b1",
+        "requeue 1",
+    ] {
+        let refused = farm.nestd(&word.split(' ').collect::<Vec<_>>());
+        let why = String::from_utf8_lossy(&refused.stderr);
+        assert!(!refused.status.success() && why.contains("lies untouched"), "{word}: {refused:?}");
+        assert_eq!((farm.queued().len(), farm.parts(PartState::Built).len()), (1, 1), "{word}");
+    }
     farm.nestd_ok(&["outcome", "1", "failed", "--anyway"]);
     farm.wait_for_parts(PartState::Waiting, 1);
 

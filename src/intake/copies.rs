@@ -4,7 +4,7 @@
 use std::ffi::OsStr;
 
 use super::{
-    copies_sizes::{completes_size, continues_size},
+    copies_sizes::{completes_size, continues_size, is_number_of_thing},
     copies_words::{
         NameWord, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count, is_tail_word, is_word_of,
         split_name_words,
@@ -259,6 +259,8 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
             && next.text.strip_prefix('m').is_some_and(|size| size.starts_with(|c: char| c.is_ascii_digit()))
     });
     let is_joined = length == 1 || words[at + 1].gap.chars().all(char::is_whitespace);
+    // `No 5 x 2` may be two of number 5, or a size.
+    let is_between_numbers = length == 2 && words[at].number().is_none() && at > 0 && words[at - 1].number().is_some();
     // `M3 x 20` and `6x 8mm` may be sizes.
     let is_of_size = words[at].text.starts_with(['x', '×']) && continues_size(words, at)
         || is_before_name && completes_size(words, at + length);
@@ -266,6 +268,7 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
         && !is_factor
         && !is_of_thread
         && !is_of_size
+        && !is_between_numbers
         && is_joined
         && !digits.starts_with('0');
     let copies = parse_copies(&digits).filter(|_| is_clear);
@@ -288,7 +291,8 @@ fn lone_times_digits(words: &[NameWord], at: usize) -> Option<String> {
     let before = at.checked_sub(1).map(|at| &words[at]);
     if is_times(&words[at]) {
         let has_pieces = words.get(at + 2).is_some_and(|word| is_pieces(&word.text));
-        return next.number().filter(|_| !is_number(before) && !has_pieces).map(str::to_owned);
+        let is_size = is_number(before) && !is_number_of_thing(words, at - 1);
+        return next.number().filter(|_| !is_size && !has_pieces).map(str::to_owned);
     }
     let is_size = is_number(words.get(at + 2)) || before.is_some_and(is_times);
     words[at].number().filter(|_| is_times(next) && !is_size).map(str::to_owned)

@@ -16,8 +16,12 @@ const LENGTH_PREFIXES: &str = "b l h w t s r lg len length länge laenge longueu
                                wand wandstärke dicke ep épaisseur epaisseur paroi spessore sp espesor grosor pared dikte grubość gr \
                                radius rayon raggio radio 長さ 幅 高さ 厚さ 厚み 板厚 肉厚 长度 厚度 壁厚 宽度 高度";
 /// Units behind the number of a size.
-const UNITS: &str = "mm cm dm m µm um μm in inch inches zoll pouce pouces pollici pulgadas cal ft mil mils thou deg grad ° awg swg ga \
-                     gauge unc unf unef bsp bspp bspt npt ミリ 毫米 ㎜";
+const UNITS: &str = "mm cm dm m µm um μm mm2 qmm in inch inches zoll pouce pouces pollici pulgadas cal ft mil mils thou deg grad ° awg \
+                     swg ga gauge unc unf unef bsp bspp bspt npt er ミリ 毫米 ㎜";
+/// What of a thing has the size, behind its number and unit: `25OD`, `8mmID`.
+const SIDES: [&str; 6] = ["od", "id", "diam", "dia", "da", "di"];
+/// Letters of fits, between the number of a diameter and a grade: `12h6`, `10H7`.
+const FITS: &str = "efghjkmnprs";
 /// Grades and coatings that stand between a thread and its length.
 const GRADES: &str = "a2 a4 v2a v4a zn vz inox";
 /// Numbers of four and more digits that are sizes: aluminium profiles and cells. Others are numbers of parts or orders.
@@ -28,6 +32,8 @@ const BEARING_SERIES: [&str; 4] = ["60", "62", "63", "68"];
 const BEARING_SHIELDS: [&str; 7] = ["zz", "2z", "2rs", "rs", "2rsr", "rsr", "uu"];
 /// A number of more digits is one of a part, an order or a year.
 const MAX_DIGITS: usize = 3;
+/// A plain number of more digits before `x 4` is no dimension.
+const MAX_DIGITS_OF_DIMENSION: usize = 4;
 /// A size of more dimensions cannot go on.
 const MAX_DIMENSIONS: usize = 3;
 
@@ -49,7 +55,7 @@ pub(super) fn completes_size(words: &[NameWord], at: usize) -> bool {
 }
 
 fn is_separating(gap: &str) -> bool {
-    gap.contains(['(', '[', '{', '【', '「', ',', '、', ';', '+', '|'])
+    gap.contains(['(', '[', '{', '【', '「', ')', ']', '}', '】', '」', ',', '、', ';', '+', '|'])
         || [" - ", " – ", " — "].iter().any(|dash| gap.contains(dash))
 }
 
@@ -66,11 +72,19 @@ fn is_short(number: &str) -> bool {
     !is_digits(number) || number.len() <= MAX_DIGITS
 }
 
-/// Splits `8mm` into its number and its unit, which may be empty.
+/// Splits `8mm` into its number and its unit, which may be empty, or a fit.
 fn split_unit(text: &str) -> Option<(&str, &str)> {
     let (number, unit) =
         text.split_at(text.bytes().take_while(|b| b.is_ascii_digit() || matches!(b, b'.' | b',')).count());
-    (is_number(number) && (unit.is_empty() || is_listed(UNITS, unit))).then_some((number, unit))
+    let bare = SIDES.iter().find_map(|side| unit.strip_suffix(side)).unwrap_or(unit);
+    let is_fit = unit.strip_prefix(|c| FITS.contains(c)).is_some_and(is_digits);
+    (is_number(number) && (bare.is_empty() || is_listed(UNITS, bare) || is_fit)).then_some((number, unit))
+}
+
+/// Whether a plain number is that of a part, an order or a version, which is no dimension: `No 5`, `100234`.
+pub(super) fn is_number_of_thing(words: &[NameWord], at: usize) -> bool {
+    let is_long = words[at].number().is_some_and(|number| number.len() > MAX_DIGITS_OF_DIMENSION);
+    is_long || words[at].number().is_some() && at > 0 && is_numbering_word(&words[at - 1].text)
 }
 
 /// Splits `d40` into its prefix and its number. Letters of Japanese and Chinese before a Latin prefix belong to another word.

@@ -100,10 +100,25 @@ pub(super) fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
 
+/// The digits 0 of scripts that have their own; the other nine follow each. (Those of full width fold to ASCII.)
+const ZEROS: [char; 17] = [
+    '\u{660}', '\u{6f0}', '\u{966}', '\u{9e6}', '\u{a66}', '\u{ae6}', '\u{b66}', '\u{be6}', '\u{c66}', '\u{ce6}',
+    '\u{d66}', '\u{e50}', '\u{ed0}', '\u{f20}', '\u{1040}', '\u{17e0}', '\u{1810}',
+];
+
+/// A digit of any script in ASCII, and an asterisk as a multiplication sign; other characters as they are.
+fn plain_sign(c: char) -> char {
+    let digit = |zero: char| (c as u32).checked_sub(zero as u32).and_then(|digit| char::from_digit(digit, 10));
+    match c {
+        '*' => '×',
+        c => ZEROS.into_iter().find_map(digit).unwrap_or(c),
+    }
+}
+
 /// Splits a name (without its extension) into words. Decimal numbers and sizes such as `10x20` stay in one word; a
 /// multiplication sign and an East Asian counter begin a word of their own.
 pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
-    let text: String = stem.nfkc().flat_map(char::to_lowercase).map(|c| if c == '*' { '×' } else { c }).collect();
+    let text: String = stem.nfkc().flat_map(char::to_lowercase).map(plain_sign).collect();
     let chars: Vec<char> = replace_dates(&text)
         .replace("q.ty", "qty")
         .replace("q'ty", "qty")

@@ -111,7 +111,7 @@ type WriteFault = (&'static str, fn(&mut SolvedBuild));
 
 #[test]
 fn a_build_that_holds_something_else_is_not_proved() {
-    let wrong: [WriteFault; 7] = [
+    let wrong: [WriteFault; 8] = [
         ("which was not asked for", |build| build.parts[0].part_number = "8".to_owned()),
         ("other copies", |build| build.placed[0].copy = 5),
         ("another mesh", |build| {
@@ -124,6 +124,13 @@ fn a_build_that_holds_something_else_is_not_proved() {
             let mut again = build.placed[0].clone();
             again.pose.translation.x += 40.0;
             build.placed.push(again);
+        }),
+        ("another mesh", |build| {
+            let cube = &build.parts[0].mesh;
+            let mut vertices = cube.vertices().to_vec();
+            let corner = vertices[0];
+            vertices[0] = corner.lerp(DVec3::splat(5.0), 0.2);
+            build.parts[0].mesh = Arc::new(solids::Mesh::new(vertices, cube.triangles().to_vec()).unwrap());
         }),
         ("out of the volume", |build| build.placed[0].pose.translation.x = 95.0),
         ("keep-out box 1", |_| {}),
@@ -138,4 +145,34 @@ fn a_build_that_holds_something_else_is_not_proved() {
         let refused = proved(&asked, &written).unwrap_err();
         assert!(refused.contains(expected), "{refused}");
     }
+}
+
+/// Two copies of the cube, the second one moved along x.
+fn two_cubes(moved_mm: f64, copy: u32) -> SolvedBuild {
+    let mut build = one_cube();
+    build.parts[0].copies = vec![4, 5];
+    let mut second = build.placed[0].clone();
+    second.copy = copy;
+    second.pose.translation.x += moved_mm;
+    build.placed.push(second);
+    build
+}
+
+#[test]
+fn copies_that_are_too_close_or_there_twice_or_fill_a_layer_are_not_proved() {
+    let mut asked = two_cubes(40.0, 5);
+    assert!(proved(&asked, &asked).is_ok());
+    for (written, expected) in [
+        (two_cubes(13.0, 5), "is not proved: "),
+        (two_cubes(40.0, 4), "copy 5 of cube.stl twice"),
+        (one_cube(), "1 placements instead of 2"),
+    ] {
+        let refused = proved(&asked, &written).unwrap_err();
+        assert!(refused.contains(expected), "{refused}");
+    }
+    asked.machine.layer_cap = LayerAreaCap { layer_mm: 0.1, area_mm2: 150.0 };
+    let refused = proved(&asked, &asked).unwrap_err();
+    assert!(refused.contains("fills a layer beyond its cap"), "{refused}");
+    asked.machine.layer_cap.area_mm2 = 250.0;
+    assert!(proved(&asked, &asked).is_ok());
 }

@@ -50,3 +50,25 @@ impl LedgerChange {
         self.write_event(EventKind::SizeDiffers, &part.profile, Some(part.id), None, &question).await
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_the_same_within_the_rounding_of_written_numbers_and_no_further() {
+        let size = [5.0, 20.0, 3000.0];
+        for (other, is_same) in [
+            ([5.0, 20.0, 3000.0], true),
+            ([5.0009, 20.0, 3000.0], true),
+            ([5.0, 19.9991, 3000.0], true),
+            ([5.0, 20.0, 3000.0029], true),
+            ([5.0011, 20.0, 3000.0], false),
+            ([5.0, 19.9989, 3000.0], false),
+            ([5.0, 20.0, 3000.0031], false),
+            ([127.0, 508.0, 76_200.0], false),
+        ] {
+            assert_eq!(is_same_size(size, other), is_same, "{other:?}");
+        }
+    }
+}

@@ -97,7 +97,7 @@ const END_CONNECTION: &str = "The database ends a connection that does nothing w
      server process, ends it, and nothing is lost by that.";
 /// What to do about a folder that cannot be read.
 const LET_IT_BE_READ: &str = "The reason names the folder. Let nestd's user read and enter it, or move what is in it into the hot folder itself, \
-     on the same file system; the files stay where they are until then.";
+     on the same file system; the files stay where they are until then. A recycle bin is emptied, or moved elsewhere.";
 /// What to do about a missing ledger.
 const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
      `nestd restore --empty` creates a new ledger from the folders.";

@@ -290,7 +290,11 @@ pub(super) fn new_part_row(
         },
         warnings,
         ticket: source,
-        dropped: DroppedFile { folder: claim.order.clone(), mtime_ns: claim.dropped_mtime_ns() },
+        dropped: DroppedFile {
+            folder: claim.order.clone(),
+            mtime_ns: claim.dropped_mtime_ns(),
+            rewrites: part_spec.and_then(|given| given.rewrites.clone()),
+        },
     }
 }
 

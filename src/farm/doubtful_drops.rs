@@ -1,11 +1,11 @@
-//! Drops that may not be orders of their own: rows of lists that say no, conflict copies of sync programs, the same part in
-//! several formats. Such a part waits for a yes.
+//! Drops that may not be orders of their own: rows of lists that say no, folders of the past, conflict copies of sync programs,
+//! backups, the same part in several formats. Such a part waits for a yes.
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 
 use crate::{
-    intake::{self, CopyName},
+    intake::{self, CopyKind, CopyName},
     ledger::{Ledger, Namesake, PartRow, SolidFacts},
 };
 
@@ -52,16 +52,15 @@ fn names_in_formats(name: &str) -> Vec<String> {
     }
 }
 
-/// A copy that a program made. One of a file manager is in doubt if its original is ordered too.
+/// A copy of a file. One of a file manager is in doubt if its original is ordered too.
 fn copy_doubt(copy: &CopyName, namesakes: &[Namesake]) -> Option<String> {
     let known = namesakes.first().map(|known| format!("{} (part {})", known.name, known.id));
-    match (copy.is_conflict, known) {
-        (true, known) => Some(format!(
-            "its name says that a sync program found two versions of {}",
-            known.as_ref().unwrap_or(&copy.original)
-        )),
-        (false, known) => known.map(|known| format!("its name is that of a copy of {known}")),
-    }
+    let what = match copy.kind {
+        CopyKind::Conflict => "its name says that a sync program found two versions of",
+        CopyKind::Backup => "its name is that of a backup of",
+        CopyKind::BesideOriginal => return known.map(|known| format!("its name is that of a copy of {known}")),
+    };
+    Some(format!("{what} {}", known.as_ref().unwrap_or(&copy.original)))
 }
 
 /// A part that was dropped before, or is ordered by a ticket, in another format.
@@ -80,11 +79,12 @@ mod tests {
     #[test]
     fn a_copy_of_a_file_manager_is_in_doubt_only_where_its_original_is_ordered() {
         let known = [Namesake { id: PartId(3), name: "x.stl".to_owned(), has_ticket: false }];
-        let copy = |is_conflict| CopyName { original: "x.stl".to_owned(), is_conflict };
-        let doubt = copy_doubt(&copy(false), &known);
+        let copy = |kind| CopyName { original: "x.stl".to_owned(), kind };
+        let doubt = copy_doubt(&copy(CopyKind::BesideOriginal), &known);
         assert_eq!(doubt.as_deref(), Some("its name is that of a copy of x.stl (part 3)"));
-        assert_eq!(copy_doubt(&copy(false), &[]), None);
-        assert!(copy_doubt(&copy(true), &[]).unwrap().contains("two versions of x.stl"));
+        assert_eq!(copy_doubt(&copy(CopyKind::BesideOriginal), &[]), None);
+        assert!(copy_doubt(&copy(CopyKind::Conflict), &[]).unwrap().contains("two versions of x.stl"));
+        assert!(copy_doubt(&copy(CopyKind::Backup), &known).unwrap().contains("backup of x.stl (part 3)"));
     }
 
     #[test]

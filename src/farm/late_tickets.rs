@@ -160,7 +160,7 @@ async fn apply_late_ticket(
     let mut names: Vec<&str> = candidates.iter().map(|part| part.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    let name = match intake::find_named_part(&late.part_name, &names) {
+    let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
         NamedPart::Missing => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
         NamedPart::Several => {

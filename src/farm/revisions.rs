@@ -15,10 +15,13 @@ pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
             continue;
         }
         let new = part.owed.replaced_by.map_or_else(String::new, |new| format!(", part {new},"));
+        let order = match part.terms.order_name.as_str() {
+            "" => String::new(),
+            order => format!(" for order {order}"),
+        };
         let reason = format!(
-            "A newer revision{new} of the same name came for order {} while this one waited, and took its place. Where both \
-             are wanted, take this one back.",
-            part.terms.order_name
+            "A newer revision{new} of the same name came{order} while this one waited, and took its place. Where both are \
+             wanted, take this one back."
         );
         match part.state {
             PartState::Waiting => {

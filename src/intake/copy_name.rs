@@ -1,15 +1,26 @@
-//! Names that programs give to a second version of a file: conflict copies of sync programs, copies of file managers.
+//! Names that programs and people give to a second version of a file: conflict copies of sync programs, copies of file managers,
+//! backups.
 
 use super::{copies_words::is_digits, name::is_part_name, name_match::fold_name};
 
-/// A name that a program made of another file's name.
+/// How sure it is that a name is that of a copy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CopyKind {
+    /// A sync program found two versions.
+    Conflict,
+    /// A backup, or what a program keeps of the file before.
+    Backup,
+    /// A copy if its original is there too.
+    BesideOriginal,
+}
+
+/// A name that was made of another file's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CopyName {
     /// The name of the file that it is a copy of.
     pub original: String,
-    /// Whether it is certainly the copy of a sync program that found two versions. Otherwise it is one if its original is
-    /// there too.
-    pub is_conflict: bool,
+    /// What kind of copy it is.
+    pub kind: CopyKind,
 }
 
 /// Words in the brackets that sync programs add where they found two versions: Dropbox, Nextcloud, ownCloud, Seafile, Box,
@@ -51,6 +62,28 @@ const COPY_ENDINGS: [&str; 18] = [
     " (copy)",
     " (kopie)",
 ];
+/// Words for backups behind a name, after a sign (`x.bak.stl`, `x-backup.stl`).
+const BACKUP_WORDS: [&str; 14] = [
+    "bak",
+    "backup",
+    "orig",
+    "sav",
+    "tmp",
+    "autosave",
+    "sicherung",
+    "sicherungskopie",
+    "sauvegarde",
+    "respaldo",
+    "copia de seguridad",
+    "バックアップ",
+    "备份",
+    "備份",
+];
+/// Words for an earlier state behind a name, after a sign.
+const PAST_WORDS: [&str; 12] =
+    ["old", "alt", "ancien", "ancienne", "vieux", "viejo", "antiguo", "vecchio", "vecchia", "古い", "旧", "旧版"];
+/// Signs before such a word.
+const WORD_SIGNS: [char; 4] = ['.', '-', '_', ' '];
 /// What file managers put before a name.
 const COPY_STARTS: [&str; 6] = ["copy of ", "kopie von ", "copie de ", "copia de ", "copia di ", "コピー ~ "];
 /// Starts of the names that Windows gives to computers, which OneDrive adds behind a hyphen.
@@ -60,18 +93,52 @@ const COMPUTER_LETTERS: std::ops::RangeInclusive<usize> = 5..=11;
 
 /// What a file name is a copy of, if a program made it of another one's.
 pub fn read_copy_name(name: &str) -> Option<CopyName> {
+    // `x.stl.1`: programs number what was there before.
+    if let Some((original, _)) =
+        name.rsplit_once('.').filter(|(part, n)| is_part_name(part.as_ref()) && is_copy_number(n))
+    {
+        return Some(CopyName { original: original.to_owned(), kind: CopyKind::Backup });
+    }
     let (stem, extension) = name.rsplit_once('.').filter(|_| is_part_name(name.as_ref()))?;
-    let copy = |stem: &str, is_conflict| CopyName { original: format!("{}.{extension}", stem.trim_end()), is_conflict };
+    let copy = |stem: &str, kind| CopyName { original: format!("{}.{extension}", stem.trim_end()), kind };
     if let Some(stem) = conflict_original(stem) {
-        return Some(copy(stem, true));
+        return Some(copy(stem, CopyKind::Conflict));
     }
     let stem = stem.trim_end();
+    if let Some(stem) = without_word(stem, &BACKUP_WORDS).or_else(|| without_tilde_number(stem)) {
+        return Some(copy(stem, CopyKind::Backup));
+    }
     let numbered = without_number(stem);
     let bare = numbered.unwrap_or(stem);
     let ending = COPY_ENDINGS.iter().find_map(|ending| without_ending(bare, ending));
     let start = || COPY_STARTS.iter().find_map(|start| without_start(bare, start));
-    let original = ending.or_else(start).or(numbered).or_else(|| without_computer(stem))?;
-    (!original.trim().is_empty()).then(|| copy(original, false))
+    let told = ending.or_else(start).or(numbered).or_else(|| without_computer(stem));
+    let original = told.or_else(|| without_word(stem, &PAST_WORDS)).or_else(|| without_low_number(stem))?;
+    (!original.trim().is_empty()).then(|| copy(original, CopyKind::BesideOriginal))
+}
+
+fn is_copy_number(number: &str) -> bool {
+    is_digits(number) && number.len() < 4
+}
+
+/// `x` of `x.bak`, `x_backup` and `x - old`.
+fn without_word<'a>(stem: &'a str, words: &[&str]) -> Option<&'a str> {
+    let before = words.iter().find_map(|word| without_ending(stem, word))?;
+    let original = before.trim_end_matches(WORD_SIGNS);
+    (original.len() < before.len() && !original.is_empty()).then_some(original)
+}
+
+/// `x` of `x~1`, and of `x~20260101-120000`, as Syncthing keeps versions.
+fn without_tilde_number(stem: &str) -> Option<&str> {
+    let (original, number) = stem.rsplit_once('~')?;
+    let is_date = || has_date(number) && number.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+    ((is_copy_number(number) || is_date()) && !original.trim().is_empty()).then_some(original)
+}
+
+/// `x` of `x_1`, as browsers and CAD programs number a second file.
+fn without_low_number(stem: &str) -> Option<&str> {
+    let (original, number) = stem.rsplit_once('_')?;
+    (number.len() == 1 && is_digits(number) && number != "0").then_some(original)
 }
 
 /// The stem of a name before what a sync program added.
@@ -99,7 +166,7 @@ fn has_date(text: &str) -> bool {
 /// `x` of `x (2)`.
 fn without_number(stem: &str) -> Option<&str> {
     let (before, number) = stem.strip_suffix(')')?.rsplit_once('(')?;
-    (is_digits(number) && number.len() < 4 && !before.trim().is_empty()).then(|| before.trim_end())
+    (is_copy_number(number) && !before.trim().is_empty()).then(|| before.trim_end())
 }
 
 fn without_ending<'a>(stem: &'a str, ending: &str) -> Option<&'a str> {
@@ -126,31 +193,44 @@ mod tests {
 
     #[test]
     fn copies_of_sync_programs_and_file_managers_name_their_original() {
-        for (name, is_conflict) in [
-            ("x.sync-conflict-20260101-120000-ABCDEFG.stl", true),
-            ("x (conflicted copy 2026-01-01 120000).stl", true),
-            ("x (Anna's conflicted copy 2026-01-01).stl", true),
-            ("x (In Konflikt stehende Kopie von Jörg 2026-01-01).stl", true),
-            ("x (Copie en conflit de Zoé 2026-01-01).stl", true),
-            ("x (田中の競合コピー 2026-01-01).stl", true),
-            ("x (SFConflict anna@example.org 2026-01-01-12-00-00).stl", true),
-            ("x_conflict-20260101-120000.stl", true),
-            ("x.Conflict.stl", true),
-            ("x [conflicted].stl", true),
-            ("x (1).stl", false),
-            ("x(1).stl", false),
-            ("x - Copy.stl", false),
-            ("x - Copy (2).stl", false),
-            ("x - Kopie.stl", false),
-            ("x - コピー.stl", false),
-            ("x copy.stl", false),
-            ("xのコピー.stl", false),
-            ("Copy of x.stl", false),
-            ("Kopie von x.stl", false),
-            ("x-DESKTOP-ABC123.stl", false),
-            ("x-LAPTOP-7F3K2Q9A.stl", false),
+        for (name, kind) in [
+            ("x.sync-conflict-20260101-120000-ABCDEFG.stl", CopyKind::Conflict),
+            ("x (conflicted copy 2026-01-01 120000).stl", CopyKind::Conflict),
+            ("x (Anna's conflicted copy 2026-01-01).stl", CopyKind::Conflict),
+            ("x (In Konflikt stehende Kopie von Jörg 2026-01-01).stl", CopyKind::Conflict),
+            ("x (Copie en conflit de Zoé 2026-01-01).stl", CopyKind::Conflict),
+            ("x (田中の競合コピー 2026-01-01).stl", CopyKind::Conflict),
+            ("x (SFConflict anna@example.org 2026-01-01-12-00-00).stl", CopyKind::Conflict),
+            ("x_conflict-20260101-120000.stl", CopyKind::Conflict),
+            ("x.Conflict.stl", CopyKind::Conflict),
+            ("x [conflicted].stl", CopyKind::Conflict),
+            ("x (1).stl", CopyKind::BesideOriginal),
+            ("x(1).stl", CopyKind::BesideOriginal),
+            ("x - Copy.stl", CopyKind::BesideOriginal),
+            ("x - Copy (2).stl", CopyKind::BesideOriginal),
+            ("x - Kopie.stl", CopyKind::BesideOriginal),
+            ("x - コピー.stl", CopyKind::BesideOriginal),
+            ("x copy.stl", CopyKind::BesideOriginal),
+            ("xのコピー.stl", CopyKind::BesideOriginal),
+            ("Copy of x.stl", CopyKind::BesideOriginal),
+            ("Kopie von x.stl", CopyKind::BesideOriginal),
+            ("x-DESKTOP-ABC123.stl", CopyKind::BesideOriginal),
+            ("x-LAPTOP-7F3K2Q9A.stl", CopyKind::BesideOriginal),
+            ("x_1.stl", CopyKind::BesideOriginal),
+            ("x_old.stl", CopyKind::BesideOriginal),
+            ("x - alt.stl", CopyKind::BesideOriginal),
+            ("x_旧.stl", CopyKind::BesideOriginal),
+            ("x.stl.1", CopyKind::Backup),
+            ("x.stl.12", CopyKind::Backup),
+            ("x.bak.stl", CopyKind::Backup),
+            ("x-backup.stl", CopyKind::Backup),
+            ("x_Sicherung.stl", CopyKind::Backup),
+            ("x - copia de seguridad.stl", CopyKind::Backup),
+            ("x.orig.stl", CopyKind::Backup),
+            ("x~1.stl", CopyKind::Backup),
+            ("x~20260101-120000.stl", CopyKind::Backup),
         ] {
-            let expected = CopyName { original: "x.stl".to_owned(), is_conflict };
+            let expected = CopyName { original: "x.stl".to_owned(), kind };
             assert_eq!(read_copy_name(name), Some(expected), "{name}");
         }
     }
@@ -172,6 +252,18 @@ mod tests {
             "photocopie.3mf",
             "part (2026).stl",
             "x (1)",
+            "threshold.stl",
+            "backup.stl",
+            "old.stl",
+            "asphalt.stl",
+            "x_10.stl",
+            "x_0.stl",
+            "x-1.stl",
+            "x.stl.2026",
+            "x.stl.x10",
+            "1.stl",
+            "~1.stl",
+            "a~b.stl",
         ] {
             assert_eq!(read_copy_name(name), None, "{name}");
         }

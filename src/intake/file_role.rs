@@ -23,8 +23,9 @@ pub(super) enum FileRole {
 }
 
 /// Extensions of texts that people write beside a part as a ticket, and that nestd does not read as one.
-const OTHER_TEXTS: [&str; 14] =
-    ["txt", "text", "ini", "cfg", "conf", "yaml", "yml", "xml", "md", "rtf", "doc", "docx", "odt", "pages"];
+const OTHER_TEXTS: [&str; 16] = [
+    "txt", "text", "ini", "cfg", "conf", "yaml", "yml", "xml", "md", "rtf", "doc", "docx", "odt", "pages", "csv", "tsv",
+];
 
 /// Whether the name of a file ends in one of these extensions, in any case.
 pub(super) fn has_extension(path: &Path, extensions: &[&str]) -> bool {

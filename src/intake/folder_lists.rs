@@ -63,7 +63,7 @@ fn has_list_start(path: &Path) -> bool {
 /// The format of an entry that is a list.
 pub(super) fn entry_list_format(seen: &InboxEntry) -> Option<ListFormat> {
     let format = match (list_format(&seen.path), seen.found_list) {
-        (None, FoundList::None) => return None,
+        (None, FoundList::None) | (_, FoundList::OfPart) => return None,
         (None, FoundList::Readable) => ListFormat::OtherText,
         (None, FoundList::Foreign) => ListFormat::Foreign,
         (Some(format), _) => format,
@@ -220,9 +220,17 @@ pub(super) fn mark_lists(inbox: &Path, entries: &mut [InboxEntry]) {
 /// Whether the content of an entry tells whether it is a list.
 fn may_be_list(seen: &InboxEntry) -> bool {
     match has_extension(&seen.path, &FOREIGN_TEXTS) {
+        _ if part_of_table(&seen.path).is_some() => true,
         true => list_format(&seen.path).is_none(),
         false => has_extension(&seen.path, &["txt"]) && is_part_entry(seen) && unreadable_reason(seen).is_none(),
     }
+}
+
+/// The name of the part that a table is called after: `part.stl` for `part.stl.csv`.
+fn part_of_table(path: &Path) -> Option<String> {
+    let shown = without_hidden_txt(path);
+    let part = has_extension(&shown, &["csv", "tsv"]).then(|| shown.file_stem())??;
+    is_part_name(part).then(|| fold_name(&part.to_string_lossy()))
 }
 
 /// The parts of one folder.
@@ -262,8 +270,13 @@ impl<'a> FolderParts<'a> {
                 && read_seen_list(text)
                     .is_ok_and(|bytes| OrderList::parse_for_files(&bytes, &self.names).names_any(&self.names))
         };
+        let is_beside = |part: String| self.folded.contains(&part);
         let is_served = || ServedRows::load_marks(inbox, text).serving_files().next().is_some();
-        if is_served() || names_part() { FoundList::Readable } else { FoundList::None }
+        match is_served() || names_part() {
+            true => FoundList::Readable,
+            false if part_of_table(&text.path).is_some_and(is_beside) => FoundList::OfPart,
+            false => FoundList::None,
+        }
     }
 
     /// Whether a file of another program names one of the parts, or holds more than a ticket does.

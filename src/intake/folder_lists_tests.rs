@@ -177,3 +177,33 @@ fn a_claim_of_an_earlier_nestd_keeps_a_table_as_its_part() {
     give_back_claim(&claims[0]).unwrap();
     assert_eq!(farm.dropped(), ["Bestellung.csv"]);
 }
+
+#[test]
+fn a_table_called_after_a_part_whose_rows_name_no_file_holds_that_part_alone() {
+    for name in ["x.stl.csv.txt", "X.STL.csv", "x.stl.tsv"] {
+        let farm = TestInbox::new();
+        farm.drop_file("k/x.stl", "solid");
+        farm.drop_file("k/y.stl", "solid");
+        farm.drop_file(&format!("k/{name}"), "copies,7\n");
+        let why = format!("k/x.stl waits, because {name} is not read: a ticket is named like the whole part file");
+        assert!(waits(&farm, HELD)[0].starts_with(&why), "{:?}", waits(&farm, HELD));
+        assert_eq!(taken(&farm, HELD), [("y.stl".to_owned(), Ok(None))], "{name}");
+        assert!(ended(&farm, OVER).iter().any(|refused| refused.ends_with("x.stl.reason.txt")), "{name}");
+    }
+    let farm = TestInbox::new();
+    farm.drop_file("a.stl", "solid");
+    farm.drop_file("a.stl.csv", LIST);
+    assert_eq!(taken(&farm, HELD), [("a.stl".to_owned(), Ok(Some(30)))], "it names its part, so it is a list");
+}
+
+#[test]
+fn a_hidden_ticket_holds_its_part_and_nothing_else() {
+    let farm = TestInbox::new();
+    for name in ["x.stl", "y.stl", "._y.stl.toml", ".z.stl.toml", ".x.stl.toml"] {
+        farm.drop_file(name, "copies = 7");
+    }
+    let held = waits(&farm, HELD);
+    assert!(held.len() == 1 && held[0].starts_with("x.stl waits, because .x.stl.toml is hidden"), "{held:?}");
+    assert_eq!(taken(&farm, HELD), [("y.stl".to_owned(), Ok(None))]);
+    assert_eq!(ended(&farm, OVER), ["x.stl", "x.stl.reason.txt"]);
+}

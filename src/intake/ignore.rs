@@ -1,7 +1,12 @@
 //! Names that are never parts: temporary files of copying programs, editors and browsers, and folders of operating
 //! systems.
 
-use std::ffi::OsStr;
+use std::{ffi::OsStr, path::Path};
+
+use super::{
+    file_role::{FileRole, file_role},
+    name::is_part_name,
+};
 
 /// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
 /// and editors to their backups.
@@ -42,7 +47,7 @@ const SUFFIXES: [&str; 30] = [
 const PREFIXES: [&str; 1] = ["~$"];
 /// Files and folders that operating systems, sync tools and network storage put into every folder: among them recycle bins and
 /// snapshots, whose parts nobody has ordered.
-const NAMES: [&str; 29] = [
+const NAMES: [&str; 30] = [
     "desktop.ini",
     "thumbs.db",
     "__macosx",
@@ -72,6 +77,7 @@ const NAMES: [&str; 29] = [
     "@syncignore",
     "@__thumb",
     "_gsdata_",
+    "backups.backupdb",
 ];
 
 /// Whether a file or folder of this name is ignored, at any depth. Case does not matter, because Windows and macOS do
@@ -85,6 +91,20 @@ pub fn is_ignored(name: &OsStr) -> bool {
         || SUFFIXES.iter().any(|s| name.ends_with(s.as_bytes()))
         || PREFIXES.iter().any(|p| name.starts_with(p.as_bytes()))
         || NAMES.iter().any(|n| name == n.as_bytes())
+}
+
+/// A hidden ticket under the whole name of its part, such as `.part.stl.toml`: the path without the dot. What macOS and office
+/// programs hide begins with two signs.
+pub(super) fn shown_ticket(path: &Path) -> Option<std::path::PathBuf> {
+    let shown = path.file_name()?.to_str()?.strip_prefix('.').filter(|shown| !shown.starts_with(['.', '_', '~']))?;
+    let shown = path.with_file_name(shown);
+    let FileRole::Ticket { part } = file_role(&shown) else { return None };
+    part.file_name().is_some_and(is_part_name).then_some(shown)
+}
+
+/// Whether this is the name of a hidden ticket: nestd does not read it, and its part is not printed without it.
+pub(super) fn is_hidden_ticket(name: &OsStr) -> bool {
+    shown_ticket(name.as_ref()).is_some()
 }
 
 /// Whether this is a status file that nestd itself writes into the top level of a hot folder.
@@ -133,9 +153,27 @@ mod tests {
             "__MACOSX",
             "lost+found",
             ".Trashes",
+            "Backups.backupdb",
             ".claimed",
         ] {
             assert!(is_ignored(OsStr::new(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_hidden_ticket_under_the_whole_name_of_its_part_is_recognised() {
+        for (name, is_hidden) in [
+            (".part.stl.toml", true),
+            (".part.3mf.JSON", true),
+            (".part.stl.toml.txt", true),
+            ("._part.stl.toml", false),
+            (".~part.stl.toml", false),
+            (".part.toml", false),
+            (".part.stl", false),
+            ("part.stl.toml", false),
+            (".part.stl.toml.swp", false),
+        ] {
+            assert_eq!(is_hidden_ticket(OsStr::new(name)), is_hidden, "{name}");
         }
     }
 

@@ -29,6 +29,8 @@ pub enum FoundList {
     Readable,
     /// A list in a format that nestd does not read, such as `order.json`, beside parts.
     Foreign,
+    /// No list: a table with the name of the part beside it (`part.stl.csv`), whose rows name no file.
+    OfPart,
 }
 
 /// One entry of the hot folder, as a scan found it.

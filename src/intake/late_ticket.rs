@@ -8,7 +8,7 @@
 //! afterwards: after a crash in between, it is offered again, and the ledger knows it.
 
 use std::{
-    ffi::OsStr,
+    ffi::{OsStr, OsString},
     fs, io,
     path::{Path, PathBuf},
 };
@@ -17,8 +17,10 @@ use jiff::Timestamp;
 
 use super::{
     InboxEntry, OrderListTracker, ReceivedTicket, RefuseError, SpecSource, Ticket, TicketError,
+    code_page::CodePage,
     control_file::entry_key,
     disk, display_name,
+    name::raw_name,
     name_match::{FileNameMatch, NameMatches, fold_name},
     order_list::OrderListRow,
     part_spec::read_orphan_ticket,
@@ -36,7 +38,7 @@ pub struct LateTicket {
     /// The ticket or the list.
     pub entry: InboxEntry,
     /// Name of the part as the ticket's file name or the row says it: perhaps without extension, in other letters, or with
-    /// a path. [`find_named_part`] finds the part that is meant.
+    /// a path. [`LateTicket::find_part`] finds the part that is meant.
     pub part_name: String,
     /// What it says. An error is a reason to refuse it.
     pub ticket: Result<Ticket, TicketError>,
@@ -46,6 +48,8 @@ pub struct LateTicket {
     pub key: String,
     /// Whether it is offered for the last time: if it is not finished before the next scan, it is refused there.
     pub is_last_offer: bool,
+    /// In which the name was read. The names of parts in the same bytes are read in it, too.
+    page: CodePage,
 }
 
 /// What became of a late ticket.
@@ -96,6 +100,7 @@ impl LateTicket {
             source: ReceivedTicket { source: SpecSource::Sidecar, file_name, text },
             key: entry_key(ticket),
             is_last_offer,
+            page: CodePage::Unicode,
             entry: ticket.clone(),
         })
     }
@@ -110,7 +115,7 @@ impl LateTicket {
         list: &InboxEntry,
         is_last_offer: bool,
     ) -> io::Result<Vec<Self>> {
-        let rows = lists.rows_without_file(inbox, list)?;
+        let (page, rows) = lists.rows_without_file(inbox, list)?;
         let list_name = display_name(list.path.file_name().unwrap_or_default());
         let of_row = |row: OrderListRow| Self {
             ticket: match &row.objection {
@@ -123,9 +128,17 @@ impl LateTicket {
             key: format!("{}-{}", entry_key(list), &blake3::hash(row.file.as_bytes()).to_hex()[..16]),
             part_name: row.file,
             is_last_offer,
+            page,
             entry: list.clone(),
         };
         Ok(rows.into_iter().map(of_row).collect())
+    }
+
+    /// Finds the part that is meant among the names of parts of the same order, as names in lists are matched with files: in any
+    /// case, composed or decomposed, with a path, without extension, or in the bytes of the list. `names` are as the ledger shows
+    /// them, each once.
+    pub fn find_part(&self, names: &[&str]) -> NamedPart {
+        find_named_part(&self.part_name, names, self.page)
     }
 
     /// Finishes it after its words were applied to a part: a ticket is moved to the archive, the row of a list is marked as
@@ -205,19 +218,14 @@ pub enum NamedPart {
     Several,
 }
 
-/// Finds the part that a ticket or row names among the names of parts of the same order, as names in lists are matched with
-/// files: in any case, composed or decomposed, with a path, or without extension. `names` are as the ledger shows them,
-/// each once.
-pub fn find_named_part(said: &str, names: &[&str]) -> NamedPart {
-    let matches = NameMatches::new(&[said], names.iter().map(OsStr::new));
-    let mut found = names.iter().enumerate().filter(|(_, name)| matches.files.contains_key(OsStr::new(name)));
+fn find_named_part(said: &str, names: &[&str], page: CodePage) -> NamedPart {
+    let files: Vec<OsString> = names.iter().map(|name| raw_name(name).unwrap_or_else(|| name.into())).collect();
+    let matches = NameMatches::in_code_page(&[said], files.iter().map(OsString::as_os_str), page);
+    let mut found = files.iter().enumerate().filter_map(|(at, file)| Some((at, matches.files.get(file)?)));
     match (found.next(), found.next()) {
         (None, _) => NamedPart::Missing,
-        (Some((at, name)), None) => match matches.files.get(OsStr::new(name)) {
-            Some(FileNameMatch::Only(_)) => NamedPart::Only(at),
-            _ => NamedPart::Several,
-        },
-        (Some(_), Some(_)) => NamedPart::Several,
+        (Some((at, FileNameMatch::Only(_))), None) => NamedPart::Only(at),
+        _ => NamedPart::Several,
     }
 }
 

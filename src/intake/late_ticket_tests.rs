@@ -161,7 +161,7 @@ fn a_part_is_found_as_people_name_it() {
         ("hook.stl", NamedPart::Missing),
         ("", NamedPart::Missing),
     ] {
-        assert_eq!(find_named_part(said, &names), found, "{said}");
+        assert_eq!(find_named_part(said, &names, CodePage::Unicode), found, "{said}");
     }
 }
 
@@ -193,4 +193,14 @@ fn a_list_may_mean_parts_of_its_sub_folders_and_a_ticket_does_not() {
         }
     }
     assert_eq!(asked, ["a.stl", "B.stl"]);
+}
+
+#[test]
+fn a_row_of_an_old_list_finds_a_part_whose_name_has_the_same_bytes() {
+    let farm = TestInbox::new();
+    std::fs::write(farm.inbox.join("order.csv"), b"Datei;St\xfcck\r\nGr\xf6\xdfe.stl;3\r\n").unwrap();
+    let late = offers(&farm).remove(0);
+    assert_eq!(late.find_part(&["a.stl", "Gr\\xf6\\xdfe.stl"]), NamedPart::Only(1));
+    assert_eq!(late.find_part(&["Gr\\xf6\\xdfe.stl", "Größe.stl"]), NamedPart::Several);
+    assert_eq!(late.find_part(&["Gr\\xe4\\xdfe.stl"]), NamedPart::Missing);
 }

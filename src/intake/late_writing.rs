@@ -33,6 +33,8 @@ struct KeptOriginal {
     file: File,
     /// Device and number of the file.
     inode: (u64, u64),
+    /// The claim that it was taken by.
+    claim: String,
     inbox: PathBuf,
     farm: String,
     /// Its path in the hot folder, without its name.
@@ -73,6 +75,7 @@ impl LateWriting {
         self.kept.push_front(KeptOriginal {
             file,
             inode,
+            claim: claim.id.clone(),
             inbox: claim.inbox.clone(),
             farm: farm.to_owned(),
             order_path: claim.order_path.clone(),
@@ -138,6 +141,7 @@ impl KeptOriginal {
         let lookup = ListLookup {
             warnings: vec![WARNING.to_owned()],
             question: self.has_terms.then_some(question),
+            rewrites: Some(self.claim.clone()),
             ..ListLookup::default()
         };
         lookup.save_to(&folder.join(LIST_LOOKUP_NAME))?;

@@ -32,6 +32,9 @@ pub struct ListLookup {
     /// Why the number of copies is asked for, unless a ticket or the name says it.
     #[serde(default)]
     pub question: Option<String>,
+    /// The claim of what was taken of the same file before its writer went on. The part takes the place of that one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rewrites: Option<String>,
 }
 
 impl ListLookup {

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     InboxEntry, ListLookup, SettledEntry, Ticket,
+    code_page::CodePage,
     folder_lists::{FolderLists, is_foreign, is_part_entry, read_seen_list, rival_refusal, shown_name},
     given_back,
     loaded_list::LoadedList,
@@ -167,7 +168,10 @@ impl OrderListTracker {
                     }
                 };
                 match (known.look_up_part(asked), &back) {
-                    (Ok(said), _) => Some(said),
+                    (Ok(said), back) => {
+                        let rewrites = back.as_ref().and_then(|back| back.lookup.rewrites.clone());
+                        Some(ListLookup { rewrites, ..said })
+                    }
                     (Err(_), Some(back)) => Some(back.lookup.clone()),
                     (Err(why), None) => {
                         let is_covered = rival.is_some()
@@ -309,14 +313,19 @@ impl OrderListTracker {
         Ok(ListProgress { content: &known.list, marks: &known.marks, is_needed, idle_secs })
     }
 
-    /// The rows that name no file of the folder and were not served: their parts may have been taken before the list came.
-    pub(super) fn rows_without_file(&mut self, inbox: &Path, list: &InboxEntry) -> io::Result<Vec<OrderListRow>> {
+    /// The rows that name no file of the folder and were not served: their parts may have been taken before the list came. With
+    /// the code page of the list.
+    pub(super) fn rows_without_file(
+        &mut self,
+        inbox: &Path,
+        list: &InboxEntry,
+    ) -> io::Result<(CodePage, Vec<OrderListRow>)> {
         let known = self.load_list(inbox, list)?;
         let rows = known.list.rows().unwrap_or_default().iter().enumerate();
         let is_open = |(at, row): &(usize, &OrderListRow)| {
             !row.file.is_empty() && !known.matches.named.contains(at) && !known.marks.is_served(&row.file)
         };
-        Ok(rows.filter(is_open).map(|(_, row)| row.clone()).collect())
+        Ok((known.list.page(), rows.filter(is_open).map(|(_, row)| row.clone()).collect()))
     }
 
     /// Explains why a settled list cannot be read (part of a sentence). `None` = it can.

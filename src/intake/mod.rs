@@ -64,6 +64,7 @@ mod test_inbox;
 #[cfg(test)]
 mod tests;
 mod ticket;
+mod unordered_folder;
 mod upload;
 mod watch;
 
@@ -75,14 +76,14 @@ pub use claim_notes::StoredContent;
 pub use claimed_part::{ClaimError, ClaimedPart};
 pub use control_file::{ControlFile, ControlKind, finish_control_file};
 pub use copies::{CopiesInName, MAX_COPIES, copies_in_name, read_copies_in_name};
-pub use copy_name::{CopyName, read_copy_name};
+pub use copy_name::{CopyKind, CopyName, read_copy_name};
 pub use disk::{files_below, hash_file, is_temporary_name, read_start, write_file_atomically};
 pub use dropped::{open_dropped_file, read_reason};
 pub use due_date::DueDate;
 pub use emptied_folders::EmptiedFolders;
 pub use ignore::is_ignored;
 pub use inbox_entry::{EntryKind, FoundList, InboxEntry};
-pub use late_ticket::{LateTicket, LateTicketEnd, NamedPart, find_named_part};
+pub use late_ticket::{LateTicket, LateTicketEnd, NamedPart};
 pub use late_writing::LateWriting;
 pub use list_cells::parse_due_text;
 pub use list_end::{ListOutcome, finish_order_list};

@@ -133,11 +133,6 @@ pub(super) enum FileNameMatch {
 }
 
 impl NameMatches {
-    /// Computes the matches with names as they are shown.
-    pub fn new<'a>(said: &[&str], files: impl Iterator<Item = &'a OsStr>) -> Self {
-        Self::in_code_page(said, files, CodePage::Unicode)
-    }
-
     /// Computes the matches for a list in this code page. Each name and each file is used only at its strictest match.
     pub fn in_code_page<'a>(said: &[&str], files: impl Iterator<Item = &'a OsStr>, page: CodePage) -> Self {
         let files: Vec<(&OsStr, String)> = files.map(|file| (file, compared_text(file, page))).collect();
@@ -194,7 +189,7 @@ mod tests {
     use super::*;
 
     fn meant(said: &[&str], files: &[&str]) -> Vec<(String, FileNameMatch)> {
-        let meant = NameMatches::new(said, files.iter().map(OsStr::new));
+        let meant = NameMatches::in_code_page(said, files.iter().map(OsStr::new), CodePage::Unicode);
         let mut all: Vec<_> = meant.files.into_iter().map(|(f, m)| (f.into_string().unwrap(), m)).collect();
         all.sort_by(|a, b| a.0.cmp(&b.0));
         all

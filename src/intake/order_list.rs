@@ -93,6 +93,11 @@ impl OrderList {
         self.content.as_deref().map_err(String::as_str)
     }
 
+    /// The code page in which it was read.
+    pub(super) fn page(&self) -> CodePage {
+        self.page
+    }
+
     /// Matches rows with files.
     pub(super) fn match_files<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> NameMatches {
         let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();

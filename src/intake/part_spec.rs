@@ -15,6 +15,7 @@ use super::{
     file_role::{LIST_LOOKUP_NAME, has_extension, without_hidden_txt},
     order_list::{MAX_LIST_BYTES, OrderList},
     ticket::broken_ticket,
+    unordered_folder::is_past_name,
 };
 
 /// A longer file is not accepted as a ticket.
@@ -90,6 +91,8 @@ pub struct PartSpec {
     pub sources: Vec<ReceivedTicket>,
     /// Warnings for the technician about probable mistakes, in whole sentences.
     pub warnings: Vec<String>,
+    /// The claim of what was taken of the same file before its writer went on.
+    pub rewrites: Option<String>,
 }
 
 impl ClaimedPart {
@@ -119,6 +122,10 @@ impl ClaimedPart {
             given.warnings.push(copies_question(&why));
         }
         given.warnings.extend(asked.filter(|_| given.ticket.copies.is_none()).map(|why| copies_question(&why)));
+        let past = self.order_path.iter().find(|folder| is_past_name(folder));
+        given
+            .warnings
+            .extend(past.map(|name| print_question(&format!("it lies in a folder called {}", display_name(name)))));
         Ok(given)
     }
 
@@ -129,6 +136,7 @@ impl ClaimedPart {
             false => self.look_up_whole_list(path)?,
         };
         given.warnings.extend(said.warnings.iter().cloned());
+        given.rewrites.clone_from(&said.rewrites);
         match said.problem.clone() {
             Some(why) if said.is_unlisted => return Err(TicketError::Unlisted(why)),
             Some(why) => return Err(broken_ticket(said.shown_list_name(), why)),

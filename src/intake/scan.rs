@@ -13,9 +13,10 @@ use super::{
     EntryKind, FoundList, InboxEntry, disk,
     file_role::{FileRole, file_role},
     folder_lists::{list_format, mark_lists},
-    ignore::{is_ignored, is_status_file},
+    ignore::{is_hidden_ticket, is_ignored, is_status_file},
     name::{is_part_name, order_display_name},
     sidecars::UnreadableSidecars,
+    unordered_folder::is_bin_name,
 };
 
 /// Limits of one scan.
@@ -151,7 +152,8 @@ impl InboxWalker<'_> {
                 self.listing.warnings.push((path, why));
                 return Ok(());
             }
-            if is_ignored(&name) || (depth == 0 && is_status_file(&name)) {
+            let is_left = is_ignored(&name) && !is_hidden_ticket(&name);
+            if is_left || (depth == 0 && is_status_file(&name)) {
                 continue;
             }
             self.add_entry(order, &name, depth)?;
@@ -165,6 +167,9 @@ impl InboxWalker<'_> {
             Err(error) => return self.handle_error(path, error),
             Ok(meta) => meta,
         };
+        if meta.is_dir() && (is_bin_name(name) || is_hidden_ticket(name)) {
+            return self.leave_folder(path, name);
+        }
         if meta.is_dir() && depth < self.limits.max_depth && !is_file_name(name) {
             if meta.dev() != self.dev {
                 self.listing.warnings.push((path, "is another file system; parts cannot be claimed from it".into()));
@@ -186,6 +191,19 @@ impl InboxWalker<'_> {
             found_list: FoundList::None,
         });
         Ok(())
+    }
+
+    /// Tells of a recycle bin that holds something.
+    fn leave_folder(&mut self, path: PathBuf, name: &OsStr) -> io::Result<()> {
+        let is_empty = || Ok(fs::read_dir(&path)?.next().is_none());
+        match is_empty() {
+            Err(error) => self.handle_error(path, error),
+            Ok(false) if is_bin_name(name) => {
+                self.listing.warnings.push((path, "is a recycle bin by its name, so nothing in it is printed".into()));
+                Ok(())
+            }
+            Ok(_) => Ok(()),
+        }
     }
 
     /// Handles an error for one entry. An entry that vanished during the scan is skipped. An entry without permission

@@ -13,6 +13,7 @@ use super::{
     display_name,
     file_role::{FileRole, file_role, part_of_other_text},
     folder_lists::{entry_list_format, shown_name, surplus_refusal},
+    ignore::is_hidden_ticket,
     inbox_entry::unreadable_reason,
     order_folders::FolderStates,
     sidecars::{BlockingSidecar, SidecarIndex},
@@ -146,7 +147,7 @@ impl SettleTracker {
             }
             match (one.kind, file_role(&one.path)) {
                 _ if entry_list_format(one).is_some() => check_list(one, &beside, still_secs),
-                _ if beside.has_part(one) => None,
+                _ if beside.has_part(one) || one.path.file_name().is_some_and(is_hidden_ticket) => None,
                 (EntryKind::File, _) if one.is_private_link => {
                     Some(SettledEntry::Refuse { seen: one.clone(), reason: refusal_of_link(one) })
                 }

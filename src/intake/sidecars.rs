@@ -9,6 +9,7 @@ use super::{
     InboxEntry,
     file_role::{FileRole, file_role, part_of_other_text},
     folder_lists::{FolderLists, entry_list_format, is_part_entry, list_format},
+    ignore::{is_hidden_ticket, shown_ticket},
     inbox_entry::unreadable_reason,
     name::is_part_name,
     name_match::fold_path,
@@ -24,7 +25,8 @@ pub(super) fn short_name(part: &Path) -> Option<PathBuf> {
 
 /// The part that an entry is a ticket of, or may be meant as one: the name that it says, which may be a short one.
 fn part_of_sidecar(seen: &InboxEntry) -> Option<PathBuf> {
-    match file_role(&seen.path) {
+    let shown = shown_ticket(&seen.path);
+    match file_role(shown.as_deref().unwrap_or(&seen.path)) {
         _ if entry_list_format(seen).is_some() => None,
         FileRole::Ticket { part } => Some(part),
         FileRole::Part => part_of_other_text(&seen.path),
@@ -112,6 +114,10 @@ impl<'a> SidecarIndex<'a> {
                 Some("is not read: a ticket is named like the whole part file with .toml added".to_owned())
             }
             _ if unreadable_reason(sidecar).is_some() => unreadable_reason(sidecar),
+            _ if sidecar.path.file_name().is_some_and(is_hidden_ticket) => Some(
+                "is hidden, so nestd does not read it: take away the dot at the start of its name, or delete it"
+                    .to_owned(),
+            ),
             [_] if is_full_name || is_clear(&sidecar.path) => None,
             _ => Some("may be for several parts: name it like the whole part file with .toml added".to_owned()),
         };

@@ -47,6 +47,8 @@ pub struct DroppedFile {
     pub folder: String,
     /// Its modification time, nanoseconds since 1970; `None` = it did not come through a folder, or that is not known.
     pub mtime_ns: Option<i64>,
+    /// The claim of what was taken of this file before its writer went on.
+    pub rewrites: Option<String>,
 }
 
 /// Requested terms for a claimed file, other than the copies.

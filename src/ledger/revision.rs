@@ -1,4 +1,5 @@
-//! Revisions: a file that is dropped again under the same name in the same order replaces what still waits of the earlier one.
+//! Revisions: a file that is dropped again under the same name in the same order replaces what still waits of the earlier one, as does
+//! a file that is taken once more because its writer went on.
 
 use super::{EventKind, Ledger, NewPartRow, PartId, PartRow, change::LedgerChange, error::Result, sql};
 
@@ -56,7 +57,7 @@ async fn take_copies_over(change: &mut LedgerChange, old: &PartRow, new: PartId)
 
 impl LedgerChange {
     /// A part that was just claimed replaces those that it is a revision of: the same name in the same named order, still waiting, with
-    /// other content, and no copy of it in a build.
+    /// other content, and no copy of it in a build. What was taken of the same file before needs no order.
     pub(super) async fn replace_revised_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<()> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
@@ -64,12 +65,24 @@ impl LedgerChange {
              AND p.id < n.id AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
              AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
         );
-        let earlier: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
+        let earlier: Vec<PartRow> = match &row.dropped.rewrites {
+            Some(claim) if row.terms.order_name.is_empty() => self.parts_of_same_file(claim, new).await?,
+            _ => query.bind(new).fetch_all(self.db()).await?,
+        };
         let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), earlier.len());
         for old in earlier {
             self.record_revision(&old, new, takes_over).await?;
         }
         Ok(())
+    }
+
+    /// What waits of a file that was taken by this claim, and then once more.
+    async fn parts_of_same_file(&mut self, claim: &str, new: PartId) -> Result<Vec<PartRow>> {
+        let query = sql::select_as(
+            "FROM part WHERE (claim = $1 OR id IN (SELECT replaced_by FROM part WHERE claim = $1)) AND id < $2 \
+             AND state IN ('claimed', 'waiting') AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = part.id) ORDER BY id",
+        );
+        Ok(query.bind(claim).bind(new).fetch_all(self.db()).await?)
     }
 
     /// Records that a part replaces an earlier revision, and what it takes over of that one.

@@ -27,9 +27,13 @@ fn body(x: f64) -> String {
 }
 
 #[test]
-fn what_is_written_after_a_file_was_taken_replaces_the_part() {
+fn what_is_written_after_a_file_was_taken_replaces_the_part_in_an_order_and_without_one() {
+    ["brandt", ""].iter().for_each(|order| write_late(order));
+}
+
+fn write_late(order: &str) {
     let mut farm = patient_farm();
-    let folder = farm.folder("inbox").join("brandt");
+    let folder = farm.folder("inbox").join(order);
     fs::create_dir_all(&folder).unwrap();
     let mut writer = fs::File::create(folder.join("bodies.stl")).unwrap();
     writer.write_all(body(0.0).as_bytes()).unwrap();

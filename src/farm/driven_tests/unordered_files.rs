@@ -1,4 +1,4 @@
-//! Files that nobody has ordered: recycle bins, backups, unfinished downloads, conflict copies, what a sync program puts back.
+//! Files that nobody has ordered: recycle bins, folders of the past, backups, unfinished downloads, conflict copies, what a sync program puts back.
 
 use std::{fs, io::Write, time::SystemTime};
 
@@ -183,4 +183,36 @@ fn a_file_that_is_put_back_with_its_time_is_asked_about_and_a_new_drop_is_not() 
     let asked = farm.parts(PartState::Waiting).into_iter().find(|part| !part.owed.question.is_empty()).unwrap();
     assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(asked.id)).state, CommandState::Done);
     farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn folders_of_the_past_are_asked_about_and_recycle_bins_stay_and_are_told() {
+    let mut farm = farm();
+    let past = ["old/a.stl", "kit/Sicherung/b.stl", "alt/1042/c.stl"];
+    let left =
+        ["Papierkorb/d.stl", "kit/Recycle Bin/e.stl", "Backups.backupdb/f.stl", ".Trashes/g.stl", "lost+found/h.stl"];
+    for (at, name) in past.iter().chain(&left).enumerate() {
+        farm.drop_part(name, &block(10.0, 12.0, 14.0 + at as f64));
+    }
+    farm.drop_bytes("old/order.csv", b"file,copies\na.stl,3\n");
+    farm.drop_part("1043/good.stl", &block(10.0, 12.0, 9.0));
+    let waiting = farm.wait_for_parts(PartState::Waiting, past.len() + 1);
+    assert_eq!(asked(&farm), (["a.stl", "b.stl", "c.stl"].map(str::to_owned).to_vec(), vec!["good.stl".to_owned()]));
+    let part = waiting.into_iter().find(|part| part.name == "a.stl").unwrap();
+    assert!(part.owed.question.contains("folder called old"), "{}", part.owed.question);
+    farm.pass_until("the bins are told", |farm| farm.has_alert(AlertKind::FolderUnseen));
+    assert!(left.iter().all(|name| farm.folder("inbox").join(name).exists()));
+    assert_eq!(farm.order_and_wait(CommandKind::Confirm, Some(part.id)).state, CommandState::Done);
+}
+
+#[test]
+fn backups_are_asked_about_and_numbered_files_where_their_original_is() {
+    let mut farm = farm();
+    let doubtful = ["o.stl.1", "o_1.stl", "q~1.stl", "r-backup.stl", "s.bak.stl", "t_old.stl"];
+    let clear = ["o.stl", "p_1.stl", "t.stl", "u_old.stl"];
+    for (at, name) in doubtful.iter().chain(&clear).enumerate() {
+        farm.drop_part(&format!("kit/{name}"), &block(10.0, 12.0, 14.0 + at as f64));
+    }
+    farm.wait_for_parts(PartState::Waiting, doubtful.len() + clear.len());
+    assert_eq!(asked(&farm), (doubtful.map(str::to_owned).to_vec(), clear.map(str::to_owned).to_vec()));
 }

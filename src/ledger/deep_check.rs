@@ -114,18 +114,6 @@ impl Ledger {
         Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)
     }
 
-    /// The build of any profile that has this file name.
-    pub async fn find_build_of_file(&self, file_name: &str) -> Result<Option<BuildRow>> {
-        let query = sql::select_as("FROM build WHERE file_name = $1").bind(file_name);
-        Ok(query.fetch_optional(self.reader()?).await?)
-    }
-
-    /// Whether copies of a build were told bad.
-    pub async fn has_bad_copies(&self, build: BuildId) -> Result<bool> {
-        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM bad_placement WHERE build_id = $1)").bind(build);
-        Ok(query.fetch_one(self.reader()?).await?)
-    }
-
     /// The build of a profile that has this file name.
     pub async fn find_build_by_file(&self, profile: &str, file_name: &str) -> Result<Option<BuildRow>> {
         let query = sql::select_as("FROM build WHERE profile = $1 AND file_name = $2");

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    BuildId, BuildState, EventKind, Ledger, LedgerError, UtcTimestamp,
+    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, UtcTimestamp,
     error::Result,
     sql::{self, sql_row},
 };
@@ -159,6 +159,18 @@ impl Ledger {
              AND printer IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL ORDER BY id DESC LIMIT $2",
         );
         Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
+    }
+
+    /// The build of any profile that has this file name.
+    pub async fn find_build_of_file(&self, file_name: &str) -> Result<Option<BuildRow>> {
+        let query = sql::select_as("FROM build WHERE file_name = $1").bind(file_name);
+        Ok(query.fetch_optional(self.reader()?).await?)
+    }
+
+    /// Whether copies of a build were told bad.
+    pub async fn has_bad_copies(&self, build: BuildId) -> Result<bool> {
+        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM bad_placement WHERE build_id = $1)").bind(build);
+        Ok(query.fetch_one(self.reader()?).await?)
     }
 
     /// The builds ahead of each printer of a machine, and its printers that are down.

@@ -185,6 +185,11 @@ impl<'a> OperationReplay<'a> {
 
     /// A newer file of the same name takes over what was asked with the earlier one.
     fn apply_revision(&mut self, event: &EventRow, account: &mut LineAccount) -> Option<String> {
+        if event.detail.ends_with("took its place") {
+            // It was refused, and a newer one of the same name is wanted in place of it.
+            account.taken_over += std::mem::take(&mut account.wanted);
+            return None;
+        }
         if !event.detail.ends_with("with all that was asked with it") {
             return None;
         }

@@ -81,15 +81,16 @@ impl AwaitedPart {
 /// Late tickets that the ledger has not taken: their keys, and the first failure. They must be offered again.
 pub(super) type UnjudgedTickets = (Vec<String>, anyhow::Error);
 
-/// Applies the late tickets of a scan. What still waits for a part is added to what waits.
+/// Applies the late tickets of a scan. What still waits for a part is added to what waits. Returns the keys of those whose part is read or
+/// nested just now: they must be offered again.
 pub(super) async fn apply_late_tickets(
     farm: &mut Farm,
     profile: &str,
     scan: &mut HotFolderScan,
-) -> Result<(), UnjudgedTickets> {
+) -> Result<Vec<String>, UnjudgedTickets> {
     let tickets = std::mem::take(&mut scan.late_tickets);
     if tickets.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let since = farm.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
     let parts = match farm.ledger.recent_parts(profile, since).await {
@@ -102,28 +103,28 @@ pub(super) async fn apply_late_tickets(
         if farm.jobs.is_running::<LateTicketJob>(&key) {
             continue;
         }
-        match judge_late_ticket(farm, profile, late, &parts).await {
-            Ok(awaiting) => left.extend(awaiting),
-            Err(failure) => {
-                keys.push(key);
-                first.get_or_insert(failure);
+        let judged = match apply_late_ticket(farm, profile, &late, &parts).await {
+            Ok(LateDecision::AwaitPart(part)) => {
+                left.push((late, part));
+                continue;
             }
+            // Its part is read or nested just now: the next scan must not take it for one without a part.
+            Ok(LateDecision::Wait) => {
+                keys.push(key);
+                continue;
+            }
+            Ok(decision) => finish(farm, profile, late, decision).await,
+            Err(failure) => Err(failure),
+        };
+        if let Err(failure) = judged {
+            keys.push(key);
+            first.get_or_insert(failure);
         }
     }
     scan.waiting_reasons.extend(waiting_reasons(&left));
-    first.map_or(Ok(()), |failure| Err((keys, failure)))
-}
-
-/// Returns a ticket that waits for its part.
-async fn judge_late_ticket(
-    farm: &mut Farm,
-    profile: &str,
-    late: LateTicket,
-    parts: &[PartRow],
-) -> Result<Option<(LateTicket, AwaitedPart)>> {
-    match apply_late_ticket(farm, profile, &late, parts).await? {
-        LateDecision::AwaitPart(part) => Ok(Some((late, part))),
-        decision => finish(farm, profile, late, decision).await.map(|()| None),
+    match first {
+        None => Ok(keys),
+        Some(failure) => Err((keys, failure)),
     }
 }
 

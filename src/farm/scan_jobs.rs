@@ -157,7 +157,7 @@ async fn on_scan_done(farm: &mut Farm, name: &str, mut scan: HotFolderScan) {
 async fn take_late_tickets(farm: &mut Farm, name: &str, are_all_recorded: bool, scan: &mut HotFolderScan) {
     let keys = match are_all_recorded {
         true => match late_tickets::apply_late_tickets(farm, name, scan).await {
-            Ok(()) => return,
+            Ok(keys) => keys,
             Err((keys, failure)) => {
                 farm.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
                 keys

@@ -1,10 +1,9 @@
 //! The ledger on its two databases, side by side: claims, events and status with very many waiting parts.
 //!
-//! `cargo bench --bench ledger --features postgres` measures SQLite and, where its server program is installed, PostgreSQL in a private
+//! `cargo bench --bench ledger` measures SQLite and, where its server program is installed, PostgreSQL in a private
 //! cluster that waits for the disk at each commit, as SQLite does.
 #![allow(clippy::print_stdout)] // a bench prints its measurements
 
-#[cfg(feature = "postgres")]
 #[path = "../src/ledger/postgres/cluster.rs"]
 mod postgres_cluster;
 
@@ -47,7 +46,6 @@ fn main() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("nestd.db").display().to_string();
     runtime.block_on(measure("SQLite", &file, &args))?;
-    #[cfg(feature = "postgres")]
     if postgres_cluster::find_programs().is_some() {
         let server = postgres_cluster::PostgresCluster::start_with(true);
         let url = server.url(&runtime.block_on(server.make_database(None)));
@@ -124,7 +122,6 @@ fn part(number: u64) -> NewPartRow {
 /// Lets all claimed parts wait, as if they had been read. `place` is a file or the address of a database.
 async fn make_all_wait(place: &str) -> Result<()> {
     let wait = "UPDATE part SET state = 'waiting', triangles = 12, volume_mm3 = 1000, size_x_mm = 10, size_y_mm = 10, size_z_mm = 10";
-    #[cfg(feature = "postgres")]
     if place.starts_with("postgres://") {
         let mut db = sqlx::PgConnection::connect(place).await?;
         sqlx::raw_sql(wait).execute(&mut db).await?;

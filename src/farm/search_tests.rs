@@ -8,7 +8,6 @@ use crate::ledger::{NewPartRow, PartState};
 async fn ledgers() -> Vec<(Ledger, Box<dyn std::any::Any>)> {
     let file = fresh_file().await;
     let mut all: Vec<(Ledger, Box<dyn std::any::Any>)> = vec![((*file).clone(), Box::new(file))];
-    #[cfg(feature = "postgres")]
     all.push((crate::ledger::fixtures::fresh_on_server().await, Box::new(())));
     all.truncate(2);
     all

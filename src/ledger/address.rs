@@ -9,7 +9,6 @@ use std::{
 const SCHEMES: [&str; 2] = ["postgres://", "postgresql://"];
 
 /// What may stand in the query of an address.
-#[cfg(feature = "postgres")]
 const OPTION_WORDS: [&str; 4] = ["host", "port", "sslmode", "sslrootcert"];
 
 /// Where a ledger is.
@@ -61,13 +60,6 @@ impl LedgerAddress {
 }
 
 impl ServerAddress {
-    #[cfg(not(feature = "postgres"))]
-    fn find_problem(&self) -> Option<(String, &'static str)> {
-        let remedy = "build nestd with `cargo build --release --features postgres`, or name a file";
-        Some((format!("this nestd was built without PostgreSQL, and cannot use {self}"), remedy))
-    }
-
-    #[cfg(feature = "postgres")]
     fn find_problem(&self) -> Option<(String, &'static str)> {
         let remedy = "write postgres://user@host/database, with %40 for an @ inside a part";
         // The driver would log a word that it does not know together with what it says, which may be a password.
@@ -86,7 +78,6 @@ impl ServerAddress {
         }
     }
 
-    #[cfg(feature = "postgres")]
     fn unknown_words(&self) -> impl Iterator<Item = &str> {
         let words = self.url.split_once('?').map_or("", |(_, words)| words).split('&').filter(|word| !word.is_empty());
         words.map(|word| word.split('=').next().unwrap_or_default()).filter(|word| !OPTION_WORDS.contains(word))
@@ -95,7 +86,6 @@ impl ServerAddress {
     /// How to connect, with the password.
     ///
     /// The address or the file with the password cannot be read.
-    #[cfg(feature = "postgres")]
     pub(super) fn connect_options(&self) -> super::error::Result<sqlx::postgres::PgConnectOptions> {
         let failed = |what: String| super::ServerError::Unusable { ledger: self.to_string(), what };
         let options: sqlx::postgres::PgConnectOptions =
@@ -187,14 +177,6 @@ mod tests {
         assert_eq!(LedgerAddress::parse("postgres.db", None).find_problem(), None);
     }
 
-    #[cfg(not(feature = "postgres"))]
-    #[test]
-    fn a_binary_without_postgresql_says_how_to_build_one_with_it() {
-        let (text, remedy) = LedgerAddress::parse("postgres://farm:pw@db/nestd", None).find_problem().unwrap();
-        assert!(text.contains("postgres://farm@db/nestd") && remedy.contains("--features postgres"), "{text} {remedy}");
-    }
-
-    #[cfg(feature = "postgres")]
     #[test]
     fn an_address_that_cannot_be_used_is_refused_without_its_password() {
         for right in ["?sslmode=disable", "?sslmode=verify-full&sslrootcert=/etc/nestd/db-ca.crt"] {

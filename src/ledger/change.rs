@@ -38,7 +38,6 @@ pub enum ChangeOrigin {
     /// In this file, whose last change is compared.
     File(PathBuf, Arc<LastChangeSeen>),
     /// On a server. A daemon's changes are counted.
-    #[cfg(feature = "postgres")]
     Server(Option<super::postgres::CountedChange>),
 }
 
@@ -71,13 +70,11 @@ impl LedgerChange {
             SqlTransaction::Sqlite(mut transaction) => {
                 let counted = last_change::count_change(&mut transaction).await?;
                 transaction.commit().await?;
-                #[cfg_attr(not(feature = "postgres"), expect(irrefutable_let_patterns, reason = "there is no server"))]
                 if let ChangeOrigin::File(file, seen) = &self.origin {
                     seen.record(counted);
                     health::note_changes(file, counted);
                 }
             }
-            #[cfg(feature = "postgres")]
             SqlTransaction::Postgres(transaction) => {
                 transaction.commit().await.map_err(super::ServerError::mark_unreachable)?;
                 if let ChangeOrigin::Server(Some(counted)) = self.origin {

@@ -21,7 +21,6 @@ impl std::ops::Deref for TestLedger {
 }
 
 pub async fn fresh() -> TestLedger {
-    #[cfg(feature = "postgres")]
     if std::env::var_os("NESTD_TEST_POSTGRES").is_some() {
         let ledger = fresh_on_server().await;
         return TestLedger { _folder: tempfile::tempdir().unwrap(), ledger };
@@ -30,13 +29,11 @@ pub async fn fresh() -> TestLedger {
 }
 
 /// An empty ledger on the server of this test program.
-#[cfg(feature = "postgres")]
 pub async fn fresh_on_server() -> Ledger {
     Ledger::open(&fresh_address().await).await.unwrap()
 }
 
 /// The address of an empty ledger on the server of this test program.
-#[cfg(feature = "postgres")]
 pub async fn fresh_address() -> LedgerAddress {
     static TEMPLATE: tokio::sync::Mutex<Option<String>> = tokio::sync::Mutex::const_new(None);
     let server = postgres::cluster::shared();

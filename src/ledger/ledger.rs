@@ -2,7 +2,6 @@
 
 use std::{path::Path, sync::Arc, time::Duration};
 
-#[cfg(feature = "postgres")]
 use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
@@ -32,12 +31,10 @@ enum LedgerStore {
     /// In a file.
     Sqlite(SqliteStore),
     /// On a server.
-    #[cfg(feature = "postgres")]
     Postgres(PostgresStore),
 }
 
 /// What a ledger on a server is opened for.
-#[cfg_attr(not(feature = "postgres"), expect(dead_code, reason = "without PostgreSQL no server is opened"))]
 enum ServerUse<'a> {
     /// To use it; its schema is brought up to date.
     Any,
@@ -91,7 +88,6 @@ impl Ledger {
         }
     }
 
-    #[cfg(feature = "postgres")]
     async fn open_server(server: &ServerAddress, to: ServerUse<'_>) -> Result<Self> {
         let (options, label) = (server.connect_options()?, server.to_string());
         Ok(Self::of(LedgerStore::Postgres(match to {
@@ -99,13 +95,6 @@ impl Ledger {
             ServerUse::Serve(node) => PostgresStore::open_to_serve(options, &label, node).await?,
             ServerUse::Existing => PostgresStore::open_existing(options, &label).await?,
         })))
-    }
-
-    #[cfg(not(feature = "postgres"))]
-    async fn open_server(server: &ServerAddress, _to: ServerUse<'_>) -> Result<Self> {
-        let problem = LedgerAddress::Server(server.clone()).find_problem();
-        let what = problem.map(|(text, remedy)| format!("{text}: {remedy}")).unwrap_or_default();
-        Err(ServerError::Unusable { ledger: server.to_string(), what }.into())
     }
 
     /// Whether there is no ledger at an address: no file or an empty one, or a database without its tables.
@@ -149,7 +138,6 @@ impl Ledger {
     pub fn service_state(&self) -> ServiceState {
         match &self.store {
             LedgerStore::Sqlite(store) => store.service_state(),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.service_state(),
         }
     }
@@ -177,36 +165,30 @@ impl Ledger {
     pub(super) async fn ensure_own_schema(&self) -> Result<()> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(()),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.ensure_own_schema().await,
         }
     }
 
     /// Tells that an operation has failed because the server could not be reached: the daemon stops acting until it can be.
     pub fn doubt_service(&self, _why: &str) {
-        #[cfg(feature = "postgres")]
         if let LedgerStore::Postgres(store) = &self.store {
             store.doubt(_why);
         }
     }
 
     /// The folders of a node were compared with the ledger: it is due for repair no more.
-    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub async fn record_repair(&self, node: &str) -> Result<()> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(()),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.record_repair(node).await,
         }
     }
 
     /// The ledger has lost changes, or is about to: all nodes with machines are due for repair. Those that run, and have lost nothing, say
     /// so themselves.
-    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub async fn mark_repair_due(&self, node: &str) -> Result<()> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(()),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.mark_repair_due(node).await,
         }
     }
@@ -215,7 +197,6 @@ impl Ledger {
     pub async fn find_repair_due(&self) -> Result<Vec<String>> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(Vec::new()),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.find_repair_due().await,
         }
     }
@@ -224,7 +205,6 @@ impl Ledger {
     pub async fn shared_farm(&self) -> Result<Option<SharedFarm>> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(None),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.shared_farm().await.map(Some),
         }
     }
@@ -233,27 +213,22 @@ impl Ledger {
     pub(super) async fn leased_rights(&self) -> Result<Option<LiveRights>> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(None),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.live_rights().await.map(Some),
         }
     }
 
     /// Takes a duty that one node of a farm does for all, or keeps it for as long again. `false` = another one has it.
-    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub async fn hold_duty(&self, duty: &str, owner: &str, lease: Duration) -> Result<bool> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(true),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.hold_duty(duty, owner, lease).await,
         }
     }
 
     /// Takes the lease of a node away, unless it is held now. Returns its owner if it is held.
-    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub(super) async fn revoke_lapsed(&self, db: &mut SqlTransaction, node: &str) -> Result<Option<String>> {
         match db {
             SqlTransaction::Sqlite(_) => Ok(None),
-            #[cfg(feature = "postgres")]
             SqlTransaction::Postgres(transaction) => postgres::revoke_lapsed(transaction, node).await,
         }
     }
@@ -264,7 +239,6 @@ impl Ledger {
     pub async fn check_integrity(&self) -> Result<()> {
         match &self.store {
             LedgerStore::Sqlite(store) => store.check_integrity().await,
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(_) => Ok(()),
         }
     }
@@ -300,7 +274,6 @@ impl Ledger {
     pub(super) fn sqlite(&self) -> Option<&SqliteStore> {
         match &self.store {
             LedgerStore::Sqlite(store) => Some(store),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(_) => None,
         }
     }
@@ -309,7 +282,6 @@ impl Ledger {
     pub async fn close(&self) {
         match &self.store {
             LedgerStore::Sqlite(store) => store.close().await,
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => store.close().await,
         }
     }
@@ -320,7 +292,6 @@ impl Ledger {
     pub async fn close_with_checksum(&self) -> Result<bool> {
         match &self.store {
             LedgerStore::Sqlite(store) => store.close_with_checksum().await,
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => {
                 store.close().await;
                 Ok(true)
@@ -337,7 +308,6 @@ impl Ledger {
     pub(super) fn reader(&self) -> Result<SqlExecutor<'_>> {
         match &self.store {
             LedgerStore::Sqlite(store) => store.reader(),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => Ok(store.reader()),
         }
     }
@@ -363,7 +333,6 @@ impl Ledger {
     pub(super) async fn begin_change(&self) -> Result<LedgerChange> {
         let (transaction, origin) = match &self.store {
             LedgerStore::Sqlite(store) => (SqlTransaction::Sqlite(store.begin_change().await?), store.change_origin()),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => {
                 let (transaction, counted) = store.begin_change().await?;
                 (SqlTransaction::Postgres(transaction), super::change::ChangeOrigin::Server(counted))
@@ -376,7 +345,6 @@ impl Ledger {
     pub(super) async fn begin_snapshot(&self) -> Result<SqlTransaction> {
         Ok(match &self.store {
             LedgerStore::Sqlite(store) => SqlTransaction::Sqlite(store.begin_snapshot().await?),
-            #[cfg(feature = "postgres")]
             LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_snapshot().await?),
         })
     }

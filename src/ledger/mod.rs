@@ -54,7 +54,6 @@ mod part_row;
 mod part_size;
 mod pick;
 mod placement;
-#[cfg(feature = "postgres")]
 mod postgres;
 mod precedence;
 mod printer;

@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 /// PostgreSQL's code for a lock that was not free in time.
-#[cfg(feature = "postgres")]
 const LOCK_TIMEOUT: &str = "55P03";
 
 /// Why a ledger on a server cannot be used.
@@ -96,7 +95,6 @@ impl ServerError {
 
     /// Marks an error of PostgreSQL's driver that says that the server cannot be reached. SQLite has errors of the same kinds, for other
     /// reasons, so that this is told where the database is known.
-    #[cfg(feature = "postgres")]
     pub(super) fn mark_unreachable(error: sqlx::Error) -> sqlx::Error {
         use sqlx::Error::{Io, PoolClosed, PoolTimedOut, Tls, WorkerCrashed};
         let what = match &error {
@@ -114,7 +112,6 @@ impl ServerError {
     }
 
     /// Whether a lock was not free in time.
-    #[cfg(feature = "postgres")]
     pub(super) fn is_lock_timeout(error: &sqlx::Error) -> bool {
         error.as_database_error().and_then(|error| error.code()).is_some_and(|code| code == LOCK_TIMEOUT)
     }

@@ -18,12 +18,10 @@ mod large_ledger;
 mod ledger;
 mod life_cycle;
 mod memory;
-#[cfg(feature = "postgres")]
 mod nodes;
 mod orders;
 mod pair;
 mod pool;
-#[cfg(feature = "postgres")]
 #[path = "../../src/ledger/postgres/cluster.rs"]
 mod postgres_cluster;
 mod power;
@@ -77,7 +75,6 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "rot", weight: 2.0, run: rot::run },
     ReliabilitySection { name: "memory", weight: 1.0, run: memory::run },
     ReliabilitySection { name: "ledger", weight: 3.0, run: ledger::run },
-    #[cfg(feature = "postgres")]
     ReliabilitySection { name: "nodes", weight: 6.0, run: nodes::run },
 ];
 

@@ -1,10 +1,8 @@
 //! Connections to one of the two databases.
 
-#[cfg(feature = "postgres")]
 use sqlx::{PgConnection, PgPool, Postgres};
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, Transaction};
 
-#[cfg(feature = "postgres")]
 use crate::ledger::ServerError;
 use crate::ledger::error::Result;
 
@@ -14,17 +12,14 @@ pub enum SqlTransaction {
     /// Of SQLite.
     Sqlite(Transaction<'static, Sqlite>),
     /// Of PostgreSQL.
-    #[cfg(feature = "postgres")]
     Postgres(Transaction<'static, Postgres>),
 }
 
 /// Limits of a transaction that reads or writes all rows: a backup, a copy, a check, a migration. Others have shorter ones.
-#[cfg(feature = "postgres")]
 const OF_WHOLE_LEDGER: &str =
     "SET LOCAL statement_timeout = '6h'; SET LOCAL idle_in_transaction_session_timeout = '10min'";
 
 /// Has a transaction last as long as a transfer of all rows takes.
-#[cfg(feature = "postgres")]
 pub async fn allow_whole_ledger(db: &mut PgConnection) -> Result<()> {
     let allowed = sqlx::raw_sql(OF_WHOLE_LEDGER).execute(db).await;
     Ok(allowed.map(drop).map_err(ServerError::mark_unreachable)?)
@@ -35,7 +30,6 @@ impl SqlTransaction {
     pub async fn allow_whole_ledger(&mut self) -> Result<()> {
         match self {
             Self::Sqlite(_) => Ok(()),
-            #[cfg(feature = "postgres")]
             Self::Postgres(transaction) => allow_whole_ledger(transaction).await,
         }
     }
@@ -48,10 +42,8 @@ pub enum SqlExecutor<'c> {
     /// In a transaction of SQLite.
     Sqlite(&'c mut SqliteConnection),
     /// On any connection of these to PostgreSQL.
-    #[cfg(feature = "postgres")]
     PostgresPool(&'c PgPool),
     /// In a transaction of PostgreSQL.
-    #[cfg(feature = "postgres")]
     Postgres(&'c mut PgConnection),
 }
 
@@ -59,7 +51,6 @@ impl<'c> From<&'c mut SqlTransaction> for SqlExecutor<'c> {
     fn from(transaction: &'c mut SqlTransaction) -> Self {
         match transaction {
             SqlTransaction::Sqlite(transaction) => Self::Sqlite(transaction),
-            #[cfg(feature = "postgres")]
             SqlTransaction::Postgres(transaction) => Self::Postgres(transaction),
         }
     }

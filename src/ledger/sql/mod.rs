@@ -10,7 +10,6 @@ mod value;
 pub(super) use catalog::{
     column_types, last_number, number_from_highest, set_last_number, skip_numbers, table_columns,
 };
-#[cfg(feature = "postgres")]
 pub(super) use connection::allow_whole_ledger;
 pub(super) use connection::{SqlExecutor, SqlTransaction};
 pub(super) use query::{query, query_as, query_scalar, query_whole_rows, select_as};

@@ -8,7 +8,6 @@ use sqlx::{
 };
 use tokio_stream::StreamExt;
 
-#[cfg(feature = "postgres")]
 use crate::ledger::ServerError;
 
 use super::{BindValue, ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlExecutor, SqlRow, SqlValue};
@@ -68,12 +67,10 @@ impl SqlQuery {
         match on.into() {
             SqlExecutor::SqlitePool(pool) => Ok(with_values(self).execute(pool).await?.rows_affected()),
             SqlExecutor::Sqlite(db) => Ok(with_values(self).execute(db).await?.rows_affected()),
-            #[cfg(feature = "postgres")]
             SqlExecutor::PostgresPool(pool) => {
                 let done = with_values(self).execute(pool).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
             }
-            #[cfg(feature = "postgres")]
             SqlExecutor::Postgres(db) => {
                 let done = with_values(self).execute(db).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
@@ -86,12 +83,10 @@ impl SqlQuery {
         match on {
             SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(self), SqlRow::Sqlite, take).await,
             SqlExecutor::Sqlite(db) => take_rows(db, with_values(self), SqlRow::Sqlite, take).await,
-            #[cfg(feature = "postgres")]
             SqlExecutor::PostgresPool(pool) => {
                 let done = take_rows(pool, with_values(self), SqlRow::Postgres, take).await;
                 done.map_err(ServerError::mark_unreachable)
             }
-            #[cfg(feature = "postgres")]
             SqlExecutor::Postgres(db) => {
                 let done = take_rows(db, with_values(self), SqlRow::Postgres, take).await;
                 done.map_err(ServerError::mark_unreachable)

@@ -11,7 +11,6 @@ pub enum SqlRow {
     /// Of SQLite.
     Sqlite(SqliteRow),
     /// Of PostgreSQL.
-    #[cfg(feature = "postgres")]
     Postgres(sqlx::postgres::PgRow),
 }
 
@@ -22,9 +21,7 @@ macro_rules! column_reader {
             match (self, column) {
                 (Self::Sqlite(row), ColumnKey::Name(name)) => row.try_get(name),
                 (Self::Sqlite(row), ColumnKey::Place(place)) => row.try_get(place),
-                #[cfg(feature = "postgres")]
                 (Self::Postgres(row), ColumnKey::Name(name)) => row.try_get(name),
-                #[cfg(feature = "postgres")]
                 (Self::Postgres(row), ColumnKey::Place(place)) => row.try_get(place),
             }
         }
@@ -53,7 +50,6 @@ impl SqlRow {
     pub fn values(&self) -> Result<DynamicRow, Error> {
         match self {
             Self::Sqlite(row) => read_values(row),
-            #[cfg(feature = "postgres")]
             Self::Postgres(row) => read_values(row),
         }
     }

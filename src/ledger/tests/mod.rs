@@ -6,7 +6,6 @@ mod lifecycle;
 mod migrations;
 mod night_search;
 mod nodes;
-#[cfg(feature = "postgres")]
 mod on_postgres;
 mod opening;
 mod order_requests;

@@ -2,7 +2,6 @@
 
 mod attention;
 mod bad_input;
-#[cfg(feature = "postgres")]
 mod change_lock;
 mod dashboard;
 mod decisions;
@@ -14,19 +13,15 @@ mod kept_time;
 mod life;
 mod lists;
 mod lost_ledger;
-#[cfg(feature = "postgres")]
 mod machines_move;
 mod memory;
 mod names;
-#[cfg(feature = "postgres")]
 mod nodes_on_postgres;
-#[cfg(feature = "postgres")]
 mod on_postgres;
 mod open;
 mod operations;
 mod orders;
 mod pictures;
-#[cfg(feature = "postgres")]
 #[path = "../../../src/ledger/postgres/cluster.rs"]
 mod postgres_cluster;
 mod printers;
@@ -38,7 +33,6 @@ mod returned;
 mod rot;
 mod share;
 mod status_texts;
-#[cfg(feature = "postgres")]
 mod test_node;
 mod watchers;
 

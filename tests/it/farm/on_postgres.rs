@@ -1,4 +1,4 @@
-//! The farm with its ledger on a PostgreSQL server: the real binary, a private server. Built with the feature `postgres`.
+//! The farm with its ledger on a PostgreSQL server: the real binary, a private server.
 
 use std::{fs, path::Path, process::Command};
 

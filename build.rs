@@ -1,4 +1,5 @@
-//! Notes from which commit nestd is built, for `nestd --version`. `NESTD_COMMIT` says it where there is no repository.
+//! Notes from which commit a release is built, for `nestd --version`. `NESTD_COMMIT` says it where there is no repository. A program
+//! of the development profile does not know it: it would be compiled again after each commit.
 
 use std::{os::unix::fs::MetadataExt, path::Path, process::Command};
 
@@ -16,7 +17,7 @@ fn main() {
     println!("cargo:rerun-if-env-changed=NESTD_COMMIT");
     let given = std::env::var("NESTD_COMMIT").ok().filter(|commit| !commit.is_empty());
     // Not the repository of somebody who has these sources as a folder in his own.
-    let is_ours = Path::new(".git").exists();
+    let is_ours = Path::new(".git").exists() && std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
     if is_ours && given.is_none() {
         for file in ["HEAD", "logs/HEAD"].iter().filter_map(|name| git(&["rev-parse", "--git-path", name])) {
             if Path::new(&file).exists() {

@@ -111,6 +111,7 @@ fn shells_and_man_know_every_command_and_the_version_names_the_commit() {
     assert!(page.contains(".TH nestd-status 1") && page.contains("watch"), "{page}");
     let version = succeed(dir.path(), &["--version"]);
     assert!(version.starts_with(&format!("nestd {}", env!("CARGO_PKG_VERSION"))), "{version}");
+    // Only a release knows its commit: others would be compiled again after each.
     let is_repository = Path::new(env!("CARGO_MANIFEST_DIR")).join(".git").exists();
-    assert!(!is_repository || version.contains(" ("), "{version}");
+    assert!(cfg!(debug_assertions) || !is_repository || version.contains(" ("), "{version}");
 }

@@ -80,7 +80,7 @@ impl TestInbox {
 
 /// Relative paths of the files below a folder, sorted. Empty if the folder does not exist.
 pub(super) fn files(dir: &Path) -> Vec<String> {
-    let found = disk::files_below(dir).unwrap_or_default();
+    let found = crate::intake::folder::disk::files_below(dir).unwrap_or_default();
     found.iter().map(|f| f.strip_prefix(dir).unwrap().to_string_lossy().into_owned()).collect()
 }
 

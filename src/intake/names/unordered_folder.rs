@@ -1,0 +1,147 @@
+//! Folders whose name says that what is in them is not wanted, and that people may have named so for another reason.
+
+use std::ffi::OsStr;
+
+use super::name_match::fold_name;
+
+/// Names of recycle bins that people or their computers choose. Nobody orders what is thrown away, and it is not taken out of there.
+const BINS: [&str; 26] = [
+    "papierkorb",
+    "gelöscht",
+    "gelöschte dateien",
+    "gelöschte elemente",
+    "recycle bin",
+    "recycle",
+    "recyclebin",
+    "trash",
+    "trashcan",
+    "trashbox",
+    "wastebasket",
+    "deleted",
+    "deleted files",
+    "deleted items",
+    "corbeille",
+    "éléments supprimés",
+    "ゴミ箱",
+    "ごみ箱",
+    "papelera",
+    "papelera de reciclaje",
+    "eliminados",
+    "cestino",
+    "eliminati",
+    "lixeira",
+    "prullenbak",
+    "回收站",
+];
+/// Names of folders for what was wanted once. An order may have such a name, so it is asked about.
+const PAST: [&str; 63] = [
+    "old",
+    "older",
+    "old files",
+    "old version",
+    "old versions",
+    "obsolete",
+    "outdated",
+    "superseded",
+    "archive",
+    "archives",
+    "archived",
+    "backup",
+    "backups",
+    "back up",
+    "bak",
+    "done",
+    "printed",
+    "do not print",
+    "alt",
+    "alte",
+    "altes",
+    "alte dateien",
+    "alte version",
+    "alte versionen",
+    "veraltet",
+    "archiv",
+    "sicherung",
+    "sicherungen",
+    "sicherungskopie",
+    "sicherungskopien",
+    "erledigt",
+    "gedruckt",
+    "nicht drucken",
+    "ancien",
+    "anciens",
+    "ancienne",
+    "anciennes",
+    "ancienne version",
+    "anciennes versions",
+    "vieux",
+    "obsolète",
+    "sauvegarde",
+    "sauvegardes",
+    "imprimé",
+    "viejo",
+    "viejos",
+    "antiguo",
+    "antiguos",
+    "versiones anteriores",
+    "obsoleto",
+    "archivo",
+    "respaldo",
+    "copia de seguridad",
+    "vecchio",
+    "vecchi",
+    "vecchie versioni",
+    "archivio",
+    "古い",
+    "旧",
+    "旧版",
+    "旧データ",
+    "バックアップ",
+    "印刷済み",
+];
+
+/// The name as it is compared: without the signs around it that put it first or last in a list, as in `_old`.
+fn bare_name(name: &OsStr) -> Option<String> {
+    let folded = fold_name(name.to_str()?);
+    Some(folded.trim_matches(|c: char| !c.is_alphanumeric()).replace(['_', '-'], " "))
+}
+
+/// Whether a folder is a recycle bin by its name.
+pub(crate) fn is_bin_name(name: &OsStr) -> bool {
+    bare_name(name).is_some_and(|name| BINS.contains(&name.as_str()))
+}
+
+/// Whether a folder is by its name for what was wanted once.
+pub(crate) fn is_past_name(name: &OsStr) -> bool {
+    bare_name(name).is_some_and(|name| PAST.contains(&name.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_and_folders_of_the_past_are_told_from_orders() {
+        for name in ["Papierkorb", "Recycle Bin", "TRASH", "_Deleted", "Corbeille", "ゴミ箱", "Papelera", "Cestino"]
+        {
+            assert!(is_bin_name(OsStr::new(name)) && !is_past_name(OsStr::new(name)), "{name}");
+        }
+        for name in [
+            "old",
+            "OLD",
+            "_old_",
+            "Backups",
+            "Sicherung",
+            "Anciennes versions",
+            "old_versions",
+            "旧",
+            "バックアップ",
+            "Viejo",
+        ] {
+            assert!(is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
+        }
+        for name in ["Oldenburg", "order-1042", "alt 3", "trash can lids", "Archivregal", "1042", ""] {
+            assert!(!is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
+        }
+    }
+}

@@ -4,7 +4,7 @@
 //! cluster that waits for the disk at each commit, as SQLite does.
 #![allow(clippy::print_stdout)] // a bench prints its measurements
 
-#[path = "../src/ledger/postgres/cluster.rs"]
+#[path = "../src/ledger/store/postgres/cluster.rs"]
 mod postgres_cluster;
 
 use std::time::{Duration, Instant};

@@ -1,5 +1,5 @@
 //! A build that was published to a printer goes to another one of its machine if the printer went down before it took the
-//! file. `ledger/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
+//! file. `ledger/builds/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result, ensure};
 use tokio::runtime::Handle;

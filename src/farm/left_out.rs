@@ -1,6 +1,6 @@
 //! Who is not in the next build although somebody counts on it: copies that stood in the open build and were put out,
 //! and parts of the highest priority. They are told at once, with the reason: as an event, in the log, and in
-//! `STATUS.txt` until they are in a build. Who goes first is defined in `ledger/precedence`.
+//! `STATUS.txt` until they are in a build. Who goes first is defined in `ledger/rows/precedence`.
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,5 @@
 //! The one door for what a person says of published builds, whichever face says it: the command line, a page or a program. It looks
-//! into the queue folders, where this process can see them; `ledger/operator_word` then judges the word and carries it out, notes it
+//! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
 use std::{collections::BTreeSet, fs, path::PathBuf, time::Duration};

@@ -1,5 +1,5 @@
 //! Published builds that are taken back out of the queue: because a person says so, because a word of a person makes their copies wait
-//! again (`operate`), or because the next build is better with their copies. `ledger/withdrawal` says in which steps, and
+//! again (`operate`), or because the next build is better with their copies. `ledger/words/withdrawal` says in which steps, and
 //! `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result};

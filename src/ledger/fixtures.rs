@@ -36,7 +36,7 @@ pub async fn fresh_on_server() -> Ledger {
 /// The address of an empty ledger on the server of this test program.
 pub async fn fresh_address() -> LedgerAddress {
     static TEMPLATE: tokio::sync::Mutex<Option<String>> = tokio::sync::Mutex::const_new(None);
-    let server = postgres::cluster::shared();
+    let server = crate::ledger::store::postgres::cluster::shared();
     let mut template = TEMPLATE.lock().await;
     if template.is_none() {
         let name = server.make_database(None).await;
@@ -255,18 +255,18 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
 /// What words do whose builds lie in no queue, with all that they report; people say them through `carry_out`.
 impl Ledger {
     /// Tells the outcome of a build.
-    pub async fn record_outcome(&self, build: BuildId, told: &ToldOutcome) -> error::Result<PutBackReport> {
+    pub async fn record_outcome(&self, build: BuildId, told: &ToldOutcome) -> base::error::Result<PutBackReport> {
         let mut change = self.begin_change().await?;
-        let report = outcome::tell_outcome(&mut change, build, told).await?;
+        let report = words::outcome::tell_outcome(&mut change, build, told).await?;
         change.commit().await?;
         Ok(report)
     }
 
     /// Has copies printed again.
-    pub async fn reprint_copies(&self, target: &ReprintTarget, told_by: &str) -> error::Result<PutBackReport> {
+    pub async fn reprint_copies(&self, target: &ReprintTarget, told_by: &str) -> base::error::Result<PutBackReport> {
         let mut change = self.begin_change().await?;
         let (mut report, mut chosen) = (PutBackReport::default(), std::collections::BTreeMap::<_, Vec<_>>::new());
-        for (build, part, copy) in put_back::printed_copies(&mut change, target).await? {
+        for (build, part, copy) in words::put_back::printed_copies(&mut change, target).await? {
             chosen.entry(build).or_default().push((part, copy));
         }
         for (build, copies) in chosen {
@@ -277,17 +277,17 @@ impl Ledger {
     }
 
     /// Issues a build once more.
-    pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> error::Result<BuildId> {
+    pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> base::error::Result<BuildId> {
         let mut change = self.begin_change().await?;
-        let new = requeue::issue_again(&mut change, build, asked_by).await?;
+        let new = words::requeue::issue_again(&mut change, build, asked_by).await?;
         change.commit().await?;
         Ok(new)
     }
 
     /// Ends the breaking out of a build.
-    pub async fn finish_break_out(&self, build: BuildId, told_by: &str) -> error::Result<BreakOutAnswer> {
+    pub async fn finish_break_out(&self, build: BuildId, told_by: &str) -> base::error::Result<BreakOutAnswer> {
         let mut change = self.begin_change().await?;
-        let answer = pick::end_break_out(&mut change, build, told_by).await?;
+        let answer = words::pick::end_break_out(&mut change, build, told_by).await?;
         change.commit().await?;
         Ok(answer)
     }

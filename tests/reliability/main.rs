@@ -22,7 +22,7 @@ mod nodes;
 mod orders;
 mod pair;
 mod pool;
-#[path = "../../src/ledger/postgres/cluster.rs"]
+#[path = "../../src/ledger/store/postgres/cluster.rs"]
 mod postgres_cluster;
 mod power;
 mod printer;

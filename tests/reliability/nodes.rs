@@ -6,7 +6,7 @@
 
 mod farm_node;
 mod node_fault;
-#[path = "../../src/ledger/postgres/server_link.rs"]
+#[path = "../../src/ledger/store/postgres/server_link.rs"]
 mod server_link;
 
 use std::{

@@ -1,7 +1,7 @@
 //! Tests of the lives of parts and builds, step by step.
 
 use super::*;
-use crate::ledger::sql;
+use crate::ledger::base::sql;
 
 #[tokio::test]
 async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {

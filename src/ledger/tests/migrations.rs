@@ -8,7 +8,8 @@ use sqlx::{
     sqlite::SqliteConnectOptions,
 };
 
-use super::{super::schema::MIGRATIONS, *};
+use super::*;
+use crate::ledger::store::schema::MIGRATIONS;
 
 /// A row for each table of the first schema; later schemas have these tables too.
 const ROWS: &str = "

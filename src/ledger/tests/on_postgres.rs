@@ -13,7 +13,7 @@ mod upgrades;
 use std::process::Command;
 
 use super::*;
-use crate::ledger::sql::{self, BindValue, FromSqlRow, SqlValue};
+use crate::ledger::base::sql::{self, BindValue, FromSqlRow, SqlValue};
 
 /// Tests of what SQLite's files and its planner do.
 const SQLITE_ALONE: [&str; 7] = [

@@ -1,9 +1,8 @@
 //! Tests of opening a ledger, and of two processes that write at the same time.
 
-use crate::ledger::sql;
-use std::{path::Path, process, time::Duration};
-
 use super::*;
+use crate::ledger::base::sql;
+use std::{path::Path, process, time::Duration};
 
 /// Number of changes that each of two concurrent writers makes.
 const CHANGES: usize = 60;

@@ -1,6 +1,7 @@
 //! Tests of the queries of users and the farm: waiting parts, duplicates, commands, status, history, views.
 
-use crate::ledger::sql;
+use super::*;
+use crate::ledger::base::sql;
 use std::{
     collections::BTreeSet,
     sync::{
@@ -8,8 +9,6 @@ use std::{
         atomic::{AtomicI64, Ordering},
     },
 };
-
-use super::*;
 
 /// The words in the first `CHECK (<column> IN (...))` of a table.
 async fn checked_words(ledger: &Ledger, table: &str, column: &str) -> BTreeSet<String> {
@@ -30,16 +29,21 @@ async fn the_schema_and_the_state_machines_know_the_same_words() {
     let builds: BTreeSet<String> = BuildState::ALL.iter().map(|s| s.to_string()).collect();
     assert_eq!(checked_words(&ledger, "build", "state").await, builds);
     for word in checked_words(&ledger, "outcome", "outcome").await {
-        assert_eq!(text_column::parse_word::<PrintOutcome>(&word).unwrap().to_string(), word);
+        assert_eq!(crate::ledger::base::text_column::parse_word::<PrintOutcome>(&word).unwrap().to_string(), word);
     }
     for word in checked_words(&ledger, "command", "kind").await {
-        assert_eq!(text_column::parse_word::<CommandKind>(&word).unwrap().to_string(), word);
+        assert_eq!(crate::ledger::base::text_column::parse_word::<CommandKind>(&word).unwrap().to_string(), word);
     }
     for word in checked_words(&ledger, "part", "orientation").await {
-        assert_eq!(text_column::to_word(&text_column::parse_word::<OrientationRule>(&word).unwrap()), word);
+        assert_eq!(
+            crate::ledger::base::text_column::to_word(
+                &crate::ledger::base::text_column::parse_word::<OrientationRule>(&word).unwrap()
+            ),
+            word
+        );
     }
     for word in checked_words(&ledger, "ticket", "source").await {
-        assert_eq!(text_column::parse_word::<TicketSource>(&word).unwrap().to_string(), word);
+        assert_eq!(crate::ledger::base::text_column::parse_word::<TicketSource>(&word).unwrap().to_string(), word);
     }
 }
 

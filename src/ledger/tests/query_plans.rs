@@ -1,10 +1,9 @@
 //! Tests that no query of the farm or its user interfaces scans a whole table that grows without limit, according to
 //! SQLite's query plans.
 
-use crate::ledger::sql;
-use std::path::Path;
-
 use super::*;
+use crate::ledger::base::sql;
+use std::path::Path;
 
 /// Tables that grow for as long as the farm runs.
 const BIG: [&str; 7] = ["part", "ticket", "build", "placement", "event", "outcome", "command"];
@@ -88,7 +87,7 @@ fn histories() -> Vec<String> {
                     for part in [None, Some("a.stl".to_owned())] {
                         let profile = profile.clone();
                         let query = HistoryQuery { profile, after, state, part, sort, ..Default::default() };
-                        all.push(super::super::history::history_sql(&query));
+                        all.push(crate::ledger::service::history::history_sql(&query));
                     }
                 }
             }
@@ -108,7 +107,7 @@ fn part_lists() -> Vec<String> {
                         continue;
                     }
                     let query = PartQuery { name: name.clone(), state, profile: profile.clone(), before, limit: 500 };
-                    all.push(super::super::part_list::part_list_sql(&query));
+                    all.push(crate::ledger::parts::part_list::part_list_sql(&query));
                 }
             }
         }
@@ -170,7 +169,7 @@ async fn the_history_of_any_span_comes_from_its_index_in_order() {
     for (one, index) in [(None, "build_by_time"), (Some("m".to_owned()), "build_by_profile_time")] {
         for after in [None, Some(BuildId(7))] {
             let query = HistoryQuery { profile: one.clone(), after, ..Default::default() };
-            let plan = plan(&ledger, &super::super::history::history_sql(&query)).await;
+            let plan = plan(&ledger, &crate::ledger::service::history::history_sql(&query)).await;
             assert!(plan.iter().any(|step| step.contains("SEARCH b") && step.contains(index)), "{plan:?}");
             // Only the rows of the page are sorted.
             let sorts = plan.iter().filter(|step| step.contains("TEMP B-TREE FOR ORDER BY")).count();

@@ -6,7 +6,8 @@ use std::{borrow::Cow, io::Write, path::Path, time::Instant};
 
 use sqlx::{SqlitePool, migrate::Migrator, sqlite::SqliteConnectOptions};
 
-use super::{super::schema::MIGRATIONS, *};
+use super::*;
+use crate::ledger::store::schema::MIGRATIONS;
 
 #[path = "../../../tests/reliability/large_ledger.rs"]
 #[expect(dead_code, reason = "the reliability run uses the rest")]

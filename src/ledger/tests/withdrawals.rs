@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{printers::published_at, *};
 use crate::ledger::{
     BuildsAhead, InQueueError, MoveEnd, OperatorWord, PrintOutcome, TakenBackFor, ToldOutcome, WITHDRAWN_BY_NESTD,
-    WithdrawalEnd, WordAnswer, error::Result,
+    WithdrawalEnd, WordAnswer, base::error::Result,
 };
 
 async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
@@ -100,7 +100,8 @@ async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
     assert_eq!((line.copies.bad, line.copies.waiting), (0, 1));
     assert!(ledger.placements_of_part(part).await.unwrap().iter().all(|placed| placed.is_withdrawn));
     let views = "SELECT h.state, p.copies_bad FROM v_build_history h JOIN v_part_history p ON p.part = $1";
-    let seen: Vec<(String, i64)> = sql::query_as(views).bind(part).fetch_all(ledger.reader().unwrap()).await.unwrap();
+    let seen: Vec<(String, i64)> =
+        crate::ledger::base::sql::query_as(views).bind(part).fetch_all(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(seen, [("withdrawn".to_owned(), 0)]);
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), Some(build));
     assert_eq!(ledger.open_build("paper-200").await.unwrap().id, open.id);

@@ -9,7 +9,7 @@ use sqlx::Executor;
 
 use super::{postgres_cluster::PostgresCluster, support::wait_until_or, test_node::TestNode};
 
-/// Takes the lock that each change takes, as `ledger/postgres/change_lock` does.
+/// Takes the lock that each change takes, as `ledger/store/postgres/change_lock` does.
 const TAKE_CHANGE_LOCK: &str = "SELECT pg_advisory_xact_lock(x'6e6573746400'::bigint)";
 /// A command waits for its turn for 20 s.
 const ENDS_WITHIN: Duration = Duration::from_secs(45);

@@ -22,7 +22,7 @@ mod open;
 mod operations;
 mod orders;
 mod pictures;
-#[path = "../../../src/ledger/postgres/cluster.rs"]
+#[path = "../../../src/ledger/store/postgres/cluster.rs"]
 mod postgres_cluster;
 mod printers;
 mod privilege;

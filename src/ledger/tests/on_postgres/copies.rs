@@ -12,7 +12,7 @@ use super::{
     same_rows::{compare, relations},
     *,
 };
-use crate::ledger::copy::{TABLES, VIEWS};
+use crate::ledger::keep::copy::{TABLES, VIEWS};
 
 /// A ledger with rows in every table that a farm without trouble fills.
 async fn fill(ledger: &Ledger) {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::*;
-use crate::ledger::postgres::cluster::PostgresCluster;
+use crate::ledger::store::postgres::cluster::PostgresCluster;
 
 #[tokio::test]
 async fn a_server_is_reached_over_tls_and_one_that_is_not_trusted_or_not_encrypted_is_refused() {

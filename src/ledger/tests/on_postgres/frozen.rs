@@ -2,12 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use super::{
-    super::super::postgres::{
-        cluster::PostgresCluster,
-        server_link::{LinkState, ServerLink},
-    },
-    *,
+use super::*;
+use crate::ledger::store::postgres::{
+    cluster::PostgresCluster,
+    server_link::{LinkState, ServerLink},
 };
 
 const LEASE: Duration = Duration::from_secs(60);
@@ -20,7 +18,7 @@ fn node(name: &str) -> ServingNode {
 
 #[tokio::test]
 async fn a_node_that_is_cut_off_in_a_change_keeps_the_others_from_theirs_for_seconds() {
-    let server = postgres::cluster::shared();
+    let server = crate::ledger::store::postgres::cluster::shared();
     let database = server.make_database(None).await;
     let link = ServerLink::to_server(server.folder());
     let dead = LedgerAddress::parse(&PostgresCluster::url_in(link.folder(), &database), None);

@@ -168,7 +168,7 @@ async fn a_lease_is_renewed_as_long_as_it_is_open() {
 
 #[tokio::test]
 async fn a_database_without_a_ledger_is_told_from_one_with() {
-    let server = postgres::cluster::shared();
+    let server = crate::ledger::store::postgres::cluster::shared();
     let empty = LedgerAddress::parse(&server.url(&server.make_database(None).await), None);
     assert!(Ledger::is_missing(&empty).await.unwrap());
     assert!(matches!(Ledger::open_existing(&empty).await, Err(LedgerError::Missing { .. })));

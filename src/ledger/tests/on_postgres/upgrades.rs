@@ -12,7 +12,10 @@ use super::{
     super::random_walks::{RandomWalk, is_refusal, step},
     *,
 };
-use crate::ledger::{address::ServerAddress, copy::TABLES, postgres::upgrade_as_newer};
+use crate::ledger::{
+    keep::copy::TABLES,
+    store::{address::ServerAddress, postgres::upgrade_as_newer},
+};
 
 const LONG: Duration = Duration::from_secs(60);
 

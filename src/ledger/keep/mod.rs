@@ -1,0 +1,9 @@
+//! Ledgers as files: copied, backed up, replaced, checked in depth, and what they do not know.
+
+pub(super) mod backup;
+pub(super) mod copy;
+pub(super) mod damaged;
+pub(super) mod decisions;
+pub(super) mod deep_check;
+pub(super) mod replace;
+pub(super) mod unknown;

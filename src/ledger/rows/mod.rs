@@ -1,0 +1,6 @@
+//! Rows that several nouns share: parts with their measures, builds, and the order in which parts go first.
+
+pub(super) mod build_row;
+pub(super) mod part_measures;
+pub(super) mod part_row;
+pub(super) mod precedence;

@@ -1,0 +1,12 @@
+//! The farm as a whole: machines, nodes, printers, events and who receives them, status, history, months.
+
+pub(super) mod event;
+pub(super) mod experience;
+pub(super) mod history;
+pub(super) mod machine;
+pub(super) mod month;
+pub(super) mod node;
+pub(super) mod printer;
+pub(super) mod receiver;
+pub(super) mod status;
+pub(super) mod totals;

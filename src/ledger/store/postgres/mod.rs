@@ -1,0 +1,30 @@
+//! The ledger on PostgreSQL. Its statements are those of the other files of the ledger; here are its connections, its
+//! schema, and a server for tests.
+
+mod change_lock;
+#[cfg(test)]
+pub(crate) mod cluster;
+mod lease;
+#[cfg(test)]
+mod lease_interleavings;
+mod lease_watch;
+mod repair_due;
+mod schema;
+#[cfg(test)]
+pub(crate) mod server_link;
+mod shared_farm;
+mod store;
+mod time_limits;
+
+pub(crate) use lease::{CountedChange, revoke_lapsed};
+pub(crate) use store::PostgresStore;
+
+/// Starts a newer nestd, whose schema has more migrations, as far as that changes the ledger.
+#[cfg(test)]
+pub(crate) async fn upgrade_as_newer(
+    server: &crate::ledger::ServerAddress,
+    added: &[(i64, &'static str, bool)],
+) -> crate::ledger::base::error::Result<()> {
+    let pool = sqlx::PgPool::connect_with(server.connect_options()?).await?;
+    schema::ServerSchema::newer(added).bring_up_to_date(&pool, "the ledger", "newer").await
+}

@@ -1,0 +1,11 @@
+//! What people say: how a print ended, what is printed again, taken back or broken out; and commands for the daemon.
+//!
+//! `operator_word` judges; the others carry out.
+
+pub(super) mod command;
+pub(super) mod operator_word;
+pub(super) mod outcome;
+pub(super) mod pick;
+pub(super) mod put_back;
+pub(super) mod requeue;
+pub(super) mod withdrawal;

@@ -13,18 +13,17 @@ use solids::Mesh;
 use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
-use super::super::{
-    AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport, event_loop,
-    farm::Farm,
-    invariants, job_events,
-    layout::CopyId,
-    machine_setup,
-    open::open_farm,
-    operate::operate,
-    restore::{repair_ledger, restore_ledger},
-    time_source::{ClockHands, TimeSource},
-};
+use super::super::{AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport};
 use crate::{
+    farm::{
+        core::{farm::Farm, job_events},
+        decisions::layout::CopyId,
+        operate::operate::operate,
+        process::time_source::{ClockHands, TimeSource},
+        records::invariants,
+        recover::restore::{repair_ledger, restore_ledger},
+        run::{event_loop, machine_setup, open::open_farm},
+    },
     ledger::{
         BuildState, CommandId, CommandKind, CommandRow, Ledger, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
         PartState, WordAnswer,

@@ -2,11 +2,11 @@
 
 use sqlx::Connection;
 
-use super::{
-    super::{AlertKind, lost_ledger::ledger_alert},
-    HandDrivenFarm, PROFILE, QUICK, block,
+use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
+use crate::{
+    farm::records::lost_ledger::ledger_alert,
+    ledger::{CommandKind, CommandState, Ledger, LedgerError, NewCommand, PartState, ServiceState},
 };
-use crate::ledger::{CommandKind, CommandState, Ledger, LedgerError, NewCommand, PartState, ServiceState};
 
 /// Writes the rows of a backup over those of the ledger in one change, as SQLite's restore writes its pages: the file stays the same.
 fn overwrite(farm: &HandDrivenFarm, backup: &std::path::Path) {

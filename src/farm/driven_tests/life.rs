@@ -2,8 +2,11 @@
 
 use std::{fs, io::Write};
 
-use super::{super::alert::AlertKind, HandDrivenFarm, PROFILE, QUICK, block, stl};
-use crate::ledger::{CommandKind, PartState};
+use super::{HandDrivenFarm, PROFILE, QUICK, block, stl};
+use crate::{
+    farm::alerts::alert::AlertKind,
+    ledger::{CommandKind, PartState},
+};
 
 #[test]
 fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {

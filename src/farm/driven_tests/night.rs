@@ -9,7 +9,7 @@ use super::{
     stl,
 };
 use crate::{
-    farm::layout::layouts_from_json,
+    farm::decisions::layout::layouts_from_json,
     ledger::{
         BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartId, PartState,
     },

@@ -3,14 +3,12 @@
 
 use jiff::{SignedDuration, Timestamp};
 
-use super::{
-    super::{
+use super::plan_facts::{PlanFacts, PlanLine, StandingLayout};
+use crate::{
+    farm::decisions::{
         printer_outlook::{PrinterAhead, PrinterOutlook},
         trigger::{DueFacts, FireTrigger, TriggerFacts, find_trigger, next_timed_trigger},
     },
-    plan_facts::{PlanFacts, PlanLine, StandingLayout},
-};
-use crate::{
     ledger::{BuildId, DueArrival},
     settings::MachineProfile,
 };

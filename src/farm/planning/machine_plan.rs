@@ -7,13 +7,13 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    super::trigger::FireTrigger,
     build_plan::{ComingBuild, plan_builds},
     date_outlook::{DateOutlook, RiskCause, outlook_of_coming, outlook_of_made},
     plan_facts::PlanHindrance,
     plan_reading::{BuildUnderWay, PlanReading},
 };
 use crate::{
+    farm::decisions::trigger::FireTrigger,
     ledger::{BuildId, BuildState, PartId, PartRow, PartState, UtcTimestamp},
     settings::MachineProfile,
 };

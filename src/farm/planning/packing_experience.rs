@@ -2,8 +2,7 @@
 //! is the median of all slopes between two builds (P. K. Sen, "Estimates of the regression coefficient based on Kendall's
 //! tau", 1968).
 
-use super::super::print_times::median;
-use crate::{ledger::PublishedExperience, settings::MachineProfile};
+use crate::{farm::decisions::print_times::median, ledger::PublishedExperience, settings::MachineProfile};
 
 /// Newest builds that are learned from.
 pub const LEARN_FROM: u32 = 60;
@@ -80,7 +79,8 @@ pub fn upper_end(mut values: Vec<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::super::trigger::tests::machine_with_triggers, *};
+    use super::*;
+    use crate::farm::decisions::trigger::tests::machine_with_triggers;
     use crate::ledger::{BuildId, BuildState};
 
     fn builds(measures: &[(f64, f64)]) -> Vec<PublishedExperience> {

@@ -5,8 +5,9 @@ use std::{collections::HashSet, sync::Arc};
 use jiff::Timestamp;
 use nester::OrientationRule;
 
-use super::{super::printer_outlook::PrinterOutlook, packing_experience::PackingExperience};
+use super::packing_experience::PackingExperience;
 use crate::{
+    farm::decisions::printer_outlook::PrinterOutlook,
     ledger::{BuildId, PartId, PartRow, WaitingPart, compare_precedence, rank_waiting_copies},
     settings::MachineProfile,
 };

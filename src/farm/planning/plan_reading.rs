@@ -6,19 +6,20 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 use super::{
-    super::{
-        layout::{CopyId, LayoutPlacement, placed_from_json},
-        print_times::{PrintTimes, print_excess_hours},
-        printer_choice::{BuildSpan, build_spans},
-        printer_outlook::PrinterOutlook,
-        printers::occupation_of,
-        release_preview::awaits_release,
-    },
     date_outlook::{EndReserve, MadeBuild},
     packing_experience::{self, PackingExperience, upper_end},
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, StandingLayout},
 };
 use crate::{
+    farm::{
+        decisions::{
+            layout::{CopyId, LayoutPlacement, placed_from_json},
+            print_times::{PrintTimes, print_excess_hours},
+            printer_choice::{BuildSpan, build_spans},
+            printer_outlook::PrinterOutlook,
+        },
+        printers::{printers::occupation_of, release_preview::awaits_release},
+    },
     ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, PublishedExperience, WaitingPart},
     settings::MachineProfile,
 };
@@ -128,7 +129,7 @@ async fn excess_hours(
         return Ok(upper_end(print_excess_hours(times, &told)).max(0.0));
     }
     let heights: Vec<f64> = experience.iter().map(|build| build.height_mm).collect();
-    let height_mm = super::super::print_times::median(heights).unwrap_or(0.5 * profile.space.volume_mm.z);
+    let height_mm = crate::farm::decisions::print_times::median(heights).unwrap_or(0.5 * profile.space.volume_mm.z);
     Ok(USUAL_EXCESS * times.occupied(height_mm).as_secs_f64() / 3600.0)
 }
 

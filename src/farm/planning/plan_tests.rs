@@ -5,11 +5,6 @@ use std::sync::Arc;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    super::{
-        print_times::PrintTimes,
-        printer_outlook::{PrinterAhead, PrinterOutlook},
-        trigger::tests::machine_with_triggers,
-    },
     build_plan::{ComingBuild, plan_builds},
     date_outlook::{EndReserve, MadeBuild, RiskCause, outlook_of_coming, outlook_of_made},
     earliest_date::plan_earliest,
@@ -17,6 +12,11 @@ use super::{
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PlanLine, StandingLayout},
 };
 use crate::{
+    farm::decisions::{
+        print_times::PrintTimes,
+        printer_outlook::{PrinterAhead, PrinterOutlook},
+        trigger::tests::machine_with_triggers,
+    },
     ledger::{BuildId, PartId, PartRow, WaitingPart, fixtures::part_row},
     settings::MachineProfile,
 };

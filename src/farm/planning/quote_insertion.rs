@@ -13,17 +13,13 @@ use nester::{InterlockRule, NestingMethod, PreparedMeshCache, PreparedMeshes, Se
 use solids::Mesh;
 use tracing::debug;
 
-use super::{
-    super::{
-        disk_cache::DiskCacheReader,
-        isolated_read::READS_IN_THE_DAEMON,
-        layout::{LayoutPlacement, NestingBatch, NestingPart},
-        mesh_cache::MeshCache,
-        thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
-    },
-    quoted_part::QuotedPart,
-};
+use super::quoted_part::QuotedPart;
 use crate::{
+    farm::{
+        decisions::layout::{LayoutPlacement, NestingBatch, NestingPart},
+        files::{disk_cache::DiskCacheReader, isolated_read::READS_IN_THE_DAEMON, mesh_cache::MeshCache},
+        process::thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
+    },
     intake::ContentStore,
     ledger::{PartId, PartRow, WaitingPart},
     settings::{MachineProfile, Settings},

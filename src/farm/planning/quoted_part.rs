@@ -11,13 +11,15 @@ use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use jiff::Timestamp;
 use solids::Mesh;
 
-use super::super::{
-    failure::PartReadError,
-    file_fault::{FileTerms, find_file_fault},
-    file_request::requested_terms,
-    isolated_read::PartReadRequest,
-};
 use crate::{
+    farm::{
+        alerts::failure::PartReadError,
+        files::{
+            file_fault::{FileTerms, find_file_fault},
+            file_request::requested_terms,
+            isolated_read::PartReadRequest,
+        },
+    },
     intake::Ticket,
     ledger::{
         ClaimedFile, OwedCopies, PartId, PartMeasures, PartRejection, PartRow, PartState, PartTerms, PartTimes,

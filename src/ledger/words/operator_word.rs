@@ -1,5 +1,5 @@
 //! What a person says of published builds: how a print ended, that it is printed again, that its cake is broken out. This is the one
-//! place where such a word is judged against the ledger; `farm/operate` looks into the queue folders first.
+//! place where such a word is judged against the ledger; `farm/operate/operate` looks into the queue folders first.
 //!
 //! Copies that a word makes bad are printed again, so nobody may print them from the old file any more. As long as that file may lie
 //! in a queue folder, the word is refused. Where the person insists, it is noted in the build's row, the file is taken back as

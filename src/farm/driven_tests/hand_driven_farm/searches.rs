@@ -1,7 +1,7 @@
 //! What a test looks at and does in the searches of a hand-driven farm.
 
 use super::{HandDrivenFarm, MOST_TICKS, PROFILE, STEP};
-use crate::farm::batch;
+use crate::farm::open_build::batch;
 
 impl HandDrivenFarm {
     /// Looks whether the open build fires, as a tick does after its look at the clock.

@@ -5,9 +5,11 @@ use std::{collections::BTreeMap, fs, time::Duration};
 
 use glam::DVec3;
 
-use super::super::super::build_record::parse_build_file_name;
 use super::super::hand_driven_farm::{HandDrivenFarm, farm_files::list_build_files};
-use crate::ledger::{BuildId, PartId, PrintOutcome, ToldOutcome};
+use crate::{
+    farm::records::build_record::parse_build_file_name,
+    ledger::{BuildId, PartId, PrintOutcome, ToldOutcome},
+};
 
 /// A copy of a part, by the part's number and its own.
 pub type PrintedCopy = (i64, u32);

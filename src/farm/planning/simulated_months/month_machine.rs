@@ -5,15 +5,15 @@ use std::{cmp::Ordering, collections::VecDeque, sync::Arc};
 use jiff::Timestamp;
 
 use super::super::{
-    super::{
-        print_times::PrintTimes,
-        printer_outlook::{PrinterAhead, PrinterOutlook},
-        trigger::tests::machine_with_triggers,
-    },
     packing_experience::PackingExperience,
     plan_facts::{PlanFacts, PlanLine},
 };
 use crate::{
+    farm::decisions::{
+        print_times::PrintTimes,
+        printer_outlook::{PrinterAhead, PrinterOutlook},
+        trigger::tests::machine_with_triggers,
+    },
     ledger::{PartRow, compare_precedence},
     settings::MachineProfile,
 };

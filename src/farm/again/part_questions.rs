@@ -1,0 +1,147 @@
+//! Open questions of waiting parts: what a person must say or do, and how. `STATUS.txt`, `status.json`, `nestd show` and the
+//! page of a part show them.
+
+use build_file::format_count;
+use serde_json::json;
+
+use crate::{
+    intake,
+    ledger::{PartRow, QuestionKind, QuestionedPart},
+};
+
+/// Maximum number of questions of a kind in `STATUS.txt`.
+const MAX_LINES: usize = 3;
+
+/// An open question of a part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartQuestion {
+    /// What it is about.
+    pub kind: QuestionKind,
+    /// The question, a sentence.
+    pub text: String,
+    /// What answers it, a sentence with commands in backticks.
+    pub remedy: String,
+}
+
+impl PartQuestion {
+    /// The open questions of a part.
+    pub fn of_part(part: &PartRow) -> Vec<Self> {
+        let kinds = QuestionKind::of_part(part, intake::COPIES_QUESTION);
+        kinds.into_iter().map(|kind| Self::about(part, kind)).collect()
+    }
+
+    /// A question of this kind about a part.
+    fn about(part: &PartRow, kind: QuestionKind) -> Self {
+        let id = part.id;
+        let (text, remedy) = match kind {
+            QuestionKind::Confirmation => (
+                format!("It waits for a yes: {}", part.owed.question),
+                format!("`nestd confirm {id}` prints it as it is, `nestd cancel {id}` refuses it."),
+            ),
+            QuestionKind::Original => (
+                "Its original is missing or damaged, so it is not printed.".to_owned(),
+                format!("Drop {} once more, or take it back with `nestd cancel {id}`.", part.name),
+            ),
+            QuestionKind::Copies => (
+                format!("{} It is taken as 1.", intake::COPIES_QUESTION),
+                format!("`{}` answers it.", copies_command(part)),
+            ),
+        };
+        Self { kind, text, remedy }
+    }
+}
+
+/// The command that says how many copies are wanted.
+fn copies_command(part: &PartRow) -> String {
+    format!("nestd edit {} --copies N", part.id)
+}
+
+/// The lines of `STATUS.txt` for the parts of a profile whose number of copies is asked for. (Parts that wait for a yes or for
+/// their file are in an alert.)
+pub(crate) fn questions_text(profile: &str, asked: &[QuestionedPart]) -> String {
+    let own: Vec<&QuestionedPart> =
+        asked.iter().filter(|row| row.part.profile == profile && row.kind == QuestionKind::Copies).collect();
+    let mut lines: Vec<String> = own
+        .iter()
+        .take(MAX_LINES)
+        .map(|QuestionedPart { part, .. }| {
+            format!(
+                "Question: {} part {} ({}) is taken as 1; answer with `{}`.\n",
+                intake::COPIES_QUESTION,
+                part.id,
+                part.name,
+                copies_command(part)
+            )
+        })
+        .collect();
+    let more = own.first().map_or(0, |row| row.total.saturating_sub(lines.len() as u32));
+    if more > 0 {
+        lines.push(format!("The same is asked of {}.\n", format_count(more, "more part", "more parts")));
+    }
+    lines.concat()
+}
+
+/// The open questions of a profile for `status.json`.
+pub(crate) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_json::Value {
+    let of_part = |part: &PartRow| {
+        let (id, name) = (part.id, part.full_name());
+        let as_json = move |question: PartQuestion| {
+            json!({
+                "part": id, "name": name, "kind": question.kind, "question": question.text, "remedy": question.remedy,
+            })
+        };
+        PartQuestion::of_part(part).into_iter().map(as_json)
+    };
+    // A part with two questions has a row for each kind.
+    let mut parts: Vec<&PartRow> = asked.iter().map(|row| &row.part).filter(|part| part.profile == profile).collect();
+    parts.sort_by_key(|part| part.id);
+    parts.dedup_by_key(|part| part.id);
+    parts.into_iter().flat_map(of_part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::{
+        NewPartRow, SolidFacts,
+        fixtures::{fresh, new_part, solid},
+    };
+
+    #[tokio::test]
+    async fn each_open_question_of_a_part_comes_with_what_answers_it() {
+        let ledger = fresh().await;
+        let unclear = format!("{} Taken as 1 copy, because its name is not clear.", intake::COPIES_QUESTION);
+        let mut ids = Vec::new();
+        for (claim, warnings, question) in [
+            ("plain", Vec::new(), ""),
+            ("unclear", vec![unclear.clone()], ""),
+            ("speck", vec![unclear], "it is 0.4 mm long."),
+        ] {
+            let id = ledger.record_claim(&NewPartRow { warnings, ..new_part(claim, 1) }).await.unwrap().id;
+            let facts = SolidFacts { question: question.to_owned(), ..solid(0, 1) };
+            ledger.accept_solids(id, &[facts]).await.unwrap();
+            ids.push(id);
+        }
+        let asked = ledger.parts_with_questions(intake::COPIES_QUESTION, 9).await.unwrap();
+        assert_eq!(asked.iter().map(|row| row.part.id).collect::<Vec<_>>(), ids[1..]);
+        let mut rows = Vec::new();
+        for id in &ids {
+            rows.push(ledger.find_part(*id).await.unwrap().unwrap());
+        }
+        let kinds =
+            |part: &PartRow| PartQuestion::of_part(part).iter().map(|question| question.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&rows[0]), []);
+        assert_eq!(kinds(&rows[1]), [QuestionKind::Copies]);
+        assert_eq!(kinds(&rows[2]), [QuestionKind::Confirmation, QuestionKind::Copies]);
+        for row in &asked {
+            assert_eq!(kinds(&row.part).first(), Some(&row.kind), "SQL and Rust ask the same first");
+        }
+        rows[0].times.damaged_at = Some(rows[0].times.claimed_at);
+        assert_eq!(kinds(&rows[0]), [QuestionKind::Original]);
+        let json = questions_json("paper-200", &asked);
+        assert_eq!(json.as_array().unwrap().len(), 3, "{json:#}");
+        assert_eq!(json[1]["remedy"], "`nestd confirm 3` prints it as it is, `nestd cancel 3` refuses it.");
+        assert_eq!(questions_json("other", &asked), json!([]));
+        assert_eq!(questions_text("paper-200", &asked).matches("Question: How many copies? part 2").count(), 1);
+    }
+}

@@ -1,0 +1,40 @@
+//! Earlier revisions of a part that a newer one replaced: they are taken out, with a copy in the error folder.
+
+use anyhow::Result;
+
+use super::part_changes;
+use crate::{
+    farm::{
+        core::farm::Farm,
+        receive::{claim_completion, deferred_refusal},
+    },
+    ledger::{PartState, RefusalCause},
+};
+
+/// Takes out the parts that a newer revision replaced.
+pub(crate) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
+    for part in farm.ledger.replaced_parts().await? {
+        if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
+            || part_changes::is_read_again(farm, &part)
+            || part.owed.is_being_fetched()
+        {
+            continue;
+        }
+        let new = part.owed.replaced_by.map_or_else(String::new, |new| format!(", part {new},"));
+        let order = match part.terms.order_name.as_str() {
+            "" => String::new(),
+            order => format!(" for order {order}"),
+        };
+        let reason = format!(
+            "A newer revision{new} of the same name came{order} while this one waited, and took its place. Where both are \
+             wanted, take this one back."
+        );
+        match part.state {
+            PartState::Waiting => {
+                deferred_refusal::start_refusal(farm, part, RefusalCause::Replaced, &reason, None);
+            }
+            _ => claim_completion::refuse_part(farm, &part, RefusalCause::Replaced, &reason).await?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! Files of live parts on the disks of two servers: each node copies those of the node before it, in the circle of the nodes that run. If
+//! that server is lost, whoever adopts its machines has them from here, and nobody is asked for a file again.
+
+use std::{collections::BTreeSet, path::Path, time::Duration};
+
+use anyhow::Result;
+use build_file::format_count;
+use tracing::info;
+
+use crate::{
+    farm::{
+        alerts::alert::AlertKind,
+        core::farm::Farm,
+        nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
+        process::jobs::BackgroundJob,
+    },
+    ledger::NodeRow,
+};
+
+/// What fails, and is tried again later.
+const STEP: &str = "copying files of another node";
+/// A copy is kept this long although no part needs it: its part may just be claimed.
+const KEEP_COPIES: Duration = Duration::from_secs(600);
+
+/// Copies the files of another node's parts.
+#[derive(Clone)]
+pub(crate) struct SecondCopyJob {
+    node: String,
+}
+
+impl BackgroundJob<Farm> for SecondCopyJob {
+    const KIND: &'static str = "Copy";
+    /// Number of files that were copied.
+    type Outcome = Result<usize>;
+
+    fn subject(&self) -> String {
+        String::new()
+    }
+
+    async fn on_done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
+        match copied {
+            Ok(count) => {
+                farm.alerts.clear(AlertKind::StepFails, "", STEP);
+                if count > 0 {
+                    info!("{} of the node {} copied.", format_count(count, "file", "files"), self.node);
+                }
+            }
+            Err(failure) => farm.report_failure(AlertKind::StepFails, "", STEP, &failure),
+        }
+        Ok(())
+    }
+}
+
+/// Starts to copy what is missing, and to remove what is not needed any more.
+pub(crate) async fn keep_second_copies(farm: &mut Farm) -> Result<()> {
+    if farm.ledger.file().is_some() || farm.jobs.is_running::<SecondCopyJob>("") {
+        return Ok(());
+    }
+    let rows = farm.ledger.list_nodes().await?;
+    let node = node_before(&farm.settings.node.name, &rows).unwrap_or_default();
+    let nodes = OtherNodes::from_rows(&farm.settings, rows);
+    let (state_dir, ledger) = (farm.settings.state_dir.clone(), farm.ledger.clone());
+    let runtime = tokio::runtime::Handle::current();
+    farm.jobs.start(SecondCopyJob { node: node.clone() }, move || {
+        let contents = runtime.block_on(ledger.live_contents())?;
+        copy_files(&state_dir, &node, &contents, &nodes)
+    });
+    Ok(())
+}
+
+/// The node whose files this one copies: the one before it by name, of those that run and can be reached.
+fn node_before(own: &str, nodes: &[NodeRow]) -> Option<String> {
+    let mut names: Vec<&str> = (nodes.iter())
+        .filter(|row| row.alive && (row.name == own || !row.address.is_empty()))
+        .map(|row| row.name.as_str())
+        .collect();
+    names.sort_unstable();
+    let at = names.iter().position(|name| *name == own)?;
+    let before = names[(at + names.len() - 1) % names.len()];
+    (before != own).then(|| before.to_owned())
+}
+
+/// `contents` are the files of all live parts, each with the node of its machine. Returns how many of `node` ("" = none) were copied.
+fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes: &OtherNodes) -> Result<usize> {
+    let files = second_copies(state_dir);
+    let kept = files.list_contents()?;
+    let needed: BTreeSet<&str> = contents.iter().map(|(hash, _)| hash.as_str()).collect();
+    remove_unneeded(&files, KEEP_COPIES, u64::MAX, |hash| needed.contains(hash))?;
+    let mut copied = 0;
+    let is_missing = |(hash, of): &&(String, String)| !node.is_empty() && of == node && !kept.contains_key(hash);
+    for (hash, _) in contents.iter().filter(is_missing) {
+        // The part may have been built or moved meanwhile: then no copy is needed.
+        copied += usize::from(nodes.fetch_from_node(node, &files, hash)?);
+    }
+    Ok(copied)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::UtcTimestamp;
+
+    fn node(name: &str, alive: bool, address: &str) -> NodeRow {
+        NodeRow {
+            name: name.to_owned(),
+            address: address.to_owned(),
+            lanes: 0,
+            pid: 1,
+            host: String::new(),
+            version: String::new(),
+            started_at: UtcTimestamp(jiff::Timestamp::UNIX_EPOCH),
+            beat_at: UtcTimestamp(jiff::Timestamp::UNIX_EPOCH),
+            status: String::new(),
+            alive,
+        }
+    }
+
+    #[test]
+    fn each_node_that_runs_copies_those_of_the_one_before() {
+        let at = "http://x";
+        let nodes = [node("c", true, at), node("a", true, at), node("b", false, at), node("d", true, "")];
+        assert_eq!(node_before("a", &nodes).as_deref(), Some("c"));
+        assert_eq!(node_before("c", &nodes).as_deref(), Some("a"));
+        assert_eq!(node_before("d", &nodes).as_deref(), Some("c"), "it cannot be reached, and can still copy");
+        assert_eq!(node_before("a", &nodes[1..3]), None, "a node alone");
+    }
+}

@@ -1,0 +1,390 @@
+//! The active alerts. They are logged as errors when they are raised, stored in a file of the state folder for `nestd
+//! status`, and shown in the hot folders. The file does not need the ledger, which may itself be the cause.
+
+use std::{
+    collections::BTreeMap,
+    fs, io,
+    io::Write,
+    os::unix::fs::FileExt,
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use tokio::sync::watch;
+use tracing::{debug, error, info, warn};
+
+use super::{
+    alert::{AlertKind, FarmAlert},
+    alert_summary::AlertSummary,
+};
+use crate::{farm::process::time_source::TimeSource, intake};
+
+/// Name of the file in the state folder.
+const FILE: &str = "attention.json";
+/// The length of the file is a multiple of this.
+const ROOM_BYTES: usize = 1 << 14;
+/// A failure that ends within this time needs no person.
+const ALERT_AFTER: Duration = Duration::from_secs(10);
+/// The same failure is logged again after this time.
+const LOG_REPEAT_INTERVAL: Duration = Duration::from_secs(600);
+/// Maximum number of different failures remembered.
+const MAX_FAILURES: usize = 1000;
+/// If a farm has more alerts than this, `STATUS.txt` gives only the number of the others.
+const MAX_LISTED_ALERTS: usize = 8;
+
+/// What is wrong with each service, by alert and name; `None` = it works.
+type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;
+
+/// What the other services of the daemon may do with the ledger.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum ServicePhase {
+    /// Nothing yet: the farm has not found it intact.
+    #[default]
+    Opening,
+    /// Use it.
+    Open,
+    /// Nothing any more, and why, with the remedy: the farm has halted because of it.
+    Halted(String),
+    /// Nothing any more: the farm closes it.
+    Closed,
+}
+
+/// Connects the farm with the other services of the daemon; usable from any thread.
+#[derive(Debug, Clone, Default)]
+pub struct ServiceBridge {
+    reports: Arc<Mutex<ServiceReports>>,
+    phase: watch::Sender<ServicePhase>,
+}
+
+impl ServiceBridge {
+    /// Reports that the dashboard is not served, and why.
+    pub fn report_dashboard_failure(&self, why: &str) {
+        self.store_report(AlertKind::DashboardDown, "", Some(why.to_owned()));
+    }
+
+    /// Reports why messages cannot be delivered to a receiver; `None` = they can.
+    pub fn report_receiver(&self, name: &str, why: Option<String>) {
+        self.store_report(AlertKind::MessagesFail, name, why);
+    }
+
+    /// Runs work that uses the ledger: starts it once the farm has found the ledger intact, and stops it when the farm
+    /// begins to close the ledger, or halts.
+    pub async fn run_while_open(&self, work: impl Future<Output = ()>) {
+        self.run_until(|phase| *phase != ServicePhase::Open, work).await;
+    }
+
+    /// Same as [`ServiceBridge::run_while_open`] for work that goes on while the farm is halted, and does not use the ledger then.
+    pub async fn run_until_closed(&self, work: impl Future<Output = ()>) {
+        self.run_until(|phase| *phase == ServicePhase::Closed, work).await;
+    }
+
+    async fn run_until(&self, is_over: impl FnMut(&ServicePhase) -> bool, work: impl Future<Output = ()>) {
+        let (mut begins, mut ends) = (self.phase.subscribe(), self.phase.subscribe());
+        if begins.wait_for(|phase| *phase == ServicePhase::Open).await.is_ok() {
+            tokio::select! {
+                () = work => {}
+                _ = ends.wait_for(is_over) => {}
+            }
+        }
+    }
+
+    /// Tells the services what they may do.
+    pub fn set_phase(&self, phase: ServicePhase) {
+        self.phase.send_replace(phase);
+    }
+
+    /// Why the farm has halted, with the remedy; `None` = it has not.
+    pub fn halt_reason(&self) -> Option<String> {
+        match &*self.phase.borrow() {
+            ServicePhase::Halted(why) => Some(why.clone()),
+            _ => None,
+        }
+    }
+
+    fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {
+        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        // A success is stored too, so that an earlier alert is cleared.
+        reports.insert((kind, about.to_owned()), why);
+    }
+
+    /// What is wrong with each service, as reported; `None` = it works.
+    pub fn service_reports(&self) -> ServiceReports {
+        self.reports.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// The key of an alert: kind, profile, and subject.
+type AlertKey = (AlertKind, String, String);
+
+/// A changed detail of the same alert is logged at this interval at most.
+const DETAIL_LOG_INTERVAL: Duration = Duration::from_secs(60);
+
+/// A failure that is retried.
+#[derive(Debug)]
+struct RepeatedFailure {
+    detail: String,
+    first: Instant,
+    last: Instant,
+    logged: Instant,
+}
+
+/// All alerts, and the failures that may become alerts.
+#[derive(Debug, Default)]
+pub struct AlertRegistry {
+    active: BTreeMap<AlertKey, (FarmAlert, Instant)>,
+    failures: BTreeMap<AlertKey, RepeatedFailure>,
+    last_written: Option<Vec<FarmAlert>>,
+    time: TimeSource,
+}
+
+impl AlertRegistry {
+    /// Notices whose ages these clocks measure.
+    pub fn by(time: TimeSource) -> Self {
+        Self { time, ..Self::default() }
+    }
+
+    /// Raises an alert, which stays until it is cleared.
+    pub fn raise(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+        // Names may contain control sequences for a terminal.
+        let detail = &intake::display_name(detail.as_ref()).replace("\\\\", "\\");
+        let key = (kind, profile.to_owned(), about.to_owned());
+        let known = self.active.get(&key);
+        if known.is_some_and(|(known, _)| known.detail == *detail) {
+            return;
+        }
+        let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
+        let alert = FarmAlert { kind, profile: profile.to_owned(), detail: detail.clone(), since };
+        let logged = match known {
+            Some((_, logged)) if self.time.passed_since(*logged) < DETAIL_LOG_INTERVAL => *logged,
+            _ => {
+                error!(profile, "{} {}", alert.alert_text(), kind.remedy());
+                self.time.instant()
+            }
+        };
+        self.active.insert(key, (alert, logged));
+    }
+
+    /// Clears an alert.
+    pub fn clear(&mut self, kind: AlertKind, profile: &str, about: &str) {
+        let key = (kind, profile.to_owned(), about.to_owned());
+        self.failures.remove(&key);
+        if let Some((alert, _)) = self.active.remove(&key) {
+            info!(profile, "Resolved: {}", alert.alert_text());
+        }
+    }
+
+    /// Whether an alert is active.
+    pub fn is_active(&self, kind: AlertKind, profile: &str, about: &str) -> bool {
+        self.active.contains_key(&(kind, profile.to_owned(), about.to_owned()))
+    }
+
+    /// Clears the alerts of a kind whose profile is not in the list.
+    pub fn retain_profiles(&mut self, kind: AlertKind, profiles: &[String]) {
+        let gone = |(of, profile, _): &&AlertKey| *of == kind && !profiles.contains(profile);
+        let gone: Vec<AlertKey> = self.active.keys().filter(gone).cloned().collect();
+        gone.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+    }
+
+    /// Removes everything about a machine that is no longer served.
+    pub fn forget_machine(&mut self, profile: &str) {
+        self.failures.retain(|(_, of, _), _| of != profile);
+        self.active.retain(|(_, of, _), _| of != profile);
+    }
+
+    /// Reports a failure that is retried: a warning first, and an alert once it lasts.
+    pub fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+        let now = self.time.instant();
+        let key = (kind, profile.to_owned(), about.to_owned());
+        if self.failures.len() >= MAX_FAILURES && !self.failures.contains_key(&key) {
+            self.failures.clear();
+        }
+        let fresh = RepeatedFailure { detail: String::new(), first: now, last: now, logged: now };
+        let failure = self.failures.entry(key).or_insert(fresh);
+        let is_news = failure.detail != detail || now.duration_since(failure.logged) >= LOG_REPEAT_INTERVAL;
+        let lasts = now.duration_since(failure.first) >= ALERT_AFTER;
+        failure.last = now;
+        if is_news {
+            (failure.detail, failure.logged) = (detail.to_owned(), now);
+        }
+        match lasts {
+            true => self.raise(kind, profile, about, detail),
+            false if is_news => warn!(profile, "{}: {detail}. It is tried again.", kind.headline()),
+            false => {}
+        }
+    }
+
+    /// Clears failures that did not occur again for this long: the retry succeeded.
+    pub fn clear_expired_failures(&mut self, after: Duration) {
+        let is_over = |failure: &RepeatedFailure| self.time.passed_since(failure.last) > after;
+        let over: Vec<AlertKey> =
+            self.failures.iter().filter(|(_, t)| is_over(t)).map(|(key, _)| key.clone()).collect();
+        over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+    }
+
+    /// The active alerts without duplicates: steps that fail for the same reason share one alert that names them.
+    pub fn active_alerts(&self) -> impl Iterator<Item = FarmAlert> {
+        let mut grouped: Vec<(FarmAlert, String, Vec<&str>)> = Vec::new();
+        for ((_, _, about), (alert, _)) in &self.active {
+            let why = alert.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&alert.detail);
+            let is_same = |(known, reason, _): &&mut (FarmAlert, String, Vec<&str>)| {
+                (known.kind, known.profile.as_str(), reason.as_str()) == (alert.kind, alert.profile.as_str(), why)
+            };
+            match grouped.iter_mut().find(is_same) {
+                Some((known, _, others)) => {
+                    known.since = known.since.min(alert.since);
+                    others.push(about);
+                }
+                None => grouped.push((alert.clone(), why.to_owned(), vec![about])),
+            }
+        }
+        grouped.into_iter().map(|(alert, why, about)| match about.as_slice() {
+            several if several.len() > 1 && alert.detail != why => {
+                FarmAlert { detail: format!("{}: {why}", several.join(", ")), ..alert }
+            }
+            _ => alert,
+        })
+    }
+
+    /// The lines for the hot folder of a profile.
+    pub fn status_text_for(&self, profile: &str) -> String {
+        let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(profile)).collect();
+        let mut text = String::new();
+        for alert in shown.iter().take(MAX_LISTED_ALERTS) {
+            text += &format!("ATTENTION: {}\n    {}\n", alert.alert_text(), alert.kind.remedy());
+        }
+        if shown.len() > MAX_LISTED_ALERTS {
+            text += &format!("ATTENTION: and {} more; `nestd status` tells all.\n", shown.len() - MAX_LISTED_ALERTS);
+        }
+        text
+    }
+
+    /// The same, as JSON.
+    pub fn status_json_for(&self, profile: &str) -> serde_json::Value {
+        let shown = self.active_alerts().filter(|notice| notice.is_shown_in(profile));
+        shown.map(|notice| serde_json::json!(AlertSummary::from(&notice))).collect()
+    }
+
+    /// Stores the alerts for `nestd status`, if they have changed.
+    pub fn write_if_changed(&mut self, state_dir: &Path) {
+        let now: Vec<FarmAlert> = self.active_alerts().collect();
+        if self.last_written.as_ref() == Some(&now) {
+            return;
+        }
+        match write_alerts(state_dir, &now) {
+            Ok(()) => self.last_written = Some(now),
+            // The journal and the hot folders still show them.
+            Err(error) => debug!("The alerts could not be stored for `nestd status`: {error}."),
+        }
+    }
+}
+
+/// Writes the alerts into a file with some room at its end: on a full disk, of all times, the next ones are written into
+/// that room.
+fn write_alerts(state_dir: &Path, alerts: &[FarmAlert]) -> io::Result<()> {
+    let mut text = serde_json::to_string_pretty(alerts)?.into_bytes();
+    text.resize(text.len().next_multiple_of(ROOM_BYTES), b' ');
+    let written = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir).and_then(|mut file| {
+        file.write_all(&text)?;
+        Ok(file.persist(state_dir.join(FILE))?)
+    });
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::StorageFull => overwrite_alerts(&state_dir.join(FILE), &text),
+        other => other.map(drop),
+    }
+}
+
+/// Overwrites the file where it is. A crash may leave it torn: it then counts as empty until the next alert.
+fn overwrite_alerts(path: &Path, text: &[u8]) -> io::Result<()> {
+    let file = fs::File::options().write(true).open(path)?;
+    let room = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+    if text.len() > room {
+        return Err(io::ErrorKind::StorageFull.into());
+    }
+    let mut padded = text.to_vec();
+    padded.resize(room, b' ');
+    file.write_all_at(&padded, 0)
+}
+
+/// The alerts that the daemon stored last; empty if there are none or they cannot be read.
+pub fn read_stored_alerts(state_dir: &Path) -> Vec<FarmAlert> {
+    let text = fs::read_to_string(state_dir.join(FILE)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_mends_itself_needs_nobody_and_what_lasts_does() {
+        let mut alerts = AlertRegistry::default();
+        alerts.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(alerts.active_alerts().count(), 0);
+        let key = (AlertKind::TakingFails, "p".to_owned(), "store".to_owned());
+        alerts.failures.get_mut(&key).expect("is remembered").first -= ALERT_AFTER;
+        alerts.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(alerts.active_alerts().count(), 1);
+        alerts.clear_expired_failures(Duration::from_secs(60));
+        assert_eq!(alerts.active_alerts().count(), 1);
+        alerts.clear_expired_failures(Duration::ZERO);
+        assert_eq!(alerts.active_alerts().count(), 0);
+    }
+
+    #[test]
+    fn a_hot_folder_tells_what_concerns_its_machine_and_the_farm() {
+        let mut alerts = AlertRegistry::default();
+        alerts.raise(AlertKind::Refused, "a", "", "2 files in /error/a");
+        alerts.raise(AlertKind::QueueAway, "b", "", "not mounted");
+        alerts.raise(AlertKind::Stray, "", "", "x.stl");
+        let (a, b) = (alerts.status_text_for("a"), alerts.status_text_for("b"));
+        assert!(a.contains("Refused files") && a.contains("not mounted") && a.contains("x.stl"), "{a}");
+        assert!(!b.contains("Refused files") && b.contains("not mounted"), "{b}");
+        assert!(
+            a.lines().count() == 6
+                && a.contains("ATTENTION: a: Refused files lie in the error folder: 2 files in /error/a.\n")
+        );
+        alerts.clear(AlertKind::QueueAway, "b", "");
+        assert!(!alerts.status_text_for("b").contains("not mounted"));
+        alerts.retain_profiles(AlertKind::Refused, &["c".to_owned()]);
+        assert_eq!(alerts.active_alerts().count(), 1);
+    }
+
+    #[test]
+    fn one_thing_is_told_once() {
+        let mut alerts = AlertRegistry::default();
+        for step in ["reading", "nesting", "status"] {
+            alerts.raise(AlertKind::StepFails, "", step, &format!("{step}: the disk is full"));
+        }
+        alerts.raise(AlertKind::StepFails, "", "tidying", "tidying: permission denied");
+        for about in ["one", "two"] {
+            alerts.raise(AlertKind::QueueAway, "p", about, "not mounted");
+        }
+        let details: Vec<String> = alerts.active_alerts().map(|alert| alert.detail).collect();
+        assert_eq!(
+            details,
+            ["not mounted", "nesting, reading, status: the disk is full", "tidying: permission denied"]
+        );
+        assert_eq!(alerts.status_text_for("p").matches("not mounted").count(), 1);
+    }
+
+    #[test]
+    fn what_is_kept_is_read_again() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let mut alerts = AlertRegistry::default();
+        assert_eq!(read_stored_alerts(dir.path()), []);
+        for kind in AlertKind::ALL {
+            alerts.raise(kind, "p", "x", "detail");
+        }
+        alerts.write_if_changed(dir.path());
+        assert_eq!(read_stored_alerts(dir.path()), alerts.active_alerts().collect::<Vec<_>>());
+        assert_eq!(read_stored_alerts(dir.path()).len(), AlertKind::ALL.len());
+        // As on a full disk.
+        let path = dir.path().join(FILE);
+        overwrite_alerts(&path, b"[]").expect("there is room");
+        assert_eq!(read_stored_alerts(dir.path()), []);
+        assert!(overwrite_alerts(&path, &vec![b' '; 10 * ROOM_BYTES]).is_err());
+        fs::write(path, "{").expect("can be written");
+        assert_eq!(read_stored_alerts(dir.path()), []);
+    }
+}

@@ -1,0 +1,138 @@
+//! The answers to commands of operators. Whether a command was carried out follows from the answer; its text is for
+//! people.
+
+use std::fmt;
+
+use build_file::format_count;
+
+use crate::ledger::{BuildId, LedgerError, PartId};
+
+/// The answer to a command.
+#[derive(Debug)]
+pub(crate) enum CommandAnswer {
+    /// The waiting parts of a profile are in this build now, with so many copies.
+    BuildFired(BuildId, usize),
+    /// Nothing waits in the profile.
+    NothingWaits(String),
+    /// The profile was paused.
+    Paused(String),
+    /// The profile was paused before.
+    PausedAlready(String),
+    /// The profile was resumed.
+    Resumed(String),
+    /// The profile was not paused.
+    NotPaused(String),
+    /// The hot folders are scanned.
+    ScanStarted,
+    /// The part is read again.
+    PartRetried(PartId),
+    /// The part is cancelled.
+    PartCancelled(PartId),
+    /// So many copies of the part are cancelled.
+    CopiesCancelled(PartId, u32),
+    /// The part was changed, in these words.
+    PartEdited(PartId, Vec<String>),
+    /// The parts are on this machine now, and are read again.
+    PartMoved(Vec<PartId>, String),
+    /// The part was on this machine already.
+    PartIsThere(PartId, String),
+    /// The part is printed as it is.
+    PartConfirmed(PartId),
+    /// The part did not wait for a yes.
+    NothingToConfirm(PartId),
+    /// Refused: there is no such profile.
+    UnknownProfile(String),
+    /// Refused: a paused profile fires nothing.
+    ProfilePaused(String),
+    /// Refused: all printers of the profile are down, this one among them.
+    NoPrinterInUse(String, String),
+    /// Refused: the command names no part.
+    NoPartNamed,
+    /// Refused: there is no such part.
+    UnknownPart(PartId),
+    /// Refused: it is not known how many copies of the part are wanted.
+    CopiesUnknown(PartId),
+    /// The part must be read again, and its file is missing.
+    FileMissing(PartId),
+    /// Refused: the ledger does not allow it.
+    NotAllowed(LedgerError),
+}
+
+impl CommandAnswer {
+    /// Whether the command was carried out; otherwise it was refused.
+    pub(crate) fn is_done(&self) -> bool {
+        match self {
+            Self::BuildFired(..)
+            | Self::NothingWaits(_)
+            | Self::Paused(_)
+            | Self::PausedAlready(_)
+            | Self::Resumed(_)
+            | Self::NotPaused(_)
+            | Self::ScanStarted
+            | Self::PartRetried(_)
+            | Self::PartCancelled(_)
+            | Self::CopiesCancelled(..)
+            | Self::PartEdited(..)
+            | Self::PartMoved(..)
+            | Self::PartIsThere(..)
+            | Self::PartConfirmed(_)
+            | Self::NothingToConfirm(_) => true,
+            Self::UnknownProfile(_)
+            | Self::ProfilePaused(_)
+            | Self::NoPrinterInUse(..)
+            | Self::NoPartNamed
+            | Self::UnknownPart(_)
+            | Self::CopiesUnknown(_)
+            | Self::FileMissing(_)
+            | Self::NotAllowed(_) => false,
+        }
+    }
+}
+
+impl fmt::Display for CommandAnswer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BuildFired(build, copies) => {
+                write!(f, "build {build} is being nested with {}", format_count(*copies, "copy", "copies"))
+            }
+            Self::NothingWaits(name) => write!(f, "nothing waits in {name}"),
+            Self::Paused(name) => write!(f, "{name} is paused"),
+            Self::PausedAlready(name) => write!(f, "{name} was paused already"),
+            Self::Resumed(name) => write!(f, "{name} runs again"),
+            Self::NotPaused(name) => write!(f, "{name} was not paused"),
+            Self::ScanStarted => f.write_str("the hot folders are being looked through"),
+            Self::CopiesCancelled(part, copies) => {
+                write!(f, "{} of part {part} cancelled", format_count(*copies, "copy", "copies"))
+            }
+            Self::PartEdited(part, changes) if changes.is_empty() => write!(f, "part {part} has these values already"),
+            Self::PartEdited(part, changes) => write!(f, "part {part}: {}", changes.join(", ")),
+            Self::PartMoved(parts, name) => {
+                let numbers: Vec<String> = parts.iter().map(ToString::to_string).collect();
+                let word = if parts.len() == 1 { "part" } else { "parts" };
+                write!(f, "{word} {} moved to {name}, and read again there", numbers.join(", "))
+            }
+            Self::PartIsThere(part, name) => write!(f, "part {part} is for {name} already"),
+            Self::PartConfirmed(part) => write!(f, "part {part} is printed as it is"),
+            Self::NothingToConfirm(part) => write!(f, "part {part} waits for no confirmation"),
+            Self::PartRetried(part) => write!(f, "part {part} is read again"),
+            Self::PartCancelled(part) => write!(f, "part {part} is cancelled"),
+            Self::UnknownProfile(name) => write!(f, "there is no profile {name}"),
+            Self::ProfilePaused(name) => write!(f, "{name} is paused; resume it first"),
+            Self::NoPrinterInUse(name, printer) => {
+                write!(f, "no printer of {name} is in use; `nestd printer {printer} up` puts one into use again")
+            }
+            Self::NoPartNamed => f.write_str("no part was named"),
+            Self::UnknownPart(part) => write!(f, "there is no part {part}"),
+            Self::CopiesUnknown(part) => {
+                write!(f, "the ticket of part {part} could not be read: mend it and drop both again")
+            }
+            Self::FileMissing(part) => {
+                write!(
+                    f,
+                    "part {part} waits for its file: drop that once more, and give the command again when it is read"
+                )
+            }
+            Self::NotAllowed(error) => write!(f, "{error}"),
+        }
+    }
+}

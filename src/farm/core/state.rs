@@ -1,0 +1,196 @@
+//! The data that each step keeps between two ticks. All of it may be lost: after a restart, the steps find their work
+//! in the ledger and on the disk.
+
+use std::{
+    collections::{HashMap, HashSet},
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
+};
+
+use jiff::Timestamp;
+use nester::SearchBudget;
+
+use crate::{
+    farm::{
+        alerts::alert_registry::ServiceBridge,
+        files::standing_claim::StandingClaim,
+        leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
+        nesting::{lane_problem::SharedLaneProblem, nesting_search::SharedBestLayout},
+        process::{
+            ledger_changes::LedgerChangeDetector, retry_backoff::RetryBackoff, tick_tasks::TaskTimes,
+            time_source::TimeSource, wall_clock::WallClockMonitor,
+        },
+        records::forgettable::ForgettingState,
+    },
+    intake::InboxWatcher,
+    ledger::{BuildId, CommandRow, LaneId, PartId, PartRow, RefusalCause},
+    settings::{Settings, SettingsError},
+};
+
+/// A waiting part that is refused once a copy of its original is in the error folder. Until then no batch takes it.
+#[derive(Debug)]
+pub(crate) struct DeferredRefusal {
+    /// The part.
+    pub(crate) part: PartRow,
+    /// The kind of refusal.
+    pub(crate) cause: RefusalCause,
+    /// The reason in whole sentences.
+    pub(crate) reason: String,
+    /// The command that asked for it, if any.
+    pub(crate) command: Option<CommandRow>,
+}
+
+/// State of completing claims.
+#[derive(Debug, Default)]
+pub(crate) struct CompletionState {
+    /// Claims whose originals are still in the hot folder's `.claimed`, by claim id.
+    pub(crate) claims: HashMap<String, StandingClaim>,
+    /// Waiting parts that are refused once their originals are copied.
+    pub(crate) deferred_refusals: HashMap<PartId, DeferredRefusal>,
+    /// Claims that this process has released.
+    pub(crate) released: HashSet<String>,
+    /// Data that the store does not need any more.
+    pub(crate) forgetting: ForgettingState,
+}
+
+/// State of reading parts.
+#[derive(Debug, Default)]
+pub(crate) struct ReadingState {
+    /// Parts that could not be read because the disk failed.
+    pub(crate) backoff: RetryBackoff<PartId>,
+    /// Parts whose next read is counted already: the first when they were recorded, another one when the ledger did not take in its end.
+    pub(crate) counted_reads: HashSet<PartId>,
+    /// Number of times that the step looked for parts to read.
+    pub(crate) rounds: usize,
+    /// Whether the file being read now has ended the process before.
+    pub(crate) reads_alone: bool,
+}
+
+/// A final search that runs.
+#[derive(Debug)]
+pub(crate) struct RunningFinalSearch {
+    /// Its budget, by which it is cancelled.
+    pub(crate) budget: SearchBudget,
+    /// The best layout so far.
+    pub(crate) best_layout: SharedBestLayout,
+    /// Whether it is made in lanes now, so that this node's threads are free for them.
+    pub(crate) is_in_lanes: Arc<AtomicBool>,
+}
+
+impl RunningFinalSearch {
+    /// Whether it is made in lanes now.
+    pub(crate) fn is_in_lanes(&self) -> bool {
+        self.is_in_lanes.load(Ordering::Relaxed)
+    }
+}
+
+/// State of fired builds, until they are published.
+#[derive(Debug, Default)]
+pub(crate) struct NestingState {
+    /// Maximum number of searches at once.
+    pub(crate) slots: usize,
+    /// Builds fired by this process that have not been started.
+    pub(crate) just_fired: HashSet<BuildId>,
+    /// The lanes that this node searches.
+    pub(crate) lanes: HashMap<LaneId, SearchBudget>,
+    /// Searches, by number, of which this node could not search a lane.
+    pub(crate) refused_searches: Vec<i64>,
+    /// What this node has found in lanes and could not tell yet, with the epoch of the lane.
+    pub(crate) untold_lanes: HashMap<LaneId, (i64, String)>,
+    /// What the lanes of this node have in common.
+    pub(crate) lane_problem: SharedLaneProblem,
+    /// Running final searches.
+    pub(crate) final_searches: HashMap<BuildId, RunningFinalSearch>,
+    /// Number of failed attempts to make each build in this run, and the last reason.
+    pub(crate) failures: HashMap<BuildId, (u32, String)>,
+    /// Builds that failed and wait for a retry.
+    pub(crate) backoff: RetryBackoff<BuildId>,
+    /// Builds whose first rename was just recorded in the ledger and not tried yet.
+    pub(crate) rename_untried: HashSet<BuildId>,
+}
+
+impl ReadingState {
+    /// The state before the first read. The clocks of `time` measure the wait before a failed read is retried.
+    pub(crate) fn by(time: TimeSource) -> Self {
+        Self { backoff: RetryBackoff::by(time), ..Self::default() }
+    }
+}
+
+impl NestingState {
+    /// The state before the first build is nested. The clocks of `time` measure the wait before a failed build is
+    /// retried.
+    pub(crate) fn by(time: TimeSource) -> Self {
+        Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
+    }
+}
+
+/// State of the status shown to people.
+#[derive(Debug, Default)]
+pub(crate) struct DisplayState {
+    /// The status line for the service manager.
+    pub(crate) status_line: String,
+    /// When the status was last updated.
+    pub(crate) updated_at: Option<Instant>,
+}
+
+/// The watch on the hot folders of all machines.
+#[derive(Debug)]
+pub(crate) struct WatchedInboxes {
+    pub(crate) watcher: InboxWatcher,
+    pub(crate) inboxes: Vec<PathBuf>,
+}
+
+/// The times at which the loop runs its steps.
+pub(crate) struct LoopSchedule {
+    pub(crate) time: TimeSource,
+    pub(crate) clock: WallClockMonitor,
+    pub(crate) ledger_changes: LedgerChangeDetector,
+    pub(crate) watched: Option<WatchedInboxes>,
+    /// The warning that the hot folders send no file-system events was logged.
+    pub(crate) is_unwatched: bool,
+    /// Steps that failed and wait for a retry, by name.
+    pub(crate) step_backoff: RetryBackoff<String>,
+    /// Whether anything has failed, or was not begun, because the ledger could not be reached or changed.
+    pub(crate) is_cut_off: bool,
+    /// When each task of the tick is due.
+    pub(crate) tasks: TaskTimes,
+}
+
+impl LoopSchedule {
+    /// The schedule of a farm that starts now.
+    pub(crate) fn starting_now(scan_secs: f64, time: TimeSource) -> Self {
+        Self {
+            clock: WallClockMonitor::with_reader(time.clone()),
+            ledger_changes: LedgerChangeDetector::default(),
+            watched: None,
+            is_unwatched: false,
+            step_backoff: RetryBackoff::by(time.clone()),
+            is_cut_off: false,
+            tasks: TaskTimes::starting_at(time.instant(), scan_secs),
+            time,
+        }
+    }
+}
+
+/// Reads the configuration at the start and at each reload.
+pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
+
+/// The life cycle of the daemon.
+pub(crate) struct DaemonLifecycle {
+    /// Reads the configuration.
+    pub(crate) load: Load,
+    /// This daemon, as named in the leases of its folders.
+    pub(crate) holder: LeaseHolder,
+    pub(crate) started_at: Timestamp,
+    /// The daemon was asked to stop.
+    pub(crate) is_stopping: bool,
+    /// The ledger is damaged: the farm does nothing but report that.
+    pub(crate) is_halted: bool,
+    /// Connection to the other services of this process.
+    pub(crate) services: ServiceBridge,
+    pub(crate) _lock: StateDirLock,
+}

@@ -1,0 +1,120 @@
+//! A refused part in the error folder: its file, and a reason file beside it.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result};
+
+use crate::{
+    intake,
+    ledger::{PartId, PartRow, RefusalCause},
+};
+
+/// End of the name of the reason file.
+pub(crate) const REASON_SUFFIX: &str = ".reason.txt";
+/// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
+pub(crate) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
+
+/// What a reason that names a part tells of it.
+struct RefusedEntry {
+    reason: PathBuf,
+    /// Its file, unchanged; `None` = it is not there, or somebody changed it.
+    file: Option<PathBuf>,
+    /// Whether nothing else is in the reason's folder.
+    is_alone: bool,
+}
+
+/// The paths of a refused part's file and its reason in the error folder. Several files may have the same content: the
+/// reason that names the part identifies the right one.
+pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let entries = find_entries(error_dir, part)?.into_iter();
+    Ok(entries.filter_map(|entry| Some((entry.file?, entry.reason))).collect())
+}
+
+fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
+    let line = part_line(part);
+    let files = match intake::files_below(error_dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.with_context(|| format!("listing {}", error_dir.display()))?,
+    };
+    let mut found = Vec::new();
+    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())) {
+        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
+        if !text.is_some_and(|text| text.lines().any(|line_of_reason| line_of_reason.starts_with(&line))) {
+            continue;
+        }
+        // The name without the suffix, unless the name was shortened. A copy that a crash cut short has all its bytes, perhaps,
+        // and not its name yet: it must be made again.
+        let named = reason.with_extension("").with_extension("");
+        let is_beside = |file: &&PathBuf| {
+            file.parent() == reason.parent()
+                && *file != reason
+                && !file.file_name().is_some_and(intake::is_temporary_name)
+        };
+        let mut entry =
+            RefusedEntry { reason: reason.clone(), file: None, is_alone: !files.iter().any(|file| is_beside(&file)) };
+        let others = files.iter().filter(is_beside).filter(|file| **file != named);
+        for file in [&named].into_iter().chain(others) {
+            if has_content(file, part)? {
+                entry.file = Some(file.clone());
+                break;
+            }
+        }
+        found.push(entry);
+    }
+    Ok(found)
+}
+
+fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
+    match fs::symlink_metadata(file) {
+        Ok(meta) if !meta.is_file() || meta.len() != part.file.bytes => Ok(false),
+        Ok(_) => {
+            let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
+            Ok(hash == part.file.content_hash)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
+    }
+}
+
+/// Removes a refused file and its reason from the error folder, if the file is unchanged; also a reason that lies alone in
+/// the folder that was made for it.
+pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
+    for RefusedEntry { reason, file, is_alone } in find_entries(error_dir, part)? {
+        let own_folder = reason.parent().filter(|folder| *folder != error_dir);
+        if file.is_none() && !(is_alone && own_folder.is_some()) {
+            continue;
+        }
+        for gone in file.iter().chain([&reason]) {
+            fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
+        }
+        if let Some(folder) = own_folder {
+            // Fails if the folder is not empty.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+    Ok(())
+}
+
+/// Start of the line in the reason that names the part.
+pub fn part_line(part: &PartRow) -> String {
+    format!("Part {} of the profile {}.", part.id, part.profile)
+}
+
+/// The part of a profile that the text of a reason names; `None` = the file was refused before it became a part.
+pub(super) fn find_part_number(text: &str, profile: &str) -> Option<PartId> {
+    let end = format!(" of the profile {profile}.");
+    text.lines().find_map(|line| line.strip_prefix("Part ")?.split_once(&end)?.0.parse().ok().map(PartId))
+}
+
+/// The complete text of a reason file.
+pub(crate) fn reason_text(part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> String {
+    let again = match cause {
+        // Its copies would be guessed; and the same bytes are no other format the next time.
+        Some(RefusalCause::Ticket | RefusalCause::Format) => String::new(),
+        _ => format!(" To take it back: nestd retry {}", part.id),
+    };
+    format!("{}\n\n{}{again}\n", reason.trim_end(), part_line(part))
+}

@@ -1,0 +1,63 @@
+//! What an open build knows of the search that lowers it while it waits.
+
+use std::sync::PoisonError;
+
+use nester::SearchBudget;
+
+use super::nesting_search::SharedBestLayout;
+use crate::{farm::decisions::layout::BatchLayout, ledger::NightSearchRow};
+
+/// The search that lowers an open build while it waits.
+#[derive(Debug, Default)]
+pub struct OpenNight {
+    /// Whether the ledger was asked how far it is, and knows it.
+    pub is_known: bool,
+    /// How far it is; `None` = it has not begun, or is switched off.
+    pub row: Option<NightSearchRow>,
+    /// The search that runs.
+    pub search: Option<RunningNight>,
+}
+
+/// A search that runs.
+#[derive(Debug)]
+pub struct RunningNight {
+    /// Its number; what another one finds is not taken.
+    pub number: u64,
+    /// By this it is stopped. It has no limit.
+    pub stop: SearchBudget,
+    /// The time that it has, CPU seconds.
+    pub asked_secs: f64,
+    /// Its best layout so far.
+    pub best: SharedBestLayout,
+}
+
+impl OpenNight {
+    /// Stops the search that runs, because something else needs its thread. It goes on later.
+    pub fn stop(&self) {
+        if let Some(search) = &self.search {
+            search.stop.cancel();
+        }
+    }
+
+    /// Whether a search runs and was not stopped.
+    pub fn is_running(&self) -> bool {
+        self.search.as_ref().is_some_and(|search| !search.stop.is_cancelled())
+    }
+
+    /// Keeps how far it is until the ledger has stored it.
+    pub fn keep_unsaved(&mut self, row: NightSearchRow) {
+        (self.row, self.is_known) = (Some(row), false);
+    }
+
+    /// How far it is, if the ledger could not store it.
+    pub fn unsaved_row(&self) -> Option<&NightSearchRow> {
+        self.row.as_ref().filter(|_| !self.is_known)
+    }
+
+    /// Ends the search for good, because other copies or rules count now. Returns its best layout, if it has found any.
+    pub fn end(&mut self) -> Option<BatchLayout> {
+        self.stop();
+        let search = std::mem::take(self).search?;
+        search.best.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}

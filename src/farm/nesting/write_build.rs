@@ -1,0 +1,230 @@
+//! The step "verified": writes a layout as a build file under its dot-name, reads it back, and proves it on the
+//! triangles in the file. Runs on a job's thread.
+
+use std::{collections::HashMap, path::Path, sync::Arc};
+
+use anyhow::{Context, Result};
+use build_file::{BuildFile, ReadLimits};
+use jiff::Timestamp;
+use nester::{SearchSummary, Separability};
+
+use super::nesting_search::NestingResult;
+use crate::{
+    build::{self, BuildHeading, ProvedBuild, SolvedBuild},
+    farm::decisions::layout::CopyId,
+    ledger::{self, BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified},
+    queue::QueueFolder,
+    settings::MachineProfile,
+};
+
+/// Pixels of the build's picture and thumbnail.
+const PICTURE_SIZE: (u32, u32) = (1024, 768);
+const THUMBNAIL_SIZE: (u32, u32) = (256, 256);
+
+/// A written and proved build, ready for the ledger.
+#[derive(Debug)]
+pub struct WrittenBuild {
+    /// The values for the build's row.
+    pub verified: Verified,
+    /// The placed copies, in the machine's frame.
+    pub placed: Vec<ledger::ProvedPlacement>,
+    /// Copies that were tried and found no place.
+    pub unplaced: Vec<CopyId>,
+    /// Which parts are locked into each other, on one line; "" = none, or it is allowed.
+    pub locked: String,
+}
+
+/// A written build is not what it should be. Unless the disk failed, this is a fault in nestd.
+#[derive(Debug, thiserror::Error)]
+#[error("proving the written build")]
+pub struct UnprovedBuildError;
+
+/// A request to write a build.
+#[derive(Debug)]
+pub struct BuildWriteRequest {
+    /// The machine.
+    pub profile: Arc<MachineProfile>,
+    /// The printer queue folder.
+    pub queue: QueueFolder,
+    /// The build's row.
+    pub build: BuildRow,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Limits of the reader that reads it back.
+    pub limits: ReadLimits,
+}
+
+/// The name of a build's file. It is the same at every attempt, so that a crash leaves at most one dot-file.
+pub fn queue_file_name(profile: &str, build: &BuildRow) -> String {
+    let created: Timestamp = build.times.nesting_at.unwrap_or(build.times.opened_at).0;
+    build_file::build_file_name(created, profile, build.id.0.unsigned_abs())
+}
+
+/// Writes the build, reads it back, proves it, and writes the sidecars. Publishes nothing.
+pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> Result<WrittenBuild> {
+    let name = queue_file_name(&request.profile.name, &request.build);
+    let build = create_solved_build(request, nested);
+    let description = build.to_build_file(THUMBNAIL_SIZE);
+    // Removes an earlier attempt: its visible sidecars would be taken for files of another build.
+    request.queue.discard(&name).context("removing what was staged before")?;
+    let staged = request.queue.stage(&name, |file| build_file::write_build(&description, file))?;
+    let proved = match build.prove_written_file(&staged, &request.limits) {
+        Ok(proved) => proved,
+        Err(error) => {
+            request.queue.discard(&name).context("taking back a build that could not be proved")?;
+            return Err(anyhow::Error::from(error).context(UnprovedBuildError));
+        }
+    };
+    let locked = proved.separability.as_ref().map(Separability::locked_text).unwrap_or_default();
+    let sidecars = write_sidecars(request, nested, &build, &description, &proved, &name)?;
+    let (file_hash, file_bytes) = hash_and_size(&staged)?;
+    let height_mm = build.machine_height_mm();
+    Ok(WrittenBuild {
+        verified: Verified {
+            file: ProvedFile {
+                file_name: name,
+                queue_id: request.queue.marker_id().to_owned(),
+                file_hash,
+                file_bytes,
+                sidecars,
+            },
+            measures: ProvedMeasures {
+                height_mm,
+                density: nested.layout.density,
+                lower_bound_mm: nested.lower_bound_mm,
+                layers: (height_mm / request.profile.space.layer_mm).ceil() as u32,
+                part_volume_mm3: nested.layout.part_volume_mm3,
+                copies: nested.layout.placed.len() as u32,
+                clearance_mm: request.profile.space.clearance_mm,
+                clearance_proved_mm: proved.proof.clearance_proved_mm,
+            },
+            search: FinalSearch {
+                cpu_secs: nested.cpu_secs,
+                wall_secs: nested.wall_secs,
+                evaluations: nested.layout.evaluations,
+                seed: request.seed,
+                method: serialized_name(&request.profile.search.nest.method),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                curve: height_curve(request, nested),
+            },
+            profile_snapshot: serde_json::to_string(&*request.profile).context("writing down the profile")?,
+        },
+        placed: placed_in_machine_frame(&build, nested, &proved),
+        unplaced: nested.layout.unplaced.clone(),
+        locked,
+    })
+}
+
+/// The height over time, above the machine's floor.
+fn height_curve(request: &BuildWriteRequest, nested: &NestingResult) -> Vec<(f64, f64)> {
+    nested.curve.iter().map(|(secs, height_mm)| (*secs, height_mm + request.profile.origin_mm().z)).collect()
+}
+
+/// The poses of the copies, and how they are removed from the cake.
+fn placed_in_machine_frame(
+    build: &SolvedBuild,
+    nested: &NestingResult,
+    proved: &ProvedBuild,
+) -> Vec<ledger::ProvedPlacement> {
+    let drawn: HashMap<(usize, u32), RemovalStep> = (1..)
+        .zip(&proved.removal_order)
+        .map(|(place, &(part, copy, way))| ((part, copy), RemovalStep { position: place, direction: way.to_array() }))
+        .collect();
+    (build.placed.iter())
+        .map(|placed| {
+            let pose = build.machine.machine_pose(&placed.pose);
+            ledger::ProvedPlacement {
+                part: nested.batch.parts[placed.part].part.id,
+                copy: placed.copy,
+                rotation: pose.rotation.to_array(),
+                translation_mm: pose.translation.to_array(),
+                removal: drawn.get(&(placed.part, placed.copy)).copied(),
+            }
+        })
+        .collect()
+}
+
+fn create_solved_build(request: &BuildWriteRequest, nested: &NestingResult) -> SolvedBuild {
+    let heading = BuildHeading {
+        title: format!("{} build {}", request.profile.name, request.build.id),
+        build_id: request.build.id.to_string(),
+        created: request.build.times.nesting_at.unwrap_or(request.build.times.opened_at).0,
+        seed: request.seed,
+    };
+    SolvedBuild {
+        heading,
+        machine: request.profile.to_machine(),
+        parts: nested.batch.build_parts(&request.profile.time_zone),
+        placed: nested.batch.part_placements(&nested.layout),
+        height_mm: nested.layout.height_mm,
+        density: nested.layout.density,
+    }
+}
+
+/// Writes report, pick map, picture and, if configured, the whole build as STL, all with the build's stem. Returns name
+/// and BLAKE3 of each.
+fn write_sidecars(
+    request: &BuildWriteRequest,
+    nested: &NestingResult,
+    build: &SolvedBuild,
+    description: &BuildFile,
+    proved: &ProvedBuild,
+    name: &str,
+) -> Result<Vec<(String, String)>> {
+    let stem = name.strip_suffix(".build.3mf").unwrap_or(name);
+    let mut written = Vec::new();
+    let mut stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
+        use std::io::Write;
+        let name = format!("{stem}{suffix}");
+        request.queue.stage(&name, |file| file.write_all(bytes))?;
+        written.push((name, blake3::hash(bytes).to_hex().to_string()));
+        Ok(())
+    };
+    stage(".report.json", &report_json(request, nested, build, proved)?)?;
+    let mut pick_map = Vec::new();
+    build_file::write_pick_map(build_file::pick_rows(description), &mut pick_map)?;
+    stage(".parts.csv", &pick_map)?;
+    stage(".png", &build::render_picture(description, PICTURE_SIZE))?;
+    if request.profile.output.stl_output {
+        let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
+        let name = format!("{stem}.stl");
+        let staged = request.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;
+        written.push((name, hash_and_size(&staged)?.0));
+    }
+    Ok(written)
+}
+
+fn report_json(
+    request: &BuildWriteRequest,
+    nested: &NestingResult,
+    build: &SolvedBuild,
+    proved: &ProvedBuild,
+) -> Result<Vec<u8>> {
+    let course = SearchSummary {
+        clearance_proved_mm: proved.proof.clearance_proved_mm,
+        separable: proved.separability.clone(),
+        seed: request.seed,
+        cpu_secs: nested.cpu_secs,
+        wall_secs: nested.wall_secs,
+        curve: height_curve(request, nested),
+        ..SearchSummary::default()
+    };
+    // Copies without a place go into the next build.
+    let report = build.to_report(nested.lower_bound_mm, nested.layout.evaluations, &[], course);
+    Ok(serde_json::to_vec_pretty(&report)?)
+}
+
+fn hash_and_size(file: &Path) -> Result<(String, u64)> {
+    let mut hasher = blake3::Hasher::new();
+    let mut reader = std::fs::File::open(file).with_context(|| format!("opening {}", file.display()))?;
+    let bytes = std::io::copy(&mut reader, &mut hasher).with_context(|| format!("reading {}", file.display()))?;
+    Ok((hasher.finalize().to_hex().to_string(), bytes))
+}
+
+/// The name that serde writes for a unit variant.
+fn serialized_name(value: &impl serde::Serialize) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(word)) => word,
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,188 @@
+//! Renews the leases on the folders of every machine, at the start and at intervals.
+
+use std::{path::PathBuf, time::Duration};
+
+use anyhow::Result;
+use tracing::{info, warn};
+
+use super::{adopt, folder_comparison};
+use crate::{
+    farm::{
+        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+        core::{
+            farm::Farm,
+            machine_state::{MachineState, MachineStates},
+            printer_state::{MachinePrinters, alert_subject},
+        },
+        leases::{
+            folder_lease::FolderLease,
+            folder_leases::{FolderLeases, LeaseProblem},
+            lease_clock,
+        },
+        process::{
+            jobs::{BackgroundJob, Carried},
+            tick_tasks::TimedTask,
+        },
+    },
+    queue::QueueFolder,
+};
+
+/// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
+const LEASE_ALERTS: [AlertKind; 3] = [AlertKind::HotFolderAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
+
+/// Renews the leases on a profile's folders.
+#[derive(Clone)]
+pub(crate) struct LeaseRenewalJob {
+    profile: String,
+}
+
+impl BackgroundJob<Farm> for LeaseRenewalJob {
+    const KIND: &'static str = "Lease";
+    type Outcome = ();
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, (): ()) -> Result<()> {
+        on_leases_renewed(farm, &self.profile).await
+    }
+}
+
+/// The leases of a machine that a job renews. The farm must know each beat that is in the markers, or it would take its own for that of
+/// another daemon.
+struct CarriedLeases {
+    profile: String,
+    leases: Box<FolderLeases>,
+    /// The queue folders that are not those that were opened.
+    replaced: Vec<PathBuf>,
+}
+
+impl Carried<Farm> for CarriedLeases {
+    fn give_back(self, farm: &mut Farm) {
+        let Self { profile: name, leases, replaced } = self;
+        // After a reload the folders may have changed.
+        let is_same = |machine: &&mut MachineState| machine.leases.are_of_same_folders(&leases);
+        let Some(machine) = farm.machines.get_mut(&name).filter(is_same) else { return };
+        update_lease_alerts(&mut farm.alerts, &name, &machine.printers, &leases);
+        let is_interrupted = machine.leases.interruption_count() != leases.interruption_count();
+        if is_interrupted {
+            // Another daemon, perhaps a copy of this farm, may have taken and printed the same parts: nothing is taken or
+            // printed before the folders were compared with the ledger again.
+            (machine.agreed_folders, machine.may_claim) = (None, false);
+        }
+        for folder in machine.profile.queue_folders() {
+            if replaced.contains(folder) || !leases.can_publish(folder) {
+                // It is opened anew; until then nothing is nested for it.
+                machine.printers.close_queue(folder);
+            }
+        }
+        let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
+        machine.leases = *leases;
+        if is_interrupted {
+            warn!(
+                profile = name,
+                "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
+            );
+            folder_comparison::start_folder_comparison(farm);
+        }
+        adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, &name, before, now);
+    }
+}
+
+/// Acquires the leases on all folders. A folder that another daemon serves makes the start fail; an unavailable
+/// folder is retried. Waits until it is clear whether other daemons named in markers are alive.
+pub(crate) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
+    let mut is_reported = false;
+    loop {
+        let mut unclear = None;
+        for machine in machines.values_mut() {
+            if !machine.leases.acquire_missing()? {
+                let unclear_lease = |problem: &&LeaseProblem| matches!(problem, LeaseProblem::HolderUnclear(_));
+                let problem = machine.leases.errors.iter().flatten().find(unclear_lease);
+                unclear = problem.map(|problem| problem.text().to_owned());
+            }
+        }
+        let Some(unclear) = unclear else { break };
+        if !is_reported {
+            info!("{unclear}; that takes up to {} s.", lease_clock::takeover_delay().as_secs());
+        }
+        is_reported = true;
+        std::thread::sleep(Duration::from_secs(1));
+    }
+    for (name, machine) in machines {
+        update_lease_alerts(alerts, name, &machine.printers, &machine.leases);
+    }
+    Ok(())
+}
+
+/// Renews all leases when they are due, and at once those of a machine whose folders were not checked for too long.
+/// Nothing is done with its parts meanwhile.
+pub(crate) fn renew_leases(farm: &mut Farm, is_due: bool) {
+    if is_due {
+        let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
+        farm.schedule.tasks.record_done(TimedTask::RenewLeases, now, scan_secs);
+    }
+    for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
+        // A copy of what it renews is older than what it brings back.
+        if farm.jobs.is_running::<LeaseRenewalJob>(name) {
+            continue;
+        }
+        let (profile, leases) = (name.clone(), Box::new(machine.leases.clone()));
+        let queues: Vec<QueueFolder> = machine.printers.0.iter().filter_map(|printer| printer.opened.clone()).collect();
+        let carried = CarriedLeases { profile: profile.clone(), leases, replaced: Vec::new() };
+        farm.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
+            carried.leases.renew_all();
+            let replaced = queues.iter().filter(|queue| queue.check_marker().is_err());
+            carried.replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
+        });
+    }
+}
+
+/// Gives up what another farm has taken over. The folders count as checked only from there on: what fails is done again by the next
+/// renewal.
+async fn on_leases_renewed(farm: &mut Farm, name: &str) -> Result<()> {
+    let Some(machine) = farm.machines.get(name) else { return Ok(()) };
+    let taken_over = machine.leases.taken_over.clone();
+    adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
+    farm.machines.get_mut(name).into_iter().for_each(|machine| machine.leases.confirm_renewal());
+    Ok(())
+}
+
+/// Releases all leases. Whether another daemon serves the folders does not concern a farm that has stopped.
+pub(crate) fn release_leases(machines: &mut MachineStates, alerts: &mut AlertRegistry) {
+    for (name, machine) in machines {
+        machine.leases.all_leases().into_iter().for_each(FolderLease::release);
+        alerts.clear(AlertKind::HeldByOther, name, "");
+    }
+}
+
+fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, printers: &MachinePrinters, leases: &FolderLeases) {
+    let mut held = Vec::new();
+    let queues = printers.0.iter();
+    let queues =
+        queues.map(|printer| (AlertKind::QueueAway, alert_subject(name, &printer.name), printer.down.is_some()));
+    let kinds = LEASE_ALERTS.into_iter().map(|kind| (kind, String::new(), false)).chain(queues);
+    for ((kind, of, is_down), problem) in kinds.zip(&leases.errors) {
+        let about = &format!("lease {of}");
+        let about = about.trim_end();
+        if let Some(LeaseProblem::HeldByOther(why)) = problem {
+            held.push(why.as_str());
+        }
+        match problem {
+            // Of a printer that a person took out of use, everybody knows.
+            Some(LeaseProblem::Unavailable(_)) if is_down => alerts.clear(kind, name, about),
+            Some(LeaseProblem::Unavailable(why)) => alerts.raise(kind, name, about, why),
+            // Within seconds it is clear: nobody needs to act on it.
+            Some(LeaseProblem::HolderUnclear(_) | LeaseProblem::HeldByOther(_)) | None => {
+                alerts.clear(kind, name, about);
+            }
+        }
+    }
+    let is_unclear = leases.errors.iter().flatten().any(|problem| matches!(problem, LeaseProblem::HolderUnclear(_)));
+    match held.first() {
+        Some(why) => alerts.raise(AlertKind::HeldByOther, name, "", why),
+        None if is_unclear => {}
+        None => alerts.clear(AlertKind::HeldByOther, name, ""),
+    }
+}

@@ -1,0 +1,79 @@
+//! What monitoring sees of each machine: when it was scanned, whether its folders can be used, and whether it is
+//! unavailable.
+
+use jiff::SignedDuration;
+
+use crate::{
+    farm::{
+        alerts::{
+            alert::{AlertKind, FarmAlert},
+            alert_registry::AlertRegistry,
+        },
+        core::{farm::Farm, machine_state::MachineState},
+        receive::scan_jobs::HotFolderScanJob,
+    },
+    ledger::ObservedMachine,
+};
+
+/// A problem that ends within this time does not make a machine unavailable.
+const UNAVAILABLE_AFTER: SignedDuration = SignedDuration::from_secs(10);
+
+/// Alerts that keep a machine from claiming parts or publishing builds.
+const UNAVAILABLE_KINDS: [AlertKind; 8] = [
+    AlertKind::HotFolderAway,
+    AlertKind::QueueAway,
+    AlertKind::ArchiveAway,
+    AlertKind::ErrorFolderAway,
+    AlertKind::HeldByOther,
+    AlertKind::QueueReplaced,
+    AlertKind::FoldersMissing,
+    AlertKind::BuildFailed,
+];
+
+/// Whether a machine cannot claim parts or publish builds at this moment.
+pub(crate) fn is_unavailable(alerts: &AlertRegistry, profile: &str, machine: &MachineState) -> bool {
+    alerts.active_alerts().any(|alert| alert.profile == profile && hinders(&alert, machine))
+}
+
+/// Whether an alert keeps its machine from claiming parts or publishing builds. The queue folder of one printer does not, as
+/// long as another printer's is open.
+fn hinders(alert: &FarmAlert, machine: &MachineState) -> bool {
+    let is_spared = alert.kind == AlertKind::QueueAway && machine.printers.has_open_queue();
+    UNAVAILABLE_KINDS.contains(&alert.kind) && !is_spared
+}
+
+/// The current state of every machine.
+pub(crate) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
+    let now = farm.date();
+    let machines = farm.machines.iter().map(|(name, machine)| {
+        let alerts: Vec<FarmAlert> =
+            farm.alerts.active_alerts().filter(|alert| alert.profile == *name && hinders(alert, machine)).collect();
+        let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
+        let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
+        // After a start nothing is known until everything was checked once.
+        let was_checked = machine.inbox.scanned_at.is_some()
+            && machine.printers.has_open_queue()
+            && farm.display.updated_at.is_some();
+        ObservedMachine {
+            profile: name.clone(),
+            scanned_at: machine.inbox.scanned_at,
+            is_inbox_there: machine.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
+            is_queue_writable: machine.printers.has_open_queue() && !is(AlertKind::QueueAway),
+            trouble: match lasts {
+                Some(alert) => Some(alert.alert_text()),
+                None => (was_checked && alerts.is_empty()).then(String::new),
+            },
+        }
+    });
+    // A machine that has left the configuration is this node's until the last scan of its hot folder has ended: another one would take
+    // apart what that scan puts together.
+    let scanned = farm.jobs.running_subjects::<HotFolderScanJob>().filter(|name| !farm.machines.contains_key(*name));
+    let leaving = scanned.map(|name| ObservedMachine {
+        profile: name.to_owned(),
+        scanned_at: None,
+        is_inbox_there: true,
+        is_queue_writable: false,
+        trouble: None,
+    });
+    machines.chain(leaving).collect()
+}

@@ -1,0 +1,170 @@
+//! Creates missing folders of machines, and subscribes to file-system events of the hot folders. Both run on threads,
+//! because the folders may be network shares.
+
+use std::{path::PathBuf, sync::Arc};
+
+use anyhow::Result;
+use tracing::{debug, warn};
+
+use super::{folder_comparison, lease_renewal};
+use crate::{
+    access,
+    farm::{
+        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+        core::{farm::Farm, machine_state::MachineStates, state::WatchedInboxes},
+        leases::folder_leases::FolderLeases,
+        process::jobs::{BackgroundJob, Carried, JobRunner, LoopEvent},
+        receive::scan_jobs,
+    },
+    intake::{InboxWatcher, WatchError},
+    settings::MachineProfile,
+};
+
+/// Subscribes to file-system events, again if hot folders were created or changed.
+#[derive(Clone)]
+struct WatchJob;
+
+impl BackgroundJob<Farm> for WatchJob {
+    const KIND: &'static str = "Watch";
+    type Outcome = Result<(), WatchError>;
+
+    fn subject(&self) -> String {
+        String::new()
+    }
+
+    async fn on_done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
+        on_watched(farm, watched);
+        Ok(())
+    }
+}
+
+/// The watch that a job looks at or replaces.
+struct CarriedWatch(Option<WatchedInboxes>);
+
+impl Carried<Farm> for CarriedWatch {
+    fn give_back(self, farm: &mut Farm) {
+        farm.schedule.watched = self.0;
+    }
+}
+
+/// Creates the folders of a profile. Returns those that could not be created.
+#[derive(Clone)]
+struct FoldersJob {
+    profile: String,
+}
+
+impl BackgroundJob<Farm> for FoldersJob {
+    const KIND: &'static str = "Folders";
+    type Outcome = Vec<String>;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
+        on_folders_made(farm, &self.profile, &failed);
+        Ok(())
+    }
+}
+
+/// Watches the hot folders, including those that were created or replaced. If a folder cannot be watched, the
+/// periodic scan finds its files.
+pub(crate) fn start_watcher(farm: &mut Farm) {
+    if farm.jobs.is_running::<WatchJob>("") {
+        return;
+    }
+    let (inboxes, before) = (list_inboxes(&farm.machines), CarriedWatch(farm.schedule.watched.take()));
+    let events = farm.jobs.event_sender();
+    farm.jobs.start_with(WatchJob, before, move |CarriedWatch(watched)| {
+        if let Some(watched) = watched.as_mut().filter(|watched| watched.inboxes == inboxes) {
+            for (path, why) in watched.watcher.check_roots() {
+                debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
+            }
+            return Ok(());
+        }
+        let watcher =
+            InboxWatcher::start(inboxes.clone(), move || drop(events.send(LoopEvent::new(scan_jobs::schedule_scan))))?;
+        *watched = Some(WatchedInboxes { watcher, inboxes });
+        Ok(())
+    });
+}
+
+fn list_inboxes(machines: &MachineStates) -> Vec<PathBuf> {
+    machines.values().map(|machine| machine.profile.folders.inbox.clone()).collect()
+}
+
+fn on_watched(farm: &mut Farm, watched: Result<(), WatchError>) {
+    match watched {
+        Ok(()) => {
+            let watched = farm.schedule.watched.as_ref();
+            let is_current = watched.is_some_and(|watched| watched.inboxes == list_inboxes(&farm.machines));
+            farm.schedule.is_unwatched = false;
+            if !is_current {
+                start_watcher(farm);
+            }
+        }
+        Err(failure) => {
+            if !std::mem::replace(&mut farm.schedule.is_unwatched, true) {
+                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
+            }
+        }
+    }
+}
+
+/// Creates the folders of all machines, before anything else is done with them.
+pub(crate) fn make_folders_at_start(farm: &mut Farm) {
+    let machines: Vec<(Arc<MachineProfile>, FolderLeases)> =
+        farm.machines.values().map(|machine| (machine.profile.clone(), machine.leases.clone())).collect();
+    for (profile, leases) in machines {
+        let failed = make_folders(&profile, &leases);
+        update_folder_alert(&mut farm.alerts, &profile.name, &failed);
+    }
+}
+
+/// Starts jobs that create the folders of new machines, and those that could not be created before.
+pub(crate) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut JobRunner<Farm>) {
+    for (name, machine) in machines {
+        if machine.leases.all_leases().iter().all(|lease| lease.held_identity().is_some()) {
+            continue;
+        }
+        let (profile, leases) = (machine.profile.clone(), machine.leases.clone());
+        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &leases));
+    }
+}
+
+/// Scans the folders of a machine as soon as they exist.
+fn on_folders_made(farm: &mut Farm, name: &str, failed: &[String]) {
+    update_folder_alert(&mut farm.alerts, name, failed);
+    let now = farm.now();
+    if let Some(machine) = farm.machines.get_mut(name).filter(|machine| machine.inbox.scanned_at.is_none()) {
+        machine.inbox.next_scan_at = now;
+        lease_renewal::renew_leases(farm, true);
+        start_watcher(farm);
+        folder_comparison::start_folder_comparison(farm);
+    }
+}
+
+fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]) {
+    match failed.is_empty() {
+        true => alerts.clear(AlertKind::FoldersMissing, name, ""),
+        false => alerts.raise(AlertKind::FoldersMissing, name, "", &failed.join("; ")),
+    }
+}
+
+/// Creates the folders of a profile. An unavailable share must not stop the other machines. A folder that was served
+/// before is not created again: an empty directory in its place would be in the way of whoever mounts it again. Returns
+/// the folders that could not be created.
+fn make_folders(profile: &MachineProfile, leases: &FolderLeases) -> Vec<String> {
+    let folders = &profile.folders;
+    let others =
+        [(&folders.inbox, &leases.inbox), (&folders.error, &leases.error), (&folders.archive, &leases.archive)];
+    let wanted = others.into_iter().chain(profile.queue_folders().zip(&leases.queues));
+    let mut failed = Vec::new();
+    // A folder that cannot be created does not prevent the creation of the others.
+    for (folder, _) in wanted.filter(|(_, lease)| lease.was_never_served()) {
+        if let Err(error) = access::create_folders(folder) {
+            failed.push(format!("creating {}: {error}", folder.display()));
+        }
+    }
+    failed
+}

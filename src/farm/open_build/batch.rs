@@ -1,0 +1,384 @@
+//! The step "batched": waiting parts are kept nested in the open build, which fires when a trigger holds.
+
+use std::{collections::BTreeSet, time::Instant};
+
+use anyhow::{Context, Result};
+use build_file::format_count;
+use jiff::Timestamp;
+use nester::SearchBudget;
+use tracing::{info, warn};
+
+use crate::{
+    farm::{
+        again::fetch_originals,
+        alerts::failure::PartFault,
+        core::{
+            command_answer::CommandAnswer, crash_guard, farm::Farm, machine_state::RunningSearch, state::ReadingState,
+        },
+        decisions::{
+            batch_decision::{BatchDecision, BatchFacts, decide_batch},
+            kept_layouts::find_kept_layout,
+            layout::{BatchLayout, CopyId, waiting_copy_ids},
+            left_out::{LeftOutNotice, find_cut_off, find_left_out},
+            queue_depth::has_queue_room,
+            trigger::FireTrigger,
+        },
+        nesting::nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+        operate::commands,
+        printers::printers,
+        process::{
+            jobs::BackgroundJob,
+            thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
+        },
+        publish::withdrawal,
+        receive::{damaged_files, deferred_refusal},
+    },
+    ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart},
+    settings::MachineProfile,
+};
+
+/// Minimum time of a search for each copy, seconds: long enough to try all of them.
+const SECS_PER_COPY: f64 = 0.02;
+
+/// After batching, a profile rests for this many times the time that it took: a long queue of parts must not occupy the
+/// farm.
+const BATCH_REST_FACTOR: u32 = 9;
+
+/// A search may end so much after its time before others begin beside it, seconds.
+const OVERDUE_SECS: f64 = 2.0;
+
+/// Improves the layout of a profile's open build.
+#[derive(Clone)]
+pub(crate) struct ImproveLayoutJob {
+    profile: String,
+    round: u64,
+}
+
+impl BackgroundJob<Farm> for ImproveLayoutJob {
+    const KIND: &'static str = "Improve";
+    type Outcome = Result<NestingResult>;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
+        let taken = on_layout_improved(farm, &self.profile, self.round, nested).await;
+        self.search_again_unless(taken, farm)
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        let taken = on_search_panicked(farm, &self.profile, message).await;
+        self.search_again_unless(taken, farm)
+    }
+
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
+        if let Some(machine) = farm.machines.get_mut(&self.profile) {
+            machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
+        }
+    }
+}
+
+impl ImproveLayoutJob {
+    /// If its end could not be taken in, because the ledger cannot be reached, the same copies are searched again after a
+    /// while.
+    fn search_again_unless(&self, taken: Result<()>, farm: &mut Farm) -> Result<()> {
+        if let (Err(_), Some(machine)) = (&taken, farm.machines.get_mut(&self.profile)) {
+            let now = farm.schedule.time.instant();
+            machine.open.take_search_result(self.round, None, now);
+            machine.open.retry_tried_later(now);
+        }
+        taken
+    }
+}
+
+/// Same as [`update_open_build`], but skipped while the rest after a slow run is not over.
+pub(crate) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
+    let (began, now) = (Instant::now(), farm.now());
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if now < machine.pacing.next_batch_at || machine.agreed_folders.is_none() {
+        machine.pacing.is_idle = false;
+        return Ok(());
+    }
+    let result = match update_open_build(farm, name).await {
+        Ok(()) => withdrawal::consider_withdrawal(farm, name).await,
+        failed => failed,
+    };
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.pacing.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
+    }
+    result
+}
+
+/// Keeps a profile's open build up to date and fires it when a trigger holds.
+pub(crate) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()> {
+    if farm.machines.get(name).is_some_and(|machine| !machine.leases.are_fresh()) {
+        return Ok(());
+    }
+    let mut waiting = farm.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
+    let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
+    let takes_over = takes_over_withdrawn(farm, name, waiting.is_empty()).await?;
+    let has_unread_claims = flush
+        && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
+            || fetch_originals::awaits_original(farm, name).await?);
+    if waiting.is_empty() {
+        empty_open_build(farm, name).await?;
+    }
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let waiting_ids: BTreeSet<CopyId> = waiting_copy_ids(&waiting).into_iter().collect();
+    machine.left_out.retain_copies(|copy| waiting_ids.contains(copy));
+    let waiting = machine.open.rank_queue(waiting);
+    let head = machine.open.truncate_queue(&waiting, &machine.profile);
+    let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
+    machine.pacing.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
+    if !machine.pacing.is_idle {
+        machine.open.end_night();
+    }
+    let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
+    report_left_out(farm, name, None, cut_off).await?;
+    let is_held = is_queue_full(farm, name).await?;
+    let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
+    let outlook = printers::printer_outlook(farm, name, &waiting).await?;
+    let now = farm.date();
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let is_date_trusted = farm.schedule.clock.is_date_trusted();
+    let open = machine.trigger_facts(&waiting, &wanted, newest, &outlook, (flush, takes_over), is_date_trusted);
+    let is_paused = machine.paused || machine.printers.are_all_down();
+    machine.pacing.is_held = is_held;
+    let facts = BatchFacts { open, has_unread_claims, is_paused, is_held };
+    match decide_batch(&machine.profile, &facts, now) {
+        BatchDecision::AwaitClaims => Ok(()),
+        BatchDecision::AnswerFlushes => {
+            let answer = CommandAnswer::NothingWaits(name.to_owned());
+            while let Some(&flush) = machine.pending_flushes.first() {
+                commands::answer_command(&farm.ledger, flush, &answer).await?;
+                machine.pending_flushes.remove(0);
+            }
+            Ok(())
+        }
+        BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
+        BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
+    }
+}
+
+/// No part waits any more: nothing is told of a layout.
+async fn empty_open_build(farm: &mut Farm, name: &str) -> Result<()> {
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.open.reset();
+    }
+    Ok(farm.ledger.forget_layout(name).await?)
+}
+
+/// Whether the open build fires at once because it holds the copies of a build that nestd withdrew: as soon as their originals are
+/// there. Nothing is taken over where none of them waits any more.
+async fn takes_over_withdrawn(farm: &Farm, name: &str, is_nothing_waiting: bool) -> Result<bool> {
+    let Some(build) = farm.ledger.withdrawn_for_open(name).await? else { return Ok(false) };
+    let awaits_originals = farm.ledger.awaits_originals_of(build).await?;
+    if is_nothing_waiting && !awaits_originals {
+        farm.ledger.forget_withdrawn(name).await?;
+    }
+    Ok(!awaits_originals)
+}
+
+/// Whether every printer that can be given a build has as many ahead as may lie in its queue. While none can be given one, builds
+/// wait after they fired, as without a limit.
+async fn is_queue_full(farm: &Farm, name: &str) -> Result<bool> {
+    let Some(machine) = farm.machines.get(name) else { return Ok(false) };
+    let (depth, usable) = (machine.profile.printing.queue_depth, printers::usable_printers(machine));
+    Ok(depth > 0 && !usable.is_empty() && !has_queue_room(depth, &usable, &farm.ledger.builds_ahead(name).await?))
+}
+
+/// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
+/// that the disk keeps from being read.
+async fn has_unread_claims(ledger: &Ledger, reading: &ReadingState, name: &str) -> Result<bool> {
+    let claimed = ledger.claimed_parts(name, reading.backoff.len() + 1).await?;
+    Ok(claimed.iter().any(|part| !reading.backoff.is_failing(&part.id)))
+}
+
+/// Starts a search for the open build if one is needed and a slot is free.
+async fn start_layout_search(
+    farm: &mut Farm,
+    name: &str,
+    head: Vec<WaitingPart>,
+    wanted: BTreeSet<CopyId>,
+) -> Result<()> {
+    if !has_free_slot(farm) {
+        return Ok(());
+    }
+    let meshes = farm.meshes.clone();
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !machine.open.wants_search(&wanted, farm.schedule.time.instant())
+        || farm.jobs.is_running::<ImproveLayoutJob>(name)
+    {
+        return Ok(());
+    }
+    let build = farm.ledger.open_build(name).await?;
+    let parts: Vec<&PartRow> = head.iter().map(|waiting| &waiting.part).collect();
+    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts) {
+        return Ok(());
+    }
+    let parts: Vec<(PartRow, Vec<u32>)> = head.into_iter().map(|w| (w.part, w.copies)).collect();
+    let kept = find_kept_layout(&farm.ledger, build.id, &farm.machines[name].profile, &parts).await?;
+    farm.ledger.begin_search(build.id).await?;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let open = &mut machine.open;
+    open.rounds += 1;
+    let (round, best) = (open.rounds, SharedBestLayout::default());
+    let secs = arrival_search_secs(&machine.profile, wanted.len());
+    let budget = SearchBudget::of_secs(secs);
+    let request = NestingRequest {
+        profile: machine.profile.clone(),
+        wanted: parts,
+        starts: std::iter::once(open.layout.placed.clone()).chain(kept).collect(),
+        budget: budget.clone(),
+        seed: machine.profile.search.nest.seed.wrapping_add(round),
+        best_layout: best.clone(),
+    };
+    open.search = Some(RunningSearch { round, budget, best, copies: wanted, is_cancelled: false });
+    let profile = name.to_owned();
+    farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
+        lower_thread_priority(ARRIVAL_NICENESS);
+        request.run_search(&meshes, None)
+    });
+    Ok(())
+}
+
+/// Time of a search for an arrival, seconds.
+pub(super) fn arrival_search_secs(profile: &MachineProfile, copies: usize) -> f64 {
+    profile.search.arrival_secs.max(SECS_PER_COPY * copies as f64)
+}
+
+/// Takes in the result of a search for an open build.
+async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Result<NestingResult>) -> Result<()> {
+    let build = farm.ledger.open_build(name).await?;
+    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let Some(search) = machine.open.search.as_ref().filter(|search| search.round == round) else { return Ok(()) };
+    let is_complete = !search.is_cancelled;
+    let nested = match nested {
+        Ok(nested) => nested,
+        Err(failure) => {
+            machine.open.take_search_result(round, None, farm.schedule.time.instant());
+            if let Some(fault) = PartFault::find_in_chain(&failure) {
+                return damaged_files::hold_faulty_part(farm, fault).await;
+            }
+            warn!(profile = %name, "The open build could not be nested: {failure:#}.");
+            return Ok(());
+        }
+    };
+    let stood = machine.open.standing.clone();
+    machine.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
+    if is_complete {
+        let placed = machine.open.standing.clone();
+        machine.left_out.retain_copies(|copy| !placed.contains(copy));
+        let parts: Vec<_> = nested.batch.parts.iter().map(|part| (&part.part, &part.copies[..])).collect();
+        report_left_out(farm, name, Some(build.id), find_left_out(&parts, &placed, &stood)).await?;
+    }
+    save_layout(&farm.ledger, build.id, &nested.layout).await?;
+    farm.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
+    refuse_unplaceable_part(farm, name, &nested.layout).await
+}
+
+/// Tells of copies that are not in the next build, each once.
+pub(super) async fn report_left_out(
+    farm: &mut Farm,
+    name: &str,
+    build: Option<BuildId>,
+    notices: Vec<LeftOutNotice>,
+) -> Result<()> {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    for notice in machine.left_out.add_new(notices) {
+        warn!(part.id = %notice.part, profile = %name, "{}", notice.text);
+        farm.ledger.write_event(notice.cause.event_kind(), name, Some(notice.part), build, &notice.text).await?;
+    }
+    Ok(())
+}
+
+/// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.
+async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayout) -> Result<()> {
+    let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !machine.open.halve_after_empty_search(layout.unplaced.len()) {
+        return Ok(());
+    }
+    let reason = format!(
+        "It was tried and found no place in the empty build volume of {name}. Drop it for a larger machine, or with a freer \
+         orientation or a smaller clearance_mm in its ticket."
+    );
+    warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+    refuse_waiting_part(farm, part, RefusalCause::TooLarge, &reason).await
+}
+
+/// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
+/// panics alone is refused.
+async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Result<()> {
+    let build = farm.ledger.open_build(name).await?;
+    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let copies = machine.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
+    machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
+    let (true, Some(&(part, _))) = (machine.open.halve_after_empty_search(copies.len()), copies.first()) else {
+        return Ok(());
+    };
+    let reason = format!(
+        "The search failed on it: {message}. Take it back to try once more; where that fails too, export it again."
+    );
+    refuse_waiting_part(farm, part, RefusalCause::Failure, &reason).await
+}
+
+/// waiting -> rejected, with a copy of the original in the error folder.
+async fn refuse_waiting_part(farm: &mut Farm, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+    let row = farm.ledger.find_part(part).await?.context("a part that waits has no row")?;
+    deferred_refusal::start_refusal(farm, row, cause, reason, None);
+    Ok(())
+}
+
+/// Stores a layout in the ledger, so that the search continues from it after a restart.
+pub(crate) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchLayout) -> Result<()> {
+    let row = OpenLayout {
+        layout: layout.to_json(),
+        height_mm: layout.height_mm,
+        density: layout.density,
+        copies: layout.placed.len() as u32,
+        part_volume_mm3: layout.part_volume_mm3,
+    };
+    Ok(ledger.save_layout(build, &row).await?)
+}
+
+/// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
+async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    machine.open.end_night();
+    let (copies, layout) = machine.open.taken_by(by, wanted);
+    if copies.is_empty() {
+        return Ok(());
+    }
+    let build = farm.ledger.open_build(name).await?.id;
+    // Fired and answered in one change: no flush fires twice.
+    let answer = CommandAnswer::BuildFired(build, copies.len()).to_string();
+    let ledger = farm.ledger.for_commands(&machine.pending_flushes, &answer);
+    ledger.begin_nesting(build, &by.to_string(), &copies).await?;
+    farm.nesting.just_fired.insert(build);
+    machine.open.reset();
+    machine.pending_flushes.clear();
+    info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
+    save_layout(&farm.ledger, build, &layout).await
+}
+
+/// Whether another search may run beside the running ones. Those that go on while a build waits do not count: they give
+/// way.
+pub(super) fn has_free_slot(farm: &Farm) -> bool {
+    count_searches(farm) < farm.nesting.slots
+}
+
+/// Number of running searches for arrivals and fired builds. An overdue search does not count: a build that takes long to
+/// prove or prepare must not block other machines.
+pub(crate) fn count_searches(farm: &Farm) -> usize {
+    let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
+    let improving = farm.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
+        is_due(farm.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
+    });
+    let finals = farm.nesting.final_searches.values().filter(|search| is_due(Some(&search.budget)));
+    improving.count() + finals.count()
+}

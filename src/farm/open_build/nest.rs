@@ -1,0 +1,381 @@
+//! The steps "nested" and "verified" of a fired build: one job searches, writes and proves. Each check of the ledger
+//! finds the builds that need nesting, so that work continues where a crash interrupted it.
+
+use std::{
+    collections::{BTreeSet, HashMap, HashSet},
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use anyhow::{Context, Result, ensure};
+use build_file::format_count;
+use nester::SearchBudget;
+use tracing::{info, warn};
+
+use super::batch;
+use crate::{
+    farm::{
+        alerts::alert::AlertKind,
+        core::{
+            crash_guard,
+            farm::Farm,
+            state::{NestingState, RunningFinalSearch},
+        },
+        decisions::{
+            layout::{CopyId, placed_from_json, placed_from_rows},
+            left_out::find_left_out,
+        },
+        files::mesh_source::MeshSource,
+        leases::folder_lease::FolderLease,
+        nesting::{
+            lane_search::LaneSearch,
+            nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
+            nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+            write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
+        },
+        printers::{
+            printers,
+            queues::{self, demand_staged},
+        },
+        process::jobs::{BackgroundJob, Carried},
+        publish::publish,
+        receive::damaged_files,
+        records::kept_build::{self, KeptBuild},
+    },
+    intake,
+    ledger::{
+        BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
+        rank_waiting_copies,
+    },
+    settings::MachineProfile,
+};
+
+/// The name under which the daemon pauses a profile after a failed build, for people.
+const PAUSED_BY_NESTD: &str = "nestd";
+
+/// Nests, writes and proves a build.
+#[derive(Clone)]
+pub(crate) struct FinalNestingJob {
+    build: BuildId,
+}
+
+impl BackgroundJob<Farm> for FinalNestingJob {
+    const KIND: &'static str = "Final";
+    type Outcome = Result<Box<WrittenBuild>>;
+
+    fn subject(&self) -> String {
+        self.build.to_string()
+    }
+
+    async fn on_done(self, farm: &mut Farm, written: Self::Outcome) -> Result<()> {
+        let taken = on_written(farm, self.build, written).await;
+        if taken.is_err()
+            && let Ok(Some(row)) = farm.ledger.find_build(self.build).await
+            && row.state == BuildState::Nesting
+        {
+            // The ledger has not taken it in: no attempt of its own has failed.
+            farm.nesting.just_fired.insert(self.build);
+            farm.nesting.backoff.record_failure(self.build);
+        }
+        taken
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        on_final_panicked(farm, self.build, message).await
+    }
+
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
+        farm.nesting.just_fired.insert(self.build);
+        farm.nesting.backoff.record_failure(self.build);
+    }
+}
+
+/// The mark that the final search of a build runs.
+struct SearchMark(BuildId);
+
+impl Carried<Farm> for SearchMark {
+    fn give_back(self, farm: &mut Farm) {
+        farm.nesting.final_searches.remove(&self.0);
+    }
+}
+
+/// Starts the final search of every fired build that has none. A build that cannot be started does not hold up the
+/// others.
+pub(crate) async fn nest_fired_builds(farm: &mut Farm) -> Result<()> {
+    let mut builds = farm.ledger.builds_in_state(BuildState::Nesting).await?;
+    // A build that ends the daemon each time must not keep the others from their turn.
+    builds.sort_by_key(|build| (build.attempts, build.id));
+    for build in builds {
+        let (id, profile) = (build.id, build.profile.clone());
+        if let Err(failure) = nest_build(farm, build).await {
+            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
+        }
+    }
+    Ok(())
+}
+
+async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
+    if publish::is_build_resting(&farm.nesting, build.id)
+        || farm.jobs.is_running::<FinalNestingJob>(build.id)
+        || !batch::has_free_slot(farm)
+    {
+        return Ok(());
+    }
+    let Some(printer) = printers::choose_for_build(farm, &build).await? else { return Ok(()) };
+    let parts = farm.ledger.parts_of_build(build.id).await?;
+    if parts.is_empty() {
+        // A repair of the ledger has taken its copies out: no fault that a person must mend.
+        return Ok(farm.ledger.fail_build(build.id, "none of its copies is left in it").await?);
+    }
+    // The originals of a build that is issued once more are being fetched from the archive.
+    if parts.iter().any(|part| part.owed.fetch_at.is_some()) {
+        return Ok(());
+    }
+    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+        return Ok(());
+    }
+    farm.ledger.begin_search(build.id).await?;
+    let attempts = match farm.nesting.just_fired.remove(&build.id) {
+        true => build.attempts,
+        false => farm.ledger.begin_attempt(build.id).await?,
+    };
+    let search = &farm.machines[&build.profile].profile.search;
+    let decision = decide_attempt(&AttemptFacts {
+        build: build.id,
+        attempts,
+        failures: farm.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count),
+        max_attempts: search.max_attempts,
+        final_secs: search.final_secs,
+        seed: search.nest.seed,
+    });
+    match decision {
+        AttemptDecision::GiveUp => give_up_build(farm, &build, attempts - 1).await,
+        AttemptDecision::Search { secs, seed } => {
+            farm.ledger.assign_printer(build.id, &printer).await?;
+            start_final_search(farm, build, &printer, (secs, seed)).await
+        }
+    }
+}
+
+async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (secs, seed): (f64, u64)) -> Result<()> {
+    let wanted = parts_with_copies(&farm.ledger, build.id).await?;
+    let machine = &farm.machines[&build.profile];
+    let profile = machine.profile.clone();
+    let queue = machine.printers.find(printer).and_then(|printer| printer.opened.clone());
+    let queue = queue.context("the queue folder is not open")?;
+    // The proved layout of an earlier build is issued once more: there is nothing to search.
+    let secs = if build.search.repeats.is_some() { 0.0 } else { secs };
+    let budget = SearchBudget::of_secs(secs);
+    let start = match build.kept.layout.as_deref() {
+        Some(layout) => placed_from_json(layout),
+        // The build was proved before, but its file was damaged.
+        None => placed_from_rows(&farm.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
+    };
+    let stands: HashSet<CopyId> = start.iter().map(|placed| placed.copy).collect();
+    let wanted = rank_waiting_copies(wanted, |part, copy| stands.contains(&(part, copy)));
+    let mut leases = machine.leases.clone();
+    let unsure = wanted
+        .iter()
+        .map(|wanted| wanted.part.file.claim.clone())
+        .filter(|claim| !farm.completion.released.contains(claim))
+        .collect();
+    let request = NestingRequest {
+        profile: profile.clone(),
+        wanted: wanted.into_iter().map(|wanted| (wanted.part, wanted.copies)).collect(),
+        starts: vec![start],
+        budget: budget.clone(),
+        seed,
+        best_layout: SharedBestLayout::default(),
+    };
+    let (config, is_in_lanes) = (&profile.search.nest, Arc::new(AtomicBool::new(false)));
+    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (config, secs), &is_in_lanes).await;
+    let running = RunningFinalSearch { budget, best_layout: request.best_layout.clone(), is_in_lanes };
+    let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
+    let meshes = farm.meshes.clone();
+    let kept = find_kept_build(farm, &write.build).await?;
+    let id = write.build.id;
+    farm.nesting.final_searches.insert(id, running);
+    farm.jobs.start_with(FinalNestingJob { build: id }, SearchMark(id), move |_| {
+        crate::farm::nodes::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
+        if let Some((kept, placements)) = kept {
+            let gone = request.wanted.iter().map(|(part, _)| part);
+            let gone: Vec<PartRow> = gone.filter(|part| !meshes.has_file(part)).cloned().collect();
+            // Parts without a file are then asked for, as always.
+            if !gone.is_empty()
+                && let Err(failure) = kept.load_meshes(&gone, &placements, &meshes)
+            {
+                warn!("The kept build file cannot be used: {failure:#}.");
+            }
+        }
+        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes, lanes.as_ref()).map(Box::new)
+    });
+    Ok(())
+}
+
+/// The kept file of the build that is issued once more with this one, and the placements in it.
+async fn find_kept_build(farm: &Farm, build: &BuildRow) -> Result<Option<(KeptBuild, Vec<PlacementRow>)>> {
+    let Some(printed) = build.search.repeats else { return Ok(None) };
+    let Some(row) = farm.ledger.find_build(printed).await? else { return Ok(None) };
+    let archive = &farm.machines[&build.profile].profile.folders.archive;
+    let Some(kept) = KeptBuild::of_build(archive, &row) else { return Ok(None) };
+    Ok(Some((kept, farm.ledger.placements_of_build(printed).await?)))
+}
+
+/// The parts of a build with their copies in it, in order of precedence.
+async fn parts_with_copies(ledger: &Ledger, build: BuildId) -> Result<Vec<WaitingPart>> {
+    let mut copies: HashMap<PartId, Vec<u32>> = HashMap::new();
+    for (part, copy) in ledger.copies_of_build(build).await? {
+        copies.entry(part).or_default().push(copy);
+    }
+    let parts = ledger.parts_of_build(build).await?;
+    let with_copies = |part: PartRow| Some(WaitingPart { copies: copies.remove(&part.id)?, part });
+    Ok(parts.into_iter().filter_map(with_copies).collect())
+}
+
+/// Tells of the copies that the final search of a build left out although they stood in the open build, or must be in
+/// the next one.
+async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[CopyId]) -> Result<()> {
+    let parts = parts_with_copies(&farm.ledger, build).await?;
+    let Some(row) = farm.ledger.find_build(build).await? else { return Ok(()) };
+    let parts: Vec<_> = parts.iter().map(|wanted| (&wanted.part, &wanted.copies[..])).collect();
+    let all = parts.iter().flat_map(|(part, copies)| copies.iter().map(|&copy| (part.id, copy)));
+    let placed: BTreeSet<CopyId> = all.filter(|copy| !unplaced.contains(copy)).collect();
+    let stood = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
+    let stood: BTreeSet<CopyId> = stood.iter().map(|placed| placed.copy).collect();
+    batch::report_left_out(farm, &row.profile, Some(build), find_left_out(&parts, &placed, &stood)).await
+}
+
+/// Commits a written and proved build; publishing follows in the same tick.
+async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
+    if let Some(build) = farm.ledger.find_build(build).await? {
+        crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+    }
+    if written.is_ok() {
+        farm.nesting.failures.remove(&build);
+        farm.nesting.backoff.record_success(&build);
+        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        farm.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
+    }
+    let written = match written {
+        Ok(written) => written,
+        Err(failure) => return on_search_failed(farm, build, &failure).await,
+    };
+    if let Err(why) = queues::demand_same_queue(&farm.ledger, &farm.machines, build, &written.verified).await {
+        return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{why:#}")).await;
+    }
+    if !written.unplaced.is_empty() {
+        info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
+        report_left_out_of_build(farm, build, &written.unplaced).await?;
+        farm.ledger.release_copies(build, &written.unplaced, "found no place").await?;
+    }
+    farm.ledger.verify_build(build, &written.verified, &written.placed).await?;
+    if !written.locked.is_empty() {
+        warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
+        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        farm.ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
+    }
+    publish::publish_verified_builds(farm).await
+}
+
+async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {
+    let decision = classify_failure(failure, farm.lifecycle.is_stopping);
+    let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    match decision {
+        FailedSearch::LeaveForNextStart => {
+            info!(build.id = %build, "A build was left for the next start: {failure:#}.");
+            Ok(())
+        }
+        FailedSearch::ContinueWithoutPart => damaged_files::continue_without_faulty_part(farm, build, failure).await,
+        FailedSearch::RetryLater => {
+            // The parts stay in it.
+            farm.nesting.just_fired.insert(build);
+            farm.nesting.backoff.record_failure(build);
+            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), failure);
+            Ok(())
+        }
+        FailedSearch::CountAttempt { is_unproved } => {
+            warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+            let why = format!("{failure:#}");
+            if is_unproved {
+                farm.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
+            }
+            record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &why).await
+        }
+    }
+}
+
+/// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
+async fn give_up_build(farm: &mut Farm, build: &BuildRow, attempts: u32) -> Result<()> {
+    let reason = match farm.nesting.failures.remove(&build.id) {
+        Some((failures, last)) => {
+            format!("gave up after {}: {last}", format_count(failures, "failed attempt", "failed attempts"))
+        }
+        None => format!("gave up after {attempts} attempts: nestd stopped each time"),
+    };
+    warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
+    queues::discard_staged(&farm.machines, &mut farm.jobs, build);
+    farm.ledger.fail_build(build.id, &reason).await?;
+    farm.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
+    Ok(())
+}
+
+async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, build: BuildId, why: &str) -> Result<()> {
+    let failure = nesting.failures.entry(build).or_default();
+    *failure = (failure.0 + 1, why.to_owned());
+    nesting.backoff.record_failure(build);
+    // The next attempt finds other layouts.
+    ledger.end_lane_search(build).await?;
+    let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    Ok(ledger.write_event(EventKind::AttemptFailed, &profile, None, Some(build), why).await?)
+}
+
+/// A build's job panicked.
+async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
+    farm.ledger.end_search(build).await?;
+    record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
+}
+
+/// The whole final job: search, write, prove, and archive the originals.
+fn nest_write_and_prove(
+    request: &NestingRequest,
+    write: &BuildWriteRequest,
+    archive: &mut FolderLease,
+    meshes: &MeshSource,
+    lanes: Option<&LaneSearch>,
+) -> Result<WrittenBuild> {
+    let mut nested = request.run_search(meshes, lanes)?;
+    // A build that is issued once more stays as it is.
+    if write.build.search.repeats.is_none() {
+        nested.set_look_alikes_apart(&write.profile)?;
+    }
+    ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
+    let written = write_and_prove(write, &nested)?;
+    archive.check_usable()?;
+    archive_originals(&write.profile, &write.build, &nested, meshes)?;
+    let file = &written.verified.file;
+    demand_staged(&write.queue, &file.file_name)?;
+    let staged = write.queue.staged_path(&file.file_name);
+    kept_build::keep_staged_file(&write.profile, &staged, &file.file_name, &file.file_hash);
+    Ok(written)
+}
+
+/// Copies the originals into the archive before the build is verified, so that every published build has them.
+/// Repeating this changes nothing.
+fn archive_originals(
+    profile: &Arc<MachineProfile>,
+    build: &BuildRow,
+    nested: &NestingResult,
+    meshes: &MeshSource,
+) -> Result<()> {
+    let name = queue_file_name(&profile.name, build);
+    let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
+    for part in &nested.batch.parts {
+        let is_placed = nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id);
+        // A build that is issued once more from its kept file may have parts whose originals nobody has any more.
+        if is_placed && (build.search.repeats.is_none() || meshes.has_file(&part.part)) {
+            let stored = meshes.verified_file(&part.part)?;
+            intake::archive_file(&stored, &profile.folders.archive, stem, &part.part.name)
+                .with_context(|| format!("archiving {}", part.part.name))?;
+        }
+    }
+    Ok(())
+}

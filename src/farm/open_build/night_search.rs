@@ -1,0 +1,322 @@
+//! An open build that waits is lowered further, in rounds of growing CPU time and at the lowest priority, while nothing else
+//! needs the thread. What is reached is kept in the ledger, with a pool of different layouts to go on from.
+
+use std::{collections::BTreeSet, sync::PoisonError};
+
+use anyhow::Result;
+use nester::{NestingMethod, NestingSolution, SearchBudget, improve_layouts};
+use tracing::{debug, info, warn};
+
+use super::batch::{arrival_search_secs, count_searches, save_layout};
+use crate::{
+    farm::{
+        alerts::failure::PartFault,
+        core::{
+            farm::Farm,
+            machine_state::{MachineState, MachineStates},
+        },
+        decisions::{
+            kept_layouts::{find_row, hash_problem},
+            layout::{BatchLayout, CopyId, LayoutPlacement, layouts_from_json, layouts_to_json},
+            night_decision::{MAX_STARTS, NightSearchEnd, begin_night, count_search, decide_search},
+        },
+        files::mesh_source::MeshSource,
+        nesting::{
+            nesting_search::{NestingRequest, SharedBestLayout},
+            open_night::RunningNight,
+        },
+        process::{
+            cpu_meter::CpuMeter,
+            jobs::BackgroundJob,
+            thread_priority::{NIGHT_NICENESS, lower_thread_priority},
+        },
+        receive::damaged_files,
+    },
+    ledger::{BuildId, Ledger, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart},
+};
+
+/// Height differences up to this count as equal, mm.
+const SAME_MM: f64 = 1e-6;
+/// The seeds of these searches begin here, far from those of the searches for arrivals.
+const FIRST_SEED: u64 = 1 << 40;
+
+/// Lowers the open build of a profile.
+#[derive(Clone)]
+pub(crate) struct NightSearchJob {
+    profile: String,
+    build: BuildId,
+    number: u64,
+    /// The copies and rules that it is for.
+    problem: String,
+}
+
+/// What a search has found.
+pub(crate) struct NightSearchResult {
+    layout: BatchLayout,
+    pool: Vec<Vec<LayoutPlacement>>,
+    cpu_secs: f64,
+}
+
+impl NightSearchResult {
+    /// The pool to go on from: its own, or the `kept` one of a height if it is higher or lacks copies. A search that was stopped
+    /// before it had looked at its pool has built its own layout.
+    fn pool_beside(&self, kept: &str, height_mm: f64) -> String {
+        let is_of_use = self.layout.unplaced.is_empty() && self.layout.height_mm <= height_mm + SAME_MM;
+        if is_of_use { layouts_to_json(&self.pool) } else { kept.to_owned() }
+    }
+}
+
+impl BackgroundJob<Farm> for NightSearchJob {
+    const KIND: &'static str = "Night";
+    type Outcome = Result<NightSearchResult>;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
+        match outcome {
+            Ok(found) => self.take_result(farm, found).await,
+            Err(failure) => {
+                self.give_up(farm, &format!("{failure:#}")).await?;
+                match PartFault::find_in_chain(&failure) {
+                    Some(fault) => damaged_files::hold_faulty_part(farm, fault).await,
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        self.give_up(farm, message).await
+    }
+
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
+        if let Some((machine, _, row)) = self.take_search(&mut farm.machines) {
+            machine.open.night.keep_unsaved(NightSearchRow { starts: row.starts.saturating_sub(1), ..row });
+        }
+    }
+}
+
+impl NightSearchJob {
+    /// The machine and the search, unless something else is wanted of its open build by now.
+    fn take_search<'m>(
+        &self,
+        machines: &'m mut MachineStates,
+    ) -> Option<(&'m mut MachineState, RunningNight, NightSearchRow)> {
+        let machine = machines.get_mut(&self.profile)?;
+        let night = &mut machine.open.night;
+        night.search.as_ref().filter(|search| search.number == self.number)?;
+        let (search, row) = (night.search.take()?, night.row.clone()?);
+        Some((machine, search, row))
+    }
+
+    async fn take_result(self, farm: &mut Farm, found: NightSearchResult) -> Result<()> {
+        let Some((machine, search, row)) = self.take_search(&mut farm.machines) else {
+            return self.count_ended(&farm.ledger, Some(found)).await;
+        };
+        let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
+        let pool = found.pool_beside(&row.pool, machine.open.layout.height_mm);
+        let is_lower = machine.open.take_lower_layout(found.layout);
+        let end = NightSearchEnd {
+            asked_secs: search.asked_secs,
+            cpu_secs: found.cpu_secs,
+            height_mm: machine.open.layout.height_mm,
+            is_stopped: search.stop.is_cancelled(),
+        };
+        let row = NightSearchRow { pool, ..count_search(row, &end, first_secs) };
+        debug!(profile = %self.profile, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
+        machine.open.night.keep_unsaved(row.clone());
+        if is_lower {
+            save_layout(&farm.ledger, self.build, &machine.open.layout).await?;
+        }
+        farm.ledger.save_night_search(self.build, &row).await?;
+        machine.open.night.is_known = true;
+        Ok(farm.ledger.add_cpu_secs(self.build, found.cpu_secs).await?)
+    }
+
+    /// Counts a search of which nothing is taken, because something else is wanted of the open build by now: its time was spent,
+    /// and it did not end the daemon.
+    async fn count_ended(&self, ledger: &Ledger, found: Option<NightSearchResult>) -> Result<()> {
+        let cpu_secs = found.as_ref().map_or(0.0, |found| found.cpu_secs);
+        match ledger.add_cpu_secs(self.build, cpu_secs).await {
+            // Its copies were built meanwhile.
+            Err(LedgerError::WrongState { .. }) => return Ok(()),
+            counted => counted?,
+        }
+        let Some(row) = find_row(ledger, self.build, &self.problem).await? else { return Ok(()) };
+        let (spent_secs, round_cpu_secs) = (row.cpu_secs + cpu_secs, row.round_cpu_secs + cpu_secs);
+        let pool = found.map_or(row.pool.clone(), |found| found.pool_beside(&row.pool, row.round_height_mm));
+        let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, pool, starts: 0, ..row };
+        Ok(ledger.save_night_search(self.build, &row).await?)
+    }
+
+    /// What failed would fail again: these copies are not searched further.
+    async fn give_up(&self, farm: &mut Farm, why: &str) -> Result<()> {
+        let Some((machine, _, row)) = self.take_search(&mut farm.machines) else {
+            return self.count_ended(&farm.ledger, None).await;
+        };
+        warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
+        let row = NightSearchRow { state: NightState::GivenUp, ..row };
+        machine.open.night.keep_unsaved(row.clone());
+        farm.ledger.save_night_search(self.build, &row).await?;
+        machine.open.night.is_known = true;
+        Ok(())
+    }
+}
+
+/// Stops what must give way, and goes on with the open builds that wait, as far as threads are free.
+pub(crate) async fn search_waiting_builds(farm: &mut Farm) -> Result<()> {
+    stop_surplus(farm);
+    let names: Vec<String> =
+        farm.machines.iter().filter(|(_, machine)| may_go_on(machine)).map(|(name, _)| name.clone()).collect();
+    for name in names {
+        let is_known = farm.machines[&name].open.night.is_known;
+        // Without a thread, only how far it is: people see that.
+        if (!is_known || free_threads(farm) > 0) && !farm.jobs.is_running::<NightSearchJob>(&name) {
+            go_on(farm, &name).await?;
+        }
+    }
+    Ok(())
+}
+
+/// Number of further searches that may run now. Lanes for other builds use all threads of this node.
+fn free_threads(farm: &Farm) -> usize {
+    farm.nesting.slots.saturating_sub(count_searches(farm) + running_nights(farm).count())
+        * usize::from(farm.nesting.lanes.is_empty())
+}
+
+fn running_nights(farm: &Farm) -> impl Iterator<Item = &MachineState> {
+    farm.machines.values().filter(|machine| machine.open.night.is_running())
+}
+
+/// Stops searches where others need their threads.
+fn stop_surplus(farm: &Farm) {
+    let others = if farm.nesting.lanes.is_empty() { count_searches(farm) } else { farm.nesting.slots };
+    let may_run = farm.nesting.slots.saturating_sub(others);
+    running_nights(farm).skip(may_run).for_each(|machine| machine.open.night.stop());
+}
+
+/// Whether the open build of a machine waits for something else than a search, and its search is not known to have ended.
+fn may_go_on(machine: &MachineState) -> bool {
+    let open = &machine.open;
+    machine.leases.are_fresh()
+        && machine.agreed_folders.is_some()
+        && machine.pacing.is_idle
+        && machine.pending_flushes.is_empty()
+        && !open.layout.placed.is_empty()
+        && open.search.is_none()
+        && open.night.search.is_none()
+        && (!open.night.is_known || open.night.row.as_ref().is_some_and(|row| row.state == NightState::GoesOn))
+}
+
+/// Goes on with the open build of a machine, or finds that this is not worth its time any more.
+async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
+    let build = farm.ledger.open_build(name).await?.id;
+    let known = farm.ledger.find_night_search(build).await?;
+    let profile = farm.machines[name].profile.clone();
+    let improve_secs = profile.search.improve_secs;
+    if improve_secs <= 0.0 || profile.search.nest.method == NestingMethod::Paper {
+        if known.is_some() {
+            farm.ledger.delete_night_search(build).await?;
+        }
+        farm.machines.get_mut(name).into_iter().for_each(|machine| machine.open.night.is_known = true);
+        return Ok(());
+    }
+    let placed = farm.machines[name].open.layout.copies();
+    let wanted = keep_copies(farm.ledger.waiting_copies(name).await?, &placed);
+    if wanted.iter().map(|(_, copies)| copies.len()).sum::<usize>() != placed.len() {
+        // Copies are gone since: the next look at the open build finds that.
+        return Ok(());
+    }
+    let (problem, open) = (hash_problem(&profile, &wanted), &farm.machines[name].open);
+    let (height_mm, unsaved) = (open.layout.height_mm, open.night.unsaved_row().cloned());
+    if unsaved.is_some() {
+        save_layout(&farm.ledger, build, &open.layout).await?;
+    }
+    let row = unsaved.or_else(|| known.clone()).filter(|row| row.problem == problem);
+    let row = row.unwrap_or_else(|| begin_night(problem, height_mm));
+    let (row, pool) = match layouts_from_json(&row.pool) {
+        Ok(pool) => (row, pool),
+        Err(error) => {
+            warn!(profile = %name, "The kept layouts of the open build of {name} cannot be read, so its search begins anew: {error}.");
+            (begin_night(row.problem, height_mm), Vec::new())
+        }
+    };
+    let decision = decide_search(&row, arrival_search_secs(&profile, placed.len()), improve_secs);
+    let secs = decision.ok().filter(|_| free_threads(farm) > 0);
+    let state = decision.err().unwrap_or(NightState::GoesOn);
+    let row = NightSearchRow { state, starts: row.starts + u32::from(secs.is_some()), ..row };
+    if known.as_ref() != Some(&row) {
+        farm.ledger.save_night_search(build, &row).await?;
+    }
+    if row.state != NightState::GoesOn {
+        let why = if row.starts >= MAX_STARTS { ", because the daemon ended during its last searches" } else { "" };
+        info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
+    }
+    let seed = profile.search.nest.seed.wrapping_add(FIRST_SEED).wrapping_add((1e3 * row.cpu_secs) as u64);
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    (machine.open.night.row, machine.open.night.is_known) = (Some(row.clone()), true);
+    if let Some(secs) = secs {
+        machine.open.rounds += 1;
+        let (number, problem) = (machine.open.rounds, row.problem);
+        let job = NightSearchJob { profile: name.to_owned(), build, number, problem };
+        start_search(farm, job, wanted, &pool, (secs, seed));
+    }
+    Ok(())
+}
+
+/// Starts a search of `secs` CPU seconds for what waits, from the layout that is there and the pool.
+fn start_search(
+    farm: &mut Farm,
+    job: NightSearchJob,
+    wanted: Vec<(PartRow, Vec<u32>)>,
+    pool: &[Vec<LayoutPlacement>],
+    (secs, seed): (f64, u64),
+) {
+    let Some(machine) = farm.machines.get_mut(&job.profile) else { return };
+    let (profile, stop, best) = (machine.profile.clone(), SearchBudget::until_cancelled(), SharedBestLayout::default());
+    let running = RunningNight { number: job.number, stop: stop.clone(), asked_secs: secs, best: best.clone() };
+    machine.open.night.search = Some(running);
+    let pool: Vec<_> = std::iter::once(&machine.open.layout.placed).chain(pool).cloned().collect();
+    let request = NestingRequest { profile, wanted, starts: Vec::new(), budget: stop, seed, best_layout: best };
+    let meshes = farm.meshes.clone();
+    farm.jobs.start(job, move || {
+        lower_thread_priority(NIGHT_NICENESS);
+        lower_layouts(&request, &pool, secs, &meshes)
+    });
+}
+
+/// The waiting parts with those of their copies that are `placed`.
+fn keep_copies(waiting: Vec<WaitingPart>, placed: &BTreeSet<CopyId>) -> Vec<(PartRow, Vec<u32>)> {
+    let kept = |WaitingPart { part, mut copies }: WaitingPart| {
+        copies.retain(|&copy| placed.contains(&(part.id, copy)));
+        (!copies.is_empty()).then_some((part, copies))
+    };
+    waiting.into_iter().filter_map(kept).collect()
+}
+
+/// Lowers the layouts of a pool for `limit_secs` CPU seconds. Runs on the job's thread.
+fn lower_layouts(
+    request: &NestingRequest,
+    pool: &[Vec<LayoutPlacement>],
+    limit_secs: f64,
+    meshes: &MeshSource,
+) -> Result<NightSearchResult> {
+    let batch = request.load_batch(meshes)?;
+    let instance = batch.create_instance(&request.profile)?;
+    let mut config = request.profile.search.nest.clone();
+    config.seed = request.seed;
+    let meter = CpuMeter::begin(&request.budget, limit_secs);
+    let pool: Vec<_> = pool.iter().map(|placed| batch.matching_placements(placed)).collect();
+    let mut listener = |solution: &NestingSolution, _evaluations: u64| {
+        *request.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
+            Some(batch.layout_from_solution(&instance, solution));
+    };
+    let found = improve_layouts(&instance, &config, &pool, &meshes.prepared, &meter, &mut listener);
+    Ok(NightSearchResult {
+        layout: batch.layout_from_solution(&instance, &found.best),
+        pool: found.pool.iter().map(|placements| batch.layout_placements(placements)).collect(),
+        cpu_secs: meter.spent_secs(),
+    })
+}

@@ -1,0 +1,162 @@
+//! What a person sees of a proved build before it is published: height, density and hours, what waits beside it, and which due
+//! dates it would miss.
+
+use anyhow::Result;
+use build_file::format_count;
+use jiff::Timestamp;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::printers::{occupation_of, rules_of_build};
+use crate::{
+    farm::decisions::printer_choice::printer_loads,
+    ledger::{BuildId, BuildRow, BuildState, Ledger, OccupyingBuild, PartRow, UtcTimestamp},
+    settings::{FarmZone, MachineProfile},
+};
+
+/// Maximum number of late parts that a sentence names.
+const MAX_NAMED: usize = 5;
+
+/// What publishing a build now would mean.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ReleasePreview {
+    /// The build.
+    pub build: BuildId,
+    /// Whether it waits for a person's yes.
+    pub awaits_release: bool,
+    /// Copies in it.
+    pub copies: u32,
+    /// Build height, mm.
+    pub height_mm: f64,
+    /// Height of the machine's volume, mm.
+    pub volume_z_mm: f64,
+    /// Density, 0..1.
+    pub density: f64,
+    /// Hours of printing, without cooling.
+    pub print_hours: f64,
+    /// The printer that it is for.
+    pub printer: String,
+    /// When its print could begin; `None` = the calendar of the printer is not open again.
+    pub begins_at: Option<UtcTimestamp>,
+    /// When its parts could be unpacked.
+    pub ends_at: Option<UtcTimestamp>,
+    /// Copies that wait for the next build.
+    pub waiting_copies: u32,
+    /// Parts in it that are due before it could be unpacked.
+    pub late: Vec<LatePreview>,
+}
+
+/// A part that would be late.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LatePreview {
+    /// File name.
+    pub name: String,
+    /// Its order; "" = none.
+    pub order: String,
+    /// When it is due.
+    pub due_at: UtcTimestamp,
+    /// The date as it was given.
+    pub due_text: String,
+}
+
+/// Whether a proved build waits for a person's yes.
+pub fn awaits_release(profile: &MachineProfile, build: &BuildRow) -> bool {
+    let share = build.measures.height_mm.unwrap_or_default() / profile.space.volume_mm.z;
+    build.state == BuildState::Verified
+        && build.place.released_at.is_none()
+        && build.staged.publishing_at.is_none()
+        && profile.printing.needs_release(share)
+}
+
+/// The preview of a build that is not published yet.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn preview_release(
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    build: &BuildRow,
+    now: Timestamp,
+) -> Result<ReleasePreview> {
+    let (builds, times) = occupation_of(ledger, profile, now).await?;
+    let others: Vec<OccupyingBuild> = builds.into_iter().filter(|other| other.build < build.id).collect();
+    let printer = rules_of_build(profile, build);
+    let height_mm = build.measures.height_mm.unwrap_or_default();
+    let loads = printer_loads(profile, &others, &times, now);
+    let begins = printer.and_then(|printer| loads.get(&printer.name)).map(|load| load.free_at);
+    let begins = begins.filter(|at| *at < Timestamp::MAX);
+    let ends = begins.and_then(|at| at.checked_add(times.occupied(height_mm)).ok());
+    let status = ledger.profile_statuses().await?;
+    let mut late: Vec<LatePreview> =
+        ledger.parts_of_build(build.id).await?.iter().filter_map(|part| late_part(part, ends)).collect();
+    late.sort_by_key(|part| part.due_at);
+    Ok(ReleasePreview {
+        build: build.id,
+        awaits_release: awaits_release(profile, build),
+        copies: build.measures.copies.unwrap_or_default(),
+        height_mm,
+        volume_z_mm: profile.space.volume_mm.z,
+        density: build.measures.density.unwrap_or_default(),
+        print_hours: times.print_hours(height_mm),
+        printer: printer.map(|printer| printer.name.clone()).unwrap_or_default(),
+        begins_at: begins.map(UtcTimestamp),
+        ends_at: ends.map(UtcTimestamp),
+        waiting_copies: status.iter().find(|row| row.profile == profile.name).map_or(0, |row| row.waiting_copies),
+        late,
+    })
+}
+
+fn late_part(part: &PartRow, ends: Option<Timestamp>) -> Option<LatePreview> {
+    let due_at = part.terms.due_at?;
+    let is_late = ends.is_none_or(|ends| ends > due_at.0);
+    is_late.then(|| LatePreview {
+        name: part.full_name(),
+        order: part.terms.order_name.clone(),
+        due_at,
+        due_text: part.terms.due_text.clone(),
+    })
+}
+
+impl ReleasePreview {
+    /// `119 copies, 249.0 of 380 mm high, 17.5 % dense, about 31.1 h of printing`.
+    pub fn brief_text(&self) -> String {
+        format!(
+            "{}, {:.1} of {:.0} mm high, {:.1} % dense, about {:.1} h of printing",
+            format_count(self.copies, "copy", "copies"),
+            self.height_mm,
+            self.volume_z_mm,
+            100.0 * self.density,
+            self.print_hours
+        )
+    }
+
+    /// All of it in sentences.
+    pub fn sentences(&self, zone: &FarmZone) -> Vec<String> {
+        let time = |at: UtcTimestamp| zone.format_minute(at.0);
+        let mut sentences = vec![format!("Build {}: {}.", self.build, self.brief_text())];
+        sentences.push(match (self.begins_at, self.ends_at) {
+            (Some(begins), Some(ends)) => {
+                format!("On {} it could begin at {} and be unpacked at {}.", self.printer, time(begins), time(ends))
+            }
+            _ => format!("It is not known when {} could begin with it.", self.printer),
+        });
+        sentences.push(match self.waiting_copies {
+            0 => "Nothing else waits.".to_owned(),
+            1 => "1 copy waits for the next build.".to_owned(),
+            copies => format!("{copies} copies wait for the next build."),
+        });
+        let named: Vec<String> = (self.late.iter().take(MAX_NAMED))
+            .map(|part| {
+                let order = if part.order.is_empty() { String::new() } else { format!(" of {}", part.order) };
+                format!("{}{order} (due {})", part.name, zone.format_due(part.due_at.0, &part.due_text))
+            })
+            .collect();
+        let more = self.late.len().saturating_sub(named.len());
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        sentences.push(match named.is_empty() {
+            true => "No part in it would be late.".to_owned(),
+            false => format!("Late would be {}{more}.", named.join(", ")),
+        });
+        sentences
+    }
+}

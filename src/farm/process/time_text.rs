@@ -1,0 +1,25 @@
+//! The line in `STATUS.txt` that shows whether the file is current.
+
+use jiff::Timestamp;
+
+use build_file::format_count;
+
+use crate::settings::FarmZone;
+
+/// The line in `STATUS.txt` that shows whether the file is current, and the values for `status.json`.
+pub(crate) fn written_stamp(scan_secs: f64, zone: &FarmZone) -> (String, Timestamp, u64) {
+    // A scan of very many files takes time too.
+    let minutes = (scan_secs / 60.0).ceil() as u64 + 1;
+    let now = floor_to_minute(Timestamp::now());
+    let line = format!(
+        "Written {}, and renewed at least every {} while nestd runs: if this is older, nestd is not running.\n",
+        zone.format_minute(now),
+        format_count(minutes, "minute", "minutes")
+    );
+    (line, now, 60 * minutes)
+}
+
+/// Rounds down to the minute: an unchanged status is written at most once a minute.
+pub(crate) fn floor_to_minute(time: Timestamp) -> Timestamp {
+    Timestamp::from_second(time.as_second().div_euclid(60) * 60).unwrap_or(time)
+}

@@ -1,0 +1,236 @@
+//! Looks into the queue folders of the machines for their published builds: which were taken, and which are not where the
+//! ledger has them. The latter happens where a ledger was put back from a backup, or is a new one.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use build_file::format_count;
+use tokio::runtime::Handle;
+use tracing::{info, warn};
+
+use crate::{
+    farm::{
+        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+        core::{farm::Farm, printer_state::MachinePrinters},
+        leases::folder_leases::FolderLeases,
+        printers::queue_alerts::report_wrong_files,
+        process::jobs::BackgroundJob,
+        scanning::queue_files::{QueueFileFindings, QueueFileLook, QueueFileMemory},
+    },
+    ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
+    queue::{QueueFolder, StagedState},
+    settings::MachineProfile,
+};
+
+/// Newest builds of a machine whose files are looked for.
+const MAX_LOOKED_FOR: u32 = 50;
+
+/// Looks into the queue folders of a machine.
+#[derive(Clone)]
+struct QueueLookJob {
+    profile: String,
+}
+
+/// What was found.
+#[derive(Debug, Default)]
+struct QueueFindings {
+    /// The builds that were taken, each with the marker of the folder where it lay.
+    taken: Vec<(BuildId, String)>,
+    /// The builds that are elsewhere than the ledger has them.
+    elsewhere: Vec<(BuildId, FoundPlace)>,
+    /// The visible files; `None` = the ledger did not say whose they are.
+    files: Option<QueueFileFindings>,
+}
+
+impl BackgroundJob<Farm> for QueueLookJob {
+    const KIND: &'static str = "Look";
+    type Outcome = QueueFindings;
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
+        for (build, queue_id) in found.taken {
+            farm.ledger.record_taken(build, &queue_id).await?;
+        }
+        for (build, place) in found.elsewhere {
+            let what =
+                if place.is_taken_back { "taken back, and goes into a queue again" } else { "in its queue folder" };
+            info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
+            farm.ledger.correct_place(build, &place).await?;
+        }
+        if let Some(files) = found.files {
+            for (build, printer, queue_id) in files.back {
+                info!(build.id = %build.id, profile = %self.profile, "The file of build {} lies in the queue of {printer} again.", build.id);
+                farm.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
+            }
+            report_wrong_files(farm, &self.profile, &files.wrong);
+        }
+        Ok(())
+    }
+}
+
+/// Starts jobs that look into the queue folders.
+pub(crate) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
+    for (name, machine) in &farm.machines {
+        let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
+        let look = QueueLook {
+            profile: machine.profile.clone(),
+            memory: machine.queue_files.clone(),
+            queues: machine.printers.open_queues(),
+            leases: machine.leases.clone(),
+            ledger: farm.ledger.clone(),
+            runtime: Handle::current(),
+        };
+        report_removed_printers(&mut farm.alerts, &machine.printers, name, &wanted);
+        if !look.queues.is_empty() {
+            farm.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
+        }
+    }
+    Ok(())
+}
+
+/// Builds in the queue folder of a printer that is configured no more are looked after by nobody.
+fn report_removed_printers(
+    alerts: &mut AlertRegistry,
+    printers: &MachinePrinters,
+    profile: &str,
+    builds: &[QueuedBuild],
+) {
+    // The folder of a printer with another name may be opened yet.
+    if !printers.are_all_open() {
+        return;
+    }
+    let is_left_behind = |build: &&QueuedBuild| printers.find(&build.printer).is_none() && build.queue_id.is_some();
+    let left: Vec<&QueuedBuild> = builds.iter().filter(is_left_behind).collect();
+    let Some(first) = left.first() else {
+        alerts.clear(AlertKind::QueueReplaced, profile, "removed printers");
+        return;
+    };
+    let text = format!(
+        "the printer {} is configured no more, and {} may lie in its queue folder, as build {}",
+        first.printer,
+        format_count(left.len(), "build", "builds"),
+        first.build
+    );
+    alerts.raise(AlertKind::QueueReplaced, profile, "removed printers", &text);
+}
+
+/// The open queue folders of a machine, by the names of its printers.
+struct QueueLook {
+    profile: Arc<MachineProfile>,
+    memory: QueueFileMemory,
+    queues: Vec<(String, QueueFolder)>,
+    leases: FolderLeases,
+    ledger: Ledger,
+    runtime: Handle,
+}
+
+impl QueueLook {
+    fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
+        let mut found = QueueFindings { files: self.look_at_files(), ..QueueFindings::default() };
+        for build in wanted {
+            let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
+            // Another folder than the one that it was published in says nothing.
+            let (Some((_, own)), Some(file)) = (own, build.file_name) else { continue };
+            if !is_gone(own, &file) {
+                continue;
+            }
+            let is_visible =
+                |(_, queue): &&(String, QueueFolder)| matches!(queue.staged_state(&file), Ok(StagedState::Published));
+            match self.queues.iter().find(is_visible) {
+                Some((printer, queue)) => {
+                    let place = FoundPlace {
+                        printer: printer.clone(),
+                        queue_id: queue.marker_id().to_owned(),
+                        instead_of: build.queue_id,
+                        is_taken_back: false,
+                    };
+                    found.elsewhere.push((build.build, place));
+                }
+                None if self.queues.iter().any(|(_, queue)| queue.withdrawn_path(&file).exists()) => {}
+                None => found.taken.push((build.build, own.marker_id().to_owned())),
+            }
+        }
+        for (printer, queue) in &self.queues {
+            // A folder that is away keeps nobody from looking into the others.
+            for file in queue.withdrawn_builds().unwrap_or_default() {
+                match self.settle_withdrawn(printer, queue, &file) {
+                    Ok(place) => found.elsewhere.extend(place),
+                    Err(failure) => {
+                        warn!(profile = %self.profile.name, "{file} was taken back and stays so: {failure:#}.")
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// Looks at the visible files.
+    fn look_at_files(&self) -> Option<QueueFileFindings> {
+        let look = QueueFileLook {
+            profile: &self.profile,
+            queues: &self.queues,
+            memory: &self.memory,
+            find_build: &|name| Ok(self.runtime.block_on(self.ledger.find_build_of_file(name))?),
+            has_bad_copies: &|build| Ok(self.runtime.block_on(self.ledger.has_bad_copies(build.id))?),
+        };
+        match look.look() {
+            Ok(found) => Some(found),
+            Err(failure) => {
+                warn!(profile = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
+                None
+            }
+        }
+    }
+
+    /// A file that was taken back belongs to a move or a withdrawal. Where the ledger knows of none, a file that is there was not printed: it goes
+    /// into a queue again, unless the outcome of its build was told.
+    fn settle_withdrawn(
+        &self,
+        printer: &str,
+        queue: &QueueFolder,
+        file: &str,
+    ) -> Result<Option<(BuildId, FoundPlace)>> {
+        let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile.name, file))?;
+        // Other farms have files of their own.
+        let Some(build) = row.filter(|build| build.place.move_to.is_none() && build.place.withdraw_by.is_none()) else {
+            return Ok(None);
+        };
+        if build.state == BuildState::Published {
+            return self.find_withdrawn(printer, queue, build);
+        }
+        if build.times.published_at.is_some() {
+            self.ledger.ensure_served()?;
+            self.leases.check_publish_folders(queue.folder_path())?;
+            queue.remove_withdrawn(file)?;
+        }
+        Ok(None)
+    }
+
+    fn find_withdrawn(
+        &self,
+        printer: &str,
+        queue: &QueueFolder,
+        build: BuildRow,
+    ) -> Result<Option<(BuildId, FoundPlace)>> {
+        let file = build.staged.file_name.as_deref().context("its row names no file")?;
+        let place = FoundPlace {
+            printer: printer.to_owned(),
+            queue_id: queue.marker_id().to_owned(),
+            instead_of: build.staged.queue_id.clone(),
+            is_taken_back: true,
+        };
+        // Once more: its move may have ended before the row was read.
+        Ok(queue.withdrawn_path(file).exists().then_some((build.id, place)))
+    }
+}
+
+/// Whether a published file is in a queue folder no more.
+fn is_gone(queue: &QueueFolder, file: &str) -> bool {
+    // The marker once more: the folder may have been unmounted in between.
+    matches!(queue.staged_state(file), Ok(StagedState::Gone))
+        && !queue.withdrawn_path(file).exists()
+        && queue.check_marker().is_ok()
+}

@@ -1,0 +1,272 @@
+//! Published builds that are taken back out of the queue: because a person says so, because a word of a person makes their copies wait
+//! again (`operate`), or because the next build is better with their copies. `ledger/words/withdrawal` says in which steps, and
+//! `queue/withdrawal` how the file is taken back.
+
+use anyhow::{Context, Result};
+use tracing::info;
+
+use super::build_move::queue_with_marker;
+use crate::{
+    farm::{
+        alerts::alert::AlertKind,
+        core::farm::Farm,
+        decisions::{
+            printer_choice::printer_loads,
+            withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
+        },
+        leases::folder_leases::FolderLeases,
+        operate::operate::operate,
+        printers::{printers::occupation_of, release_preview::awaits_release},
+        process::{jobs::BackgroundJob, tick_tasks::TimedTask},
+        records::staged_build::has_hash,
+    },
+    ledger::{
+        BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
+        WITHDRAWN_BY_NESTD, WithdrawalEnd,
+    },
+    queue::{QueueFolder, StagedState, WithdrawalOutcome},
+    settings::WithdrawalPolicy,
+};
+
+/// Takes the file of a build one step further out of the queue.
+#[derive(Clone)]
+pub(crate) struct WithdrawBuildJob {
+    build: BuildId,
+}
+
+/// How far the file has come.
+#[derive(Debug)]
+pub(crate) enum WithdrawalStep {
+    /// Its printer took it before it was taken back.
+    Taken,
+    /// It is under a dot-name: its copies are to wait again.
+    TakenBack,
+    /// What lies under its name is not the proved file.
+    Altered,
+    /// It is in the queue folder no more.
+    Removed,
+    /// It is at another printer than the ledger says, as after a backup was put back.
+    Elsewhere(FoundPlace),
+}
+
+impl BackgroundJob<Farm> for WithdrawBuildJob {
+    const KIND: &'static str = "Withdraw";
+    type Outcome = Result<WithdrawalStep>;
+
+    fn subject(&self) -> String {
+        self.build.to_string()
+    }
+
+    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
+        on_withdrawal_step(farm, self.build, step).await
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        on_withdrawal_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    }
+}
+
+/// A build that is taken back.
+struct WithdrawnBuild {
+    build: BuildRow,
+    queue: QueueFolder,
+    /// The open queue folders of its machine, by the names of its printers.
+    all_queues: Vec<(String, QueueFolder)>,
+    leases: FolderLeases,
+    ledger: Ledger,
+    is_carried_out: bool,
+}
+
+impl WithdrawnBuild {
+    /// The next step, from what the ledger has recorded.
+    fn go_on(&self) -> Result<WithdrawalStep> {
+        self.ledger.ensure_served()?;
+        self.leases.check_publish_folders(self.queue.folder_path())?;
+        let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
+        if self.is_carried_out {
+            self.queue.remove_withdrawn(name)?;
+            return Ok(WithdrawalStep::Removed);
+        }
+        let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
+        Ok(match self.queue.withdraw_proved(name, |file| has_hash(file, proved))? {
+            WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
+            WithdrawalOutcome::Altered => WithdrawalStep::Altered,
+            WithdrawalOutcome::Gone => {
+                self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
+            }
+        })
+    }
+
+    fn find_elsewhere(&self, name: &str) -> Option<FoundPlace> {
+        let lies_in = |queue: &QueueFolder| {
+            matches!(queue.staged_state(name), Ok(StagedState::Published)) || queue.withdrawn_path(name).exists()
+        };
+        let (printer, queue) = self.all_queues.iter().find(|(_, queue)| lies_in(queue))?;
+        Some(FoundPlace {
+            printer: printer.clone(),
+            queue_id: queue.marker_id().to_owned(),
+            instead_of: self.build.staged.queue_id.clone(),
+            is_taken_back: false,
+        })
+    }
+}
+
+/// Takes every build further that is being withdrawn.
+pub(crate) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
+    let names: Vec<String> = farm.machines.keys().cloned().collect();
+    for name in names {
+        for build in farm.ledger.builds_to_withdraw(&name).await? {
+            let machine = &farm.machines[&name];
+            let is_served = machine.agreed_folders.is_some() && machine.leases.are_fresh();
+            if !is_served || farm.nesting.backoff.is_waiting(&build.id) {
+                continue;
+            }
+            let Some(queue) = queue_with_marker(machine, build.staged.queue_id.as_deref()) else {
+                if machine.printers.are_all_open() {
+                    give_up_withdrawal(farm, &build).await?;
+                }
+                continue;
+            };
+            let all_queues = machine.printers.open_queues();
+            let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
+            let is_carried_out = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
+            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, is_carried_out };
+            farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
+        }
+    }
+    Ok(())
+}
+
+/// The queue folder of the build is no printer's any more: nobody can say whether its file is there.
+async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+    let id = build.id;
+    // No printer of the farm sees its file: another word is carried out, but who withdraws it does not say whether it was printed.
+    if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+        farm.ledger.finish_noted_word(id).await?;
+    }
+    farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+    let text = format!(
+        "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
+         printed, `nestd outcome {id} failed` has its copies wait again"
+    );
+    farm.alerts.raise(AlertKind::QueueReplaced, &build.profile, &format!("build {id}, withdrawn"), &text);
+    Ok(())
+}
+
+/// Commits a step of a withdrawal.
+async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<WithdrawalStep>) -> Result<()> {
+    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+    let profile = build.profile.clone();
+    match step {
+        Ok(WithdrawalStep::TakenBack) => {
+            // It must be there to fire at once.
+            farm.ledger.open_build(&profile).await?;
+            match farm.ledger.finish_noted_word(id).await {
+                Ok(told) => {
+                    let told = told.unwrap_or_default().join(" ");
+                    info!(build.id = %id, profile = %profile, "The file of build {id} is out of the queue. {told}");
+                    return withdraw_builds(farm).await;
+                }
+                Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure.into()),
+            }
+        }
+        Ok(WithdrawalStep::Altered) => {
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Altered).await?;
+            look_again_at(farm, &build);
+        }
+        Ok(WithdrawalStep::Taken) => {
+            // A word was said of a file that lay untouched: of one that its printer has, it may not be true.
+            if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+                report_word_dropped(farm, &build);
+            }
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Taken).await?;
+            info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
+        }
+        Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
+        Ok(WithdrawalStep::Elsewhere(place)) => {
+            farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            farm.ledger.correct_place(id, &place).await?;
+            info!(build.id = %id, profile = %profile, "Build {id} was found at {} and is not taken back: withdraw it once more.", place.printer);
+        }
+        Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure),
+    }
+    farm.nesting.backoff.record_success(&id);
+    farm.alerts.clear(AlertKind::PublishingFails, &profile, &format!("build {id}"));
+    Ok(())
+}
+
+/// What lies in the queue as a build is not the proved file: the next look reads it, and tells so until that is over.
+fn look_again_at(farm: &mut Farm, build: &BuildRow) {
+    let Some(machine) = farm.machines.get(&build.profile) else { return };
+    if let (Some(queue), Some(name)) =
+        (queue_with_marker(machine, build.staged.queue_id.as_deref()), build.staged.file_name.as_deref())
+    {
+        machine.queue_files.forget(&queue.published_path(name));
+    }
+    let now = farm.now();
+    farm.schedule.tasks.make_due(TimedTask::CheckFolders, now);
+}
+
+fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) -> Result<()> {
+    farm.nesting.backoff.record_failure(id);
+    farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
+    Ok(())
+}
+
+/// What was said of a build whose file lay in the queue is not done: its printer was faster. The alert ends with the daemon.
+fn report_word_dropped(farm: &mut Farm, build: &BuildRow) {
+    let id = build.id;
+    let text = format!(
+        "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but its printer took it first: \
+         nothing was changed. Say it once more when it is known how build {id} is printed"
+    );
+    farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
+}
+
+/// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.
+pub(crate) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<()> {
+    let Some(machine) = farm.machines.get(name) else { return Ok(()) };
+    if machine.profile.printing.withdraw == WithdrawalPolicy::Never || !farm.schedule.clock.is_date_trusted() {
+        return Ok(());
+    }
+    let Some(queued) = farm.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
+    let Some(build) = farm.ledger.find_build(queued.build).await? else { return Ok(()) };
+    let is_ending = !farm.ledger.builds_to_withdraw(name).await?.is_empty()
+        || farm.ledger.withdrawn_for_open(name).await?.is_some();
+    let mut waiting = farm.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
+    let now = farm.date();
+    let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
+    let waits_for_yes = farm.ledger.builds_in_state(BuildState::Verified).await?;
+    let waits_for_yes =
+        |id| waits_for_yes.iter().any(|build| build.id == id && awaits_release(&machine.profile, build));
+    let is_made = |other: &OccupyingBuild| {
+        matches!(other.state, BuildState::Nesting | BuildState::Verified) && !waits_for_yes(other.build)
+    };
+    let is_making = builds.iter().any(is_made);
+    let others: Vec<_> = builds.into_iter().filter(|other| other.build != build.id).collect();
+    let loads = printer_loads(&machine.profile, &others, &times, now);
+    let open = &machine.open;
+    let is_of_now = open.search.is_none() && !open.tried.is_empty();
+    let facts = WithdrawalFacts {
+        fired_at: build.times.nesting_at.or(build.times.published_at).map_or(now, |at| at.0),
+        height_mm: build.measures.height_mm.unwrap_or(0.0),
+        printer_free_at: loads.get(&queued.printer).map_or(now, |load| load.free_at),
+        open_height_mm: open.layout.height_mm,
+        standing: is_of_now.then_some(&open.standing),
+        waiting: &waiting,
+        is_hindered: machine.paused || machine.printers.are_all_down() || is_making || is_ending,
+    };
+    if let Some(why) = decide_withdrawal(&machine.profile, &facts, now) {
+        let word = OperatorWord::Withdraw(build.id, why.to_owned());
+        match operate(&farm.ledger, &farm.settings, &word, WITHDRAWN_BY_NESTD, false).await {
+            // Its printer was first, or its file lies there under another name, which is told.
+            Err(LedgerError::InQueue(_) | LedgerError::NotInQueue(_)) => {}
+            said => {
+                said?;
+                info!(build.id = %build.id, profile = %name, "Build {} is taken back out of the queue: {why}.", build.id);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,22 @@
+//! A line that was ordered by request is taken at once: the hot folder of its machine is scanned when the ledger has another one.
+
+use anyhow::Result;
+
+use super::scan_jobs::HotFolderScanJob;
+use crate::farm::core::farm::Farm;
+
+/// Has the hot folder of a machine scanned soon for which a line was ordered.
+pub(crate) async fn hurry_scans(farm: &mut Farm) -> Result<()> {
+    let now = farm.now();
+    for (name, machine) in &mut farm.machines {
+        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+            continue;
+        }
+        let newest = farm.ledger.newest_arriving_line(name).await?;
+        if newest != machine.inbox.arriving {
+            machine.inbox.next_scan_at = now;
+            machine.inbox.arriving = newest;
+        }
+    }
+    Ok(())
+}

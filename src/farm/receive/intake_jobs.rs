@@ -1,0 +1,228 @@
+//! The event loop's side of "claimed" and "read": records claimed files in the ledger, and takes in what was read.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use build_file::format_count;
+use tracing::{debug, info};
+
+use super::{
+    claim_completion, damaged_files, doubtful_drops,
+    duplicates::{self, DuplicateDecision},
+};
+use crate::{
+    farm::{
+        alerts::alert::AlertKind,
+        core::farm::Farm,
+        files::{
+            claim_note::ClaimNote,
+            error_folder::{self, COPIES_UNKNOWN},
+            isolated_read::READS_IN_THE_DAEMON,
+            read::{PartReadOutcome, read_part},
+            read_turn::{READERS, ReadTurn},
+            standing_claim::StandingClaim,
+        },
+        leases::folder_leases::FolderLeases,
+        process::jobs::BackgroundJob,
+        scanning::hot_folder_scan::ClaimedDrop,
+    },
+    intake::TicketError,
+    ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause},
+    settings::MachineProfile,
+};
+
+/// Reads a part's file.
+#[derive(Clone)]
+pub(crate) struct PartReadJob {
+    part: PartId,
+}
+
+impl BackgroundJob<Farm> for PartReadJob {
+    const KIND: &'static str = "Read";
+    type Outcome = PartReadOutcome;
+
+    fn subject(&self) -> String {
+        self.part.to_string()
+    }
+
+    async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
+        let taken = on_part_read(farm, self.part, outcome).await;
+        if taken.is_err() {
+            // It is read again because of the ledger, and not because its file ended the process.
+            farm.reading.counted_reads.insert(self.part);
+        }
+        taken
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        let reason = format!(
+            "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to nestd's makers."
+        );
+        on_part_read(farm, self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
+    }
+
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
+        farm.reading.backoff.record_failure(self.part);
+    }
+}
+
+/// Writes the rows of all drops of a scan in one transaction, which costs as much as one row. Empty = each is written by
+/// itself: there is one alone, it failed (failures are reported then), or one may replace a damaged file and be no order.
+pub(super) async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
+    if drops.len() < 2 || !farm.machines.contains_key(name) {
+        return Vec::new();
+    }
+    let record = async {
+        let asked_for = farm.ledger.damaged_parts().await?;
+        if drops.iter().any(|drop| asked_for.iter().any(|part| part.file.content_hash == drop.stored.hash)) {
+            return Ok(Vec::new());
+        }
+        let drops: Vec<_> = drops.iter().map(ClaimedDrop::row_to_record).collect();
+        farm.ledger.record_drops(&drops).await
+    };
+    record.await.unwrap_or_else(|failure| {
+        debug!("The rows of a scan are written one by one: {failure}.");
+        Vec::new()
+    })
+}
+
+/// Writes the row of a claimed file; an earlier run or the transaction for the whole scan may have written it
+/// already.
+pub(super) async fn record_claimed_file(
+    farm: &mut Farm,
+    name: &str,
+    drop: &ClaimedDrop,
+    recorded: Option<RecordedPart>,
+) -> Result<()> {
+    if !farm.machines.contains_key(name) {
+        return Ok(());
+    }
+    let ClaimedDrop { claim, stored, part_spec, row } = drop;
+    if part_spec.is_ok() && damaged_files::take_as_replacement(farm, name, claim, stored).await? {
+        return Ok(());
+    }
+    let recorded = match recorded {
+        Some(recorded) => recorded,
+        None => farm.ledger.record_drops(&[drop.row_to_record()]).await?.pop().context("a drop was not recorded")?,
+    };
+    if recorded.is_new {
+        farm.reading.counted_reads.insert(recorded.id);
+    }
+    let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
+    if part.file.content_hash != stored.hash {
+        claim_completion::give_back_claim(farm, name, claim, stored);
+        return Ok(());
+    }
+    let note = ClaimNote::new(farm.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
+    farm.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
+    match (part.state, part_spec) {
+        (PartState::Claimed, Err(error)) => {
+            let remedy = match error {
+                TicketError::Unlisted(_) => {
+                    "drop it again together with a list that has a row for it, or with a ticket of its own"
+                }
+                _ => "mend the ticket and drop both again",
+            };
+            let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
+            claim_completion::refuse_part(farm, &part, RefusalCause::Ticket, &reason).await
+        }
+        _ => {
+            claim_completion::complete_claim(farm, &part);
+            Ok(())
+        }
+    }
+}
+
+/// Starts to read claimed parts.
+pub(crate) async fn start_reading(farm: &mut Farm) -> Result<()> {
+    let profiles: Vec<Arc<MachineProfile>> =
+        (farm.machines.values()).filter(|s| s.may_claim && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
+    // Another machine comes first each time, so that none waits until another one's queue is empty.
+    farm.reading.rounds = farm.reading.rounds.wrapping_add(1);
+    for at in 0..profiles.len() {
+        let profile = &profiles[(farm.reading.rounds + at) % profiles.len()];
+        let reading = farm.jobs.running_subjects::<PartReadJob>().count();
+        if reading >= READERS {
+            break;
+        }
+        let parts = farm.ledger.claimed_parts(&profile.name, READERS + reading + farm.reading.backoff.len()).await?;
+        for part in parts {
+            start_part_read(farm, part, profile).await?;
+        }
+    }
+    Ok(())
+}
+
+async fn start_part_read(farm: &mut Farm, mut part: PartRow, profile: &Arc<MachineProfile>) -> Result<()> {
+    let turn = ReadTurn {
+        reads: part.file.reads,
+        is_resting: farm.reading.backoff.is_waiting(&part.id),
+        is_ending: claim_completion::is_completing(&farm.completion, &farm.jobs, &part),
+        is_being_read: farm.jobs.is_running::<PartReadJob>(part.id),
+        readers: farm.jobs.running_subjects::<PartReadJob>().count(),
+        is_reader_alone: farm.reading.reads_alone,
+    };
+    if !turn.has_come() {
+        return Ok(());
+    }
+    let was_rejected = farm.ledger.was_rejected(part.id).await?;
+    if !farm.reading.counted_reads.remove(&part.id) {
+        part.file.reads = farm.ledger.begin_read(part.id).await?;
+    }
+    farm.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
+    let (profile, meshes) = (profile.clone(), farm.meshes.clone());
+    let claim = farm.completion.claims.get(&part.file.claim).cloned();
+    let leases = farm.machines.get(&profile.name).map(|machine| machine.leases.clone());
+    // After a retry the refused file and its reason must leave the error folder.
+    let refused_before = leases.filter(|_| was_rejected);
+    farm.jobs.start(PartReadJob { part: part.id }, move || {
+        let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
+        // Removed before the part becomes waiting: a crash later must not leave its file in two places.
+        if let (Some(leases), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
+            && let Err(failure) = remove_refused(&leases, &profile, &part)
+        {
+            outcome = PartReadOutcome::TryLater(format!("removing what was refused of it: {failure:#}"));
+        }
+        outcome
+    });
+    Ok(())
+}
+
+/// Takes in the result of reading a part.
+async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> Result<()> {
+    let part = farm.ledger.find_part(id).await?.context("a part that was read has no row")?;
+    if part.state != PartState::Claimed {
+        return Ok(());
+    }
+    match outcome {
+        PartReadOutcome::Solids(mut solids) => {
+            match duplicates::decide_on_duplicate(&farm.ledger, &farm.machines, &part, &solids).await? {
+                DuplicateDecision::Refuse(reason) => {
+                    return claim_completion::refuse_part(farm, &part, RefusalCause::Duplicate, &reason).await;
+                }
+                accepted => accepted.note_on(&mut solids),
+            }
+            doubtful_drops::ask_about_doubts(&farm.ledger, &part, &mut solids, farm.date()).await?;
+            let ids = farm.ledger.accept_solids(id, &solids).await?;
+            let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
+            let parts = format_count(ids.len(), "part", "parts");
+            info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
+            claim_completion::release_claim(farm, &part);
+            Ok(())
+        }
+        PartReadOutcome::Refused(cause, reason) => claim_completion::refuse_part(farm, &part, cause, &reason).await,
+        PartReadOutcome::LostFile(lost) => damaged_files::request_file_again(farm, &lost).await,
+        PartReadOutcome::TryLater(why) => {
+            farm.reading.backoff.record_failure(id);
+            farm.ledger.uncount_read(id).await?;
+            let about = format!("part {id} ({})", part.name);
+            farm.alerts.report_failure(AlertKind::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
+            Ok(())
+        }
+    }
+}
+
+fn remove_refused(leases: &FolderLeases, profile: &MachineProfile, part: &PartRow) -> Result<()> {
+    leases.check_error_folder()?;
+    error_folder::remove_refused_files(&profile.folders.error, part)
+}

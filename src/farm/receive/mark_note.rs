@@ -1,0 +1,79 @@
+//! The claim note beside a stored file shows how many decisions were made about the parts of the claim (refused,
+//! cancelled, taken back, changed), and how many copies were wanted then. It is updated after the ledger and never ahead of it. A note
+//! that is behind does no harm.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use tracing::warn;
+
+use crate::{
+    farm::{core::farm::Farm, files::claim_note::ClaimNote, process::jobs::BackgroundJob},
+    intake::{self, ContentStore},
+    ledger::{LedgerError, PartRow, PartState},
+};
+
+/// Writes the number of decisions into the claim note.
+#[derive(Clone)]
+struct DecisionCountJob {
+    part: PartRow,
+    decisions: u32,
+}
+
+impl BackgroundJob<Farm> for DecisionCountJob {
+    const KIND: &'static str = "Note";
+    type Outcome = Result<()>;
+
+    fn subject(&self) -> String {
+        self.part.file.claim.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
+        if let Err(failure) = marked {
+            log_note_failure(&self.part, &failure);
+        }
+        // No second job starts while this one runs: decisions made meanwhile are written now.
+        if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
+            update_decision_count(farm, &self.part).await;
+        }
+        Ok(())
+    }
+}
+
+/// Updates the claim note beside the stored file of a part, after a decision about the part was recorded in the
+/// ledger.
+pub(crate) async fn update_decision_count(farm: &mut Farm, part: &PartRow) {
+    match read_decisions(farm, part).await {
+        Ok((decisions, wanted)) => {
+            let (store, hash, claim) =
+                (farm.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
+            farm.jobs.start(DecisionCountJob { part: part.clone(), decisions }, move || {
+                note_wanted(&store, &hash, &claim, wanted)?;
+                Ok(store.mark_decisions(&hash, &claim, decisions)?)
+            });
+        }
+        Err(failure) => log_note_failure(part, &failure.into()),
+    }
+}
+
+/// How often was decided about the parts of a claim, and the copies that are wanted of each solid by now.
+async fn read_decisions(farm: &Farm, part: &PartRow) -> Result<(u32, BTreeMap<u32, u32>), LedgerError> {
+    let parts = farm.ledger.parts_of_claim(&part.file.claim).await?;
+    let live = parts.iter().filter(|part| part.state != PartState::Rejected);
+    let wanted = live.map(|part| (part.solid.object_index, part.wanted_copies())).collect();
+    Ok((farm.ledger.decision_count(&part.file.claim).await?, wanted))
+}
+
+fn note_wanted(store: &ContentStore, hash: &str, claim: &str, wanted: BTreeMap<u32, u32>) -> Result<()> {
+    match ClaimNote::read(store, hash, claim) {
+        Some(note) if note.wanted != wanted => {
+            let path = store.note_path(hash, claim)?;
+            Ok(intake::write_file_atomically(&path, ClaimNote { wanted, ..note }.to_text().as_bytes())?)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn log_note_failure(part: &PartRow, failure: &anyhow::Error) {
+    warn!(part.id = %part.id, "The note of {} could not be updated: {failure:#}.", part.name);
+}

@@ -1,0 +1,224 @@
+//! Opens the farm: checks what must exist and be intact before any file is claimed.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result};
+use tracing::warn;
+
+use super::{machine_setup, status};
+use crate::{
+    access,
+    farm::{
+        alerts::{
+            alert::AlertKind,
+            alert_registry::{AlertRegistry, ServiceBridge},
+            failure::is_disk_failure,
+        },
+        core::{
+            clock_changes,
+            farm::{Farm, TICK_INTERVAL},
+            state::{CompletionState, DaemonLifecycle, DisplayState, Load, LoopSchedule, NestingState, ReadingState},
+        },
+        files::{mesh_cache::MeshCache, mesh_source::MeshSource},
+        leases::{folder_lease::LeaseError, lease_holder::LeaseHolder, state_lock::StateDirLock},
+        nesting::{lane_problem::MESHES_DIR, node_content::COPIES_DIR},
+        nodes::{adopt, folder_comparison, lease_renewal, watching},
+        process::{
+            jobs::JobRunner,
+            retry_backoff::RetryBackoff,
+            signals::{DaemonSignal, SignalListener},
+            systemd,
+            time_source::TimeSource,
+        },
+        records::{
+            ledger_freshness::{LedgerBehindError, check_ledger_current},
+            lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
+        },
+        recover::ledger_service,
+    },
+    intake::{self, ContentStore},
+    ledger::{self, Ledger, LedgerError, ServingRight},
+    settings::Settings,
+};
+
+/// Opens the farm. While the disk of the state folder is full or unavailable, waits instead of ending again and
+/// again. `None` = the daemon was stopped meanwhile.
+pub(super) async fn open_with_retry(
+    load: Load,
+    settings: Settings,
+    signals: &mut SignalListener,
+) -> Result<Option<Farm>> {
+    let (mut load, mut settings, mut waits, mut alerts) =
+        (load, settings, RetryBackoff::default(), AlertRegistry::default());
+    loop {
+        let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine()).await {
+            Ok(farm) => return Ok(Some(farm)),
+            Err(kept) => kept,
+        };
+        (load, settings) = (back, known);
+        if let Some((kind, detail)) = ledger_alert(&failure) {
+            report_not_running(&settings, kind, &detail);
+        }
+        if !is_transient(&failure) {
+            return Err(failure);
+        }
+        let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
+        alerts.report_failure(AlertKind::StepFails, "", "opening", &text);
+        alerts.write_if_changed(&settings.state_dir);
+        systemd::notify_start_delayed(&text);
+        waits.record_failure(());
+        while waits.is_waiting(&()) {
+            tokio::select! {
+                signal = signals.next_signal() => if matches!(signal, DaemonSignal::Stop) { return Ok(None) },
+                () = tokio::time::sleep(TICK_INTERVAL) => {}
+            }
+        }
+    }
+}
+
+/// On failure, returns what the next attempt needs.
+pub(crate) async fn open_farm(
+    load: Load,
+    settings: Settings,
+    time: TimeSource,
+) -> Result<Farm, (Load, Settings, anyhow::Error)> {
+    match OpenedState::open(&settings, &time).await {
+        Ok(parts) => {
+            let mut farm = build_farm(load, settings, parts, time);
+            match open_machines(&mut farm).await {
+                Ok(()) => Ok(farm),
+                Err(failure) => {
+                    farm.ledger.close().await;
+                    Err((farm.lifecycle.load, farm.settings, failure))
+                }
+            }
+        }
+        Err(failure) => Err((load, settings, failure)),
+    }
+}
+
+async fn open_machines(farm: &mut Farm) -> Result<()> {
+    clock_changes::compare_clock_with_ledger(farm).await?;
+    // Before it takes machines: they are its own as long as it is known.
+    farm.ledger.announce_node(&status::describe_node(farm)).await?;
+    machine_setup::set_up_machines(farm).await?;
+    watching::make_folders_at_start(farm);
+    watching::start_watcher(farm);
+    lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)?;
+    // After the leases: a folder whose last daemon died on another server is read only once that is clear.
+    folder_comparison::start_folder_comparison(farm);
+    Ok(())
+}
+
+fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSource) -> Farm {
+    Farm {
+        ledger: parts.ledger,
+        meshes: MeshSource {
+            mesh_cache: MeshCache::default(),
+            store: parts.store,
+            limits: settings.limits.clone(),
+            prepared: Default::default(),
+            preparation_cache: None,
+            unreadable_since: Default::default(),
+        },
+        machines: BTreeMap::new(),
+        jobs: JobRunner::default(),
+        completion: CompletionState::default(),
+        reading: ReadingState::by(time.clone()),
+        nesting: NestingState::by(time.clone()),
+        display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
+        lifecycle: DaemonLifecycle {
+            load,
+            holder: parts.holder,
+            started_at: time.date(),
+            is_stopping: false,
+            is_halted: false,
+            services: ServiceBridge::default(),
+            _lock: parts.lock,
+        },
+        alerts: AlertRegistry::by(time.clone()),
+        schedule: LoopSchedule::starting_now(settings.scan_secs, time),
+        settings,
+    }
+}
+
+/// What is opened in the state directory.
+struct OpenedState {
+    lock: StateDirLock,
+    holder: LeaseHolder,
+    ledger: Ledger,
+    store: ContentStore,
+}
+
+impl OpenedState {
+    async fn open(settings: &Settings, time: &TimeSource) -> Result<Self> {
+        let since = time.date();
+        settings.files.apply_to_process();
+        access::create_private_folders(&settings.state_dir)
+            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
+        let lock = StateDirLock::acquire(&settings.state_dir, since)?;
+        if let Some(file) = settings.ledger.file() {
+            ledger::clear_unfinished(file)?;
+        }
+        systemd::notify_status("looking through the ledger");
+        let clock = time.clone();
+        let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
+        // Opened after the ledger: if the farm has an id, it must have had a ledger.
+        adopt::join_farm(settings, ledger.shared_farm().await?)
+            .with_context(|| format!("writing the farm's number into {}", settings.state_dir.display()))?;
+        let holder = LeaseHolder::for_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
+        let store = ContentStore::open(settings.state_dir.join("store"))?;
+        if ledger.file().is_none() {
+            for folder in [MESHES_DIR, COPIES_DIR] {
+                ContentStore::open(settings.state_dir.join(folder))?;
+            }
+        }
+        Ok(Self { lock, holder, ledger, store })
+    }
+}
+
+/// Whether the cause of a failed start may end by itself: a full disk, a share that hangs.
+fn is_transient(failure: &anyhow::Error) -> bool {
+    // If another daemon serves a folder, this one does not wait: whoever started it must know.
+    let is_served = |cause: &LeaseError| matches!(cause, LeaseError::HeldByOther { .. });
+    if failure.chain().any(|cause| cause.downcast_ref().is_some_and(is_served)) {
+        return false;
+    }
+    is_disk_failure(failure)
+        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_disk_failure))
+}
+
+/// Opens the ledger, if it is intact and belongs to this farm.
+async fn open_ledger(settings: &Settings) -> Result<Ledger> {
+    if Ledger::is_missing(&settings.ledger).await?
+        && let Some(detail) = detect_lost_ledger(settings)
+    {
+        return Err(LostLedgerError { detail }.into());
+    }
+    let node = ledger_service::serving_node(settings, ServingRight::Node(settings.node.name.clone()));
+    let ledger = Ledger::open_to_serve(&settings.ledger, &node).await?;
+    if let Err(failure) = check_ledger_current(settings, &ledger).await {
+        if failure.is::<LedgerBehindError>() {
+            // Other nodes may have got what it has lost.
+            ledger.mark_repair_due(&settings.node.name).await?;
+        }
+        ledger.close().await;
+        return Err(failure);
+    }
+    Ok(ledger)
+}
+
+/// Reports in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
+fn report_not_running(settings: &Settings, kind: AlertKind, detail: &str) {
+    let mut alerts = AlertRegistry::default();
+    alerts.raise(kind, "", "", detail);
+    alerts.write_if_changed(&settings.state_dir);
+    for (name, profile) in &settings.profiles {
+        let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", alerts.status_text_for(name));
+        let json = serde_json::json!({ "profile": name, "runs": false, "attention": alerts.status_json_for(name) });
+        if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
+            warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());
+        }
+    }
+}

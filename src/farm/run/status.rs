@@ -1,0 +1,368 @@
+//! The status of the farm: one line for the service manager, a heartbeat in the ledger, and `STATUS.txt` and
+//! `status.json` in each hot folder.
+
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use anyhow::Result;
+use build_file::format_count;
+use jiff::Timestamp;
+use serde_json::json;
+
+use super::status_alerts;
+use crate::{
+    farm::{
+        again::part_questions,
+        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+        core::{
+            farm::{Farm, TICK_INTERVAL},
+            job_events,
+            machine_state::MachineState,
+        },
+        decisions::{
+            fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text,
+        },
+        nodes::machine_availability,
+        open_build::{due_dates, lane_job},
+        printers::printers::{PrinterView, printer_lines, printer_views},
+        process::{jobs::BackgroundJob, systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
+        receive::{control_files, scan_jobs::HotFolderScanJob},
+        records::lost_ledger,
+    },
+    intake,
+    ledger::{LedgerError, NodeHeartbeat, ProfileStatus},
+};
+
+/// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
+const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Failures that did not occur again for this long, or for three scans, are over.
+const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
+/// Maximum number of parts with an open question in `status.json`, of each kind.
+const MAX_QUESTIONS: u32 = 100;
+/// Interval of the status updates, each of which queries the whole ledger.
+const STATUS_INTERVAL: Duration = Duration::from_secs(2);
+
+/// Writes into a hot folder that nestd has stopped or halted.
+#[derive(Clone)]
+pub(crate) struct WriteStatusJob {
+    profile: String,
+}
+
+impl BackgroundJob<Farm> for WriteStatusJob {
+    const KIND: &'static str = "Status";
+    type Outcome = ();
+
+    fn subject(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn on_done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// Updates the status everywhere.
+pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
+    if farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL) {
+        return Ok(());
+    }
+    farm.display.updated_at = Some(farm.now());
+    control_files::update_answers(farm).await?;
+    let rows = farm.ledger.profile_statuses().await?;
+    let asked = farm.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
+    let now = farm.date();
+    for (name, machine) in &mut farm.machines {
+        let printers = printer_views(&farm.ledger, &machine.profile, now).await?;
+        if let Some(row) = rows.iter().find(|row| row.profile == *name) {
+            let text = status_text(machine, row, &printers) + &part_questions::questions_text(name, &asked);
+            let mut json = status_json(machine, row);
+            json["printers"] = json!(printers);
+            json["questions"] = part_questions::questions_json(name, &asked);
+            machine.status = (text, json);
+        }
+    }
+    status_alerts::update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
+    due_dates::check_due_dates(farm).await?;
+    let line = farm_summary(farm.machines.len(), rows.iter());
+    if line != farm.display.status_line {
+        systemd::notify_status(&line);
+        farm.display.status_line = line;
+        // Otherwise the ledger would show the old line until the next heartbeat.
+        let now = farm.now();
+        farm.schedule.tasks.make_due(TimedTask::WriteHeartbeat, now);
+    }
+    Ok(())
+}
+
+/// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
+/// scan does.
+pub(super) fn publish_alerts(farm: &mut Farm) {
+    let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * farm.settings.scan_secs));
+    farm.alerts.clear_expired_failures(over);
+    for ((kind, about), why) in farm.lifecycle.services.service_reports() {
+        match why {
+            None => farm.alerts.clear(kind, "", &about),
+            Some(why) => farm.alerts.raise(kind, "", &about, &why),
+        }
+    }
+    farm.alerts.write_if_changed(&farm.settings.state_dir);
+    let is_cut_off = AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && farm.alerts.is_active(kind, "", ""));
+    if !(farm.lifecycle.is_halted || is_cut_off)
+        || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
+    {
+        return;
+    }
+    farm.display.updated_at = Some(farm.now());
+    for (name, machine) in &farm.machines {
+        let (profile, inbox, (text, json)) =
+            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, &farm.alerts, true));
+        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+            if let Err(error) = intake::write_status(&inbox, &text, &json) {
+                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+            }
+        });
+    }
+}
+
+/// The ledger's file was removed, replaced or overwritten: saves what the daemon knows beside it, and halts.
+pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
+    if let LedgerError::Overwritten { what, .. } = why {
+        return farm.halt_farm(AlertKind::LedgerReplaced, what);
+    }
+    let mut file = farm.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
+    file.push(lost_ledger::SAVED);
+    file.push(Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string());
+    let (file, ledger) = (std::path::PathBuf::from(file), farm.ledger.clone());
+    let saving = ledger.write_backup(&file);
+    tokio::pin!(saving);
+    let saved = loop {
+        tokio::select! {
+            saved = &mut saving => break saved,
+            () = tokio::time::sleep(TICK_INTERVAL) => systemd::notify_watchdog(),
+        }
+    };
+    let what = match why {
+        LedgerError::Replaced { what, .. } => what.clone(),
+        other => other.to_string(),
+    };
+    let detail = match saved {
+        Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
+        Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
+    };
+    farm.halt_farm(AlertKind::LedgerReplaced, &detail);
+    // On closing, SQLite would remove the write-ahead log of the ledger that is there now.
+    std::mem::forget(farm.ledger.clone());
+}
+
+/// Writes into each hot folder that nestd has stopped: the status there before promised builds.
+pub(super) async fn write_stopped_status(farm: &mut Farm) {
+    let rows = match farm.lifecycle.is_halted {
+        true => Vec::new(),
+        false => farm.ledger.profile_statuses().await.unwrap_or_default(),
+    };
+    for (name, machine) in &farm.machines {
+        // A job that did not end hangs in that folder, and this one would hang too.
+        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+            continue;
+        }
+        let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
+        let (text, json) = match farm.lifecycle.is_halted {
+            true => halted_status(machine, &farm.alerts, false),
+            false => stopped_status(machine, &row),
+        };
+        let (profile, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
+        let mut lease = machine.leases.inbox.clone();
+        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+            // Nothing is written into an empty mount point.
+            if lease.held_identity().is_some()
+                && lease.check_usable().is_ok()
+                && let Err(error) = intake::write_status(&inbox, &text, &json)
+            {
+                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+            }
+        });
+    }
+    job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
+}
+
+/// Writes a heartbeat into the ledger.
+pub(crate) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
+    farm.ledger.write_heartbeat(&describe_node(farm)).await?;
+    farm.alerts.clear(AlertKind::ChangesWait, "", "");
+    Ok(())
+}
+
+/// This node, as its heartbeats name it.
+pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
+    let node = &farm.settings.node;
+    NodeHeartbeat {
+        name: node.name.clone(),
+        address: node.address.clone().unwrap_or_default(),
+        pid: std::process::id(),
+        host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        started_at: farm.lifecycle.started_at,
+        lanes: u32::try_from(lane_job::offered_lanes(farm)).unwrap_or(u32::MAX),
+        status: farm.display.status_line.clone(),
+        machines: machine_availability::observed_machines(farm),
+    }
+}
+
+/// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.
+fn status_text(machine: &MachineState, row: &ProfileStatus, printers: &[PrinterView]) -> String {
+    let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
+    let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
+    if let Some(paused) = &row.paused {
+        lines.push(format!(
+            "PAUSED by {} since {}: nothing is fired.",
+            paused.paused_by,
+            zone.format_minute(paused.paused_at.0)
+        ));
+    }
+    if machine.printers.are_all_down() {
+        lines.push("No printer is in use: nothing is fired.".to_owned());
+    }
+    lines.push(match row.waiting_parts {
+        0 => "Nothing waits.".to_owned(),
+        _ => waiting_text(row) + ".",
+    });
+    if row.claimed_parts > 0 {
+        lines.push(format_count(row.claimed_parts, "file is being read.", "files are being read."));
+    }
+    if is_layout_current(machine, row) {
+        let (height_mm, volume_z_mm) = (machine.open.layout.height_mm, profile.build_volume().size_mm.z);
+        lines.push(format!(
+            "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
+            100.0 * height_mm / volume_z_mm
+        ));
+        if let Some(night) = row.open.as_ref().and_then(night_text) {
+            lines.push(format!("While it waits: {night}."));
+        }
+    }
+    if let Some(fires) = forecast_fire(profile, row) {
+        lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
+    }
+    lines.extend(held_text(profile, row).map(|held| format!("The open build waits: {held}.")));
+    if !machine.inbox.controls.answer.is_empty() {
+        lines.push(machine.inbox.controls.answer.clone());
+    }
+    lines.extend(machine.left_out.texts().map(str::to_owned));
+    for build in &row.nesting {
+        lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
+    }
+    lines.extend(printer_lines(profile, printers));
+    if let Some(last) = &row.last_published {
+        let height_mm = last.height_mm.unwrap_or_default();
+        lines.push(format!(
+            "Last build: {} on {}, {height_mm:.1} mm.",
+            last.build,
+            zone.format_minute(last.published_at.0)
+        ));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// The waiting copies and parts, in words.
+fn waiting_text(row: &ProfileStatus) -> String {
+    let parts = format_count(row.waiting_parts, "part", "parts");
+    format!(
+        "{} of {parts} {}",
+        format_count(row.waiting_copies, "copy", "copies"),
+        if row.waiting_copies == 1 { "waits" } else { "wait" }
+    )
+}
+
+/// Whether the open layout belongs to the parts that wait now.
+fn is_layout_current(machine: &MachineState, row: &ProfileStatus) -> bool {
+    let layout = &machine.open.layout;
+    row.waiting_parts > 0 && layout.height_mm > 0.0 && layout.placed.len() <= row.waiting_copies as usize
+}
+
+/// One line on what the machines do.
+pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileStatus>) -> String {
+    let (mut waiting, mut nesting) = (0, 0);
+    for row in rows {
+        waiting += row.waiting_copies;
+        nesting += row.nesting.len();
+    }
+    let machines = format_count(machines, "machine", "machines");
+    let waiting = format_count(waiting, "copy waits", "copies wait");
+    format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
+}
+
+fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value {
+    let fires = forecast_fire(&machine.profile, row);
+    let nothing = BatchLayout::default();
+    let open = if is_layout_current(machine, row) { &machine.open.layout } else { &nothing };
+    json!({
+        "profile": row.profile,
+        "paused": row.paused.is_some(),
+        "being_read_parts": row.claimed_parts,
+        "waiting_parts": row.waiting_parts,
+        "waiting_copies": row.waiting_copies,
+        "refused_files": machine.inbox.refused_file_count,
+        "open_build": {
+            "height_mm": open.height_mm,
+            "density": open.density,
+            "copies": open.placed.len(),
+            "height_share": open.height_mm / machine.profile.build_volume().size_mm.z,
+            "night": row.open.as_ref().and_then(|open| open.night),
+            "night_cpu_secs": row.open.as_ref().and_then(|open| open.night_cpu_secs),
+            "night_gain_mm": row.open.as_ref().and_then(|open| open.night_gain_mm),
+        },
+        "fires_at": fires.map(|fires| fires.at.to_string()),
+        "fires_at_latest": fires.map(|fires| fires.latest.to_string()),
+        "fires_by": fires.map(|fires| fires.by),
+        "left_out": machine.left_out.texts().collect::<Vec<_>>(),
+        "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
+        "last_published": row.last_published.as_ref().map(|b| json!({
+            "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
+        })),
+    })
+}
+
+/// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
+fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, String) {
+    let (name, now) = (&machine.profile.name, Timestamp::now());
+    let mut text = format!(
+        "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
+         taken when it runs again.\n",
+        machine.profile.time_zone.format_minute(now)
+    );
+    if row.waiting_parts > 0 {
+        text += &format!("{} until then.\n", waiting_text(row));
+    }
+    let json = json!({
+        "profile": name,
+        "running": false,
+        "written_at": floor_to_minute(now).to_string(),
+        "waiting_parts": row.waiting_parts,
+        "waiting_copies": row.waiting_copies,
+        "fires_at": null,
+        "fires_at_latest": null,
+    });
+    (text, format!("{json:#}\n"))
+}
+
+/// `STATUS.txt` and `status.json` of a farm that cannot rely on its ledger: what waits is not known.
+fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: bool) -> (String, String) {
+    let (name, now) = (&machine.profile.name, Timestamp::now());
+    let text = format!(
+        "{}{name}: this folder is not scanned, and nothing is built, until that is mended. What is dropped here stays \
+         here.\nWritten {}.\n",
+        alerts.status_text_for(name),
+        machine.profile.time_zone.format_minute(now)
+    );
+    let json = json!({
+        "profile": name,
+        "running": is_running,
+        "written_at": floor_to_minute(now).to_string(),
+        "attention": alerts.status_json_for(name),
+        "fires_at": null,
+        "fires_at_latest": null,
+    });
+    (text, format!("{json:#}\n"))
+}

@@ -1,0 +1,113 @@
+//! The alerts that follow from the ledger, so that they are known after a restart too: failed builds and prints, parts
+//! and builds that wait for a yes, and parts of machines that are not configured.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::Result;
+use build_file::format_count;
+use jiff::Timestamp;
+
+use crate::{
+    farm::{
+        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+        core::machine_state::MachineStates,
+        printers::release_preview::{awaits_release, preview_release},
+    },
+    ledger::{BuildState, Ledger, PauseCause, ProfileStatus},
+};
+
+/// Maximum number of parts or builds that an alert names.
+const MAX_NAMED: usize = 3;
+
+/// Raises the alerts that follow from the ledger: so they are known after a restart too.
+pub(super) async fn update_ledger_alerts(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    alerts: &mut AlertRegistry,
+    rows: &[ProfileStatus],
+) -> Result<()> {
+    let names: Vec<String> = machines.keys().cloned().collect();
+    for name in &names {
+        let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
+        match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
+            Some(_) => {
+                let why = ledger.last_failure(name).await?;
+                let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
+                alerts.raise(AlertKind::BuildFailed, name, "", &detail);
+            }
+            None => alerts.clear(AlertKind::BuildFailed, name, ""),
+        }
+    }
+    update_order_alerts(ledger, &names, alerts).await?;
+    update_release_alerts(ledger, machines, alerts).await?;
+    let mut gone = Vec::new();
+    let nodes = ledger.list_machines().await?;
+    // Another node serves them, or this one takes them as soon as it can.
+    let has_node =
+        |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.profile == name && !row.node.is_empty());
+    let arriving: BTreeMap<String, u32> = ledger.count_arriving_lines().await?.into_iter().collect();
+    let known: BTreeSet<&String> = rows.iter().map(|row| &row.profile).chain(arriving.keys()).collect();
+    for name in known.into_iter().filter(|name| !machines.contains_key(*name) && !has_node(name)) {
+        let row = rows.iter().find(|row| row.profile == *name);
+        let parts = row.map_or(0, |row| row.waiting_parts + row.claimed_parts);
+        let builds = row.map_or(0, |row| row.nesting.len());
+        let lines = arriving.get(name).copied().unwrap_or(0);
+        if parts > 0 || builds > 0 || lines > 0 {
+            let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
+            let ordered = match lines {
+                0 => String::new(),
+                lines => format!(", and {} ordered by request", format_count(lines, "line", "lines")),
+            };
+            alerts.raise(AlertKind::MachineGone, name, "", &format!("{parts} and {builds} in work{ordered}"));
+            gone.push(name.clone());
+        }
+    }
+    alerts.retain_profiles(AlertKind::MachineGone, &gone);
+    Ok(())
+}
+
+/// Raises the alerts on failed prints and on parts that wait for a yes, one of each kind for each machine.
+async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
+    let failed = ledger.unseen_failures().await?;
+    let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
+    let failed: Vec<(&str, String)> = failed.collect();
+    let parts = ledger.parts_in_question().await?;
+    let asked = parts.iter().map(|part| {
+        (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
+    });
+    let asked: Vec<(&str, String)> = asked.collect();
+    for name in names {
+        for (kind, all) in [(AlertKind::PrintFailed, &failed), (AlertKind::Question, &asked)] {
+            let own: Vec<String> = all.iter().filter(|(of, _)| of == name).map(|(_, text)| text.clone()).collect();
+            match own.is_empty() {
+                true => alerts.clear(kind, name, ""),
+                false => alerts.raise(kind, name, "", &text_of_first(&own, MAX_NAMED)),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Raises an alert for each machine with proved builds that wait for a yes.
+async fn update_release_alerts(ledger: &Ledger, machines: &MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
+    let verified = ledger.builds_in_state(BuildState::Verified).await?;
+    for (name, machine) in machines {
+        let mut texts = Vec::new();
+        for build in verified.iter().filter(|build| build.profile == *name && awaits_release(&machine.profile, build)) {
+            let preview = preview_release(ledger, &machine.profile, build, Timestamp::now()).await?;
+            texts.push(format!("build {}: {}", build.id, preview.brief_text()));
+        }
+        match texts.is_empty() {
+            true => alerts.clear(AlertKind::ReleaseDue, name, ""),
+            false => alerts.raise(AlertKind::ReleaseDue, name, "", &text_of_first(&texts, MAX_NAMED)),
+        }
+    }
+    Ok(())
+}
+
+/// The first texts, and how many more there are.
+fn text_of_first(texts: &[String], most: usize) -> String {
+    let more = texts.len().saturating_sub(most);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    texts[..texts.len().min(most)].join("; ") + &more
+}

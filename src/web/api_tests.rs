@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     ledger::{NightState, OpenLayout},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, ORDER_COLUMNS, PART_COLUMNS, TableColumn, for_people},
-    web::openapi::described,
+    web::doors::openapi::described,
 };
 
 /// Checks a value against a schema of the description, and adds each mismatch with its path to `faults`.
@@ -179,7 +179,7 @@ async fn what_is_described_is_served_and_nothing_else_is() {
             );
         }
     }
-    let by_hand = include_str!("server.rs").matches("\"/api/").count();
+    let by_hand = include_str!("serve/server.rs").matches("\"/api/").count();
     assert_eq!(
         by_hand, 1,
         "the document itself; every other address is a row of api_routes, which has its description"

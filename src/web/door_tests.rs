@@ -34,7 +34,7 @@ pub(super) async fn send(
 
 /// Asserts that an answer is as `openapi.json` describes it.
 pub(super) fn assert_described(path: &str, method: &str, answer: &ApiAnswer) {
-    let all = crate::web::openapi::described();
+    let all = crate::web::doors::openapi::described();
     let content = &all["paths"][path][method]["responses"][answer.status.as_str()]["content"];
     let mut faults = Vec::new();
     api::unlike(&content["application/json"]["schema"], &answer.json, &all, path, &mut faults);

@@ -152,7 +152,8 @@ async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin()
 #[tokio::test]
 async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let listening: Vec<_> = (0..crate::web::live::MAX_LISTENERS).map(|_| dashboard.web.changes.subscribe()).collect();
+    let listening: Vec<_> =
+        (0..crate::web::pages::live::MAX_LISTENERS).map(|_| dashboard.web.changes.subscribe()).collect();
     assert_eq!(dashboard.get("/live").await.status, StatusCode::TOO_MANY_REQUESTS);
     drop(listening);
     let request = Request::get("/live").header("host", "localhost").body(Body::empty()).unwrap();

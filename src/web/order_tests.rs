@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartId},
-    web::query::order_address,
+    web::base::query::order_address,
 };
 
 impl TestDashboard {

@@ -10,10 +10,12 @@ use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
 use super::{
-    cache::RecentCache,
-    client_limits::{ClientLimits, ClientRates},
-    server::build_router,
-    state::{DashboardState, PageCaches},
+    base::{
+        cache::RecentCache,
+        client_limits::{ClientLimits, ClientRates},
+    },
+    core::state::{DashboardState, PageCaches},
+    serve::server::build_router,
 };
 use crate::{
     ledger::fixtures::{self, TestLedger},
@@ -196,7 +198,7 @@ async fn every_page_is_whole_and_forbids_what_it_does_not_need() {
 async fn a_name_that_is_code_is_shown_as_text() {
     for name in ["<script>alert(1)</script>.stl", "=HYPERLINK(\"x\").stl", "\"onload=\"x.stl", "a'b&amp;.stl"] {
         let dashboard = with_a_build(name).await;
-        let order = super::query::order_address(name);
+        let order = super::base::query::order_address(name);
         assert_eq!(dashboard.get(&order).await.status, StatusCode::OK, "{order}");
         for page in PAGES.into_iter().chain([order.as_str()]) {
             let text = dashboard.get(page).await.text;

@@ -268,7 +268,7 @@ fn a_folder_has_at_most_15_files_and_a_head() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// `web/admit -> web/server -> web/admit`.
+/// `web/admit -> web/serve/server -> web/admit`.
 fn in_words(circle: &[imports::ModulePath]) -> String {
     let back = circle.iter().chain(circle.first());
     back.map(|module| module.join("/")).collect::<Vec<_>>().join(" -> ")

@@ -1,0 +1,69 @@
+//! Tables and fact sheets for pages, made from the columns and facts of `tables`.
+
+use maud::{Markup, html};
+
+use super::{
+    format::{DASH, prose_with_code},
+    query::order_address,
+};
+use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, for_people};
+
+/// A table of rows with the columns that people see. `name` is its label for screen readers, `view` how times are shown.
+pub(crate) fn table_of<Row>(
+    name: &str,
+    caption: Option<String>,
+    columns: &[TableColumn<Row>],
+    rows: &[Row],
+    view: &TimeView,
+) -> Markup {
+    html! {
+        div.wide tabindex="0" role="region" aria-label=(name) {
+            table {
+                @if let Some(caption) = caption { caption { (caption) } }
+                thead { tr { @for column in for_people(columns) { (heading(&column.field)) } } }
+                tbody { @for row in rows { tr {
+                    @for column in for_people(columns) { (cell(&column.field, &(column.value)(row), true, view)) }
+                } } }
+            }
+        }
+    }
+}
+
+/// The heading of a column.
+pub(crate) fn heading(field: &FieldDefinition) -> Markup {
+    html! { th class=[class_of(field)] scope="col" { (field.page_heading()) } }
+}
+
+/// The CSS class that aligns numbers to the right.
+fn class_of(field: &FieldDefinition) -> Option<&'static str> {
+    field.is_number().then_some("n")
+}
+
+/// A table cell. If `has_pages`, parts and builds are links to their pages.
+pub(crate) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
+    html! { td class=[class_of(field)] { (shown(field, value, has_pages, view)) } }
+}
+
+fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
+    let text = field.cell_text(value, view);
+    let text = text.as_deref().unwrap_or(DASH);
+    match value {
+        CellValue::Build(build) if has_pages => html! { a href=(format!("/builds/{build}")) { (text) } },
+        CellValue::BuildWithPart(build, part) if has_pages => {
+            html! { a href=(format!("/builds/{build}#part-{part}")) { (text) ", marked" } }
+        }
+        CellValue::Part(part) | CellValue::NamedPart(part, _) if has_pages => {
+            html! { a href=(format!("/parts/{part}")) { (text) } }
+        }
+        CellValue::Order(name) if has_pages && !name.is_empty() => html! { a href=(order_address(name)) { (text) } },
+        CellValue::Prose(_) => prose_with_code(text),
+        _ => html! { (text) },
+    }
+}
+
+/// The facts as a description list.
+pub(crate) fn fact_list(known: &[SheetFact]) -> Markup {
+    html! {
+        dl.facts { @for fact in known { div { dt { (fact.label) } dd { (fact.text) } } } }
+    }
+}

@@ -1,0 +1,165 @@
+//! How far the breaking out of a build is: what is known of each copy of its pick map, and the bins, one for each order.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use crate::{
+    ledger::{BuildRow, PickMark, PickMarkRow},
+    tables::PickedCopy,
+    web::{
+        base::error::{HandlerError, HandlerResult},
+        core::{cached_render::find_build, state::DashboardState},
+        figures::pick_map::CachedPickMap,
+        pages::pick_page::cached_map,
+    },
+};
+
+/// What is known of a copy of the list.
+#[derive(Debug, Clone)]
+pub(crate) enum CopyState {
+    /// It is still in the cake, as far as anybody said.
+    Open,
+    /// Somebody said something.
+    Marked(PickMarkRow),
+    /// It was told bad with the outcome of the build, and waits again.
+    ToldBad,
+}
+
+/// A build that is being broken out.
+pub(crate) struct BreakOutState {
+    pub(crate) build: BuildRow,
+    pub(crate) map: CachedPickMap,
+    /// In the order of the list.
+    pub(crate) states: Vec<CopyState>,
+    /// Order of each bin; "" = parts without an order.
+    pub(super) bins: Vec<String>,
+}
+
+impl BreakOutState {
+    /// Reads it from the ledger.
+    pub(crate) async fn read(web: &Arc<DashboardState>, number: i64) -> HandlerResult<Self> {
+        let (build, profile) = find_build(web, number).await?;
+        if build.times.published_at.is_none() {
+            return Err(HandlerError::NotFound(format!(
+                "published build {number}: it can be broken out once it is printed"
+            )));
+        }
+        let map = cached_map(web, &build, &profile).await?;
+        let mut marks: BTreeMap<(i64, u32), PickMarkRow> = BTreeMap::new();
+        for row in web.ledger.picks_of_build(build.id).await? {
+            marks.insert((row.part_id.0, row.copy + 1), row);
+        }
+        let placed = web.ledger.placements_of_build(build.id).await?;
+        let told_bad: Vec<(i64, u32)> =
+            placed.iter().filter(|row| row.is_bad).map(|row| (row.part_id.0, row.copy + 1)).collect();
+        let state = |copy: &PickedCopy| match marks.remove(&(copy.part, copy.copy)) {
+            // What is told is no mark to undo any more.
+            _ if told_bad.contains(&(copy.part, copy.copy)) => CopyState::ToldBad,
+            Some(row) => CopyState::Marked(row),
+            None => CopyState::Open,
+        };
+        let states = map.list.copies.iter().map(state).collect();
+        let mut bins: Vec<String> = map.list.copies.iter().map(|copy| copy.order.clone()).collect();
+        bins.sort();
+        bins.dedup();
+        Ok(Self { build, map, states, bins })
+    }
+
+    /// Address of its page.
+    pub(crate) fn address(&self) -> String {
+        format!("/builds/{}/break-out", self.build.id)
+    }
+
+    /// Position in the list of the next copy that is in the cake after position `at`, from there on round to it.
+    pub(crate) fn next_open(&self, at: usize) -> Option<usize> {
+        let length = self.states.len();
+        (at + 1..=at + length).map(|at| at % length).find(|&at| matches!(self.states[at], CopyState::Open))
+    }
+
+    /// Position of the first copy that is in the cake.
+    pub(super) fn first_open(&self) -> Option<usize> {
+        self.states.iter().position(|state| matches!(state, CopyState::Open))
+    }
+
+    /// The copies with their states, bin by bin.
+    pub(crate) fn counts(&self) -> Vec<BinCount> {
+        let mut counts: Vec<BinCount> = self.bins.iter().map(|order| BinCount::new(order)).collect();
+        for (copy, state) in self.map.list.copies.iter().zip(&self.states) {
+            if let Some(count) = counts.iter_mut().find(|count| count.order == copy.order) {
+                count.add(state);
+            }
+        }
+        counts
+    }
+
+    /// The last mark of this user, or of anybody if he made none.
+    pub(super) fn last_mark(&self, user: &str) -> Option<(&PickedCopy, &PickMarkRow)> {
+        let marked = || {
+            self.map.list.copies.iter().zip(&self.states).filter_map(|(copy, state)| match state {
+                CopyState::Marked(row) => Some((copy, row)),
+                _ => None,
+            })
+        };
+        let own = marked().filter(|(_, row)| row.told_by == user).max_by_key(|(_, row)| row.id);
+        own.or_else(|| marked().max_by_key(|(_, row)| row.id))
+    }
+}
+
+/// What became of the copies of an order.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct BinCount {
+    pub(crate) order: String,
+    pub(crate) all: u32,
+    pub(crate) good: u32,
+    pub(crate) bad: u32,
+    pub(crate) missing: u32,
+}
+
+impl BinCount {
+    fn new(order: &str) -> Self {
+        Self { order: order.to_owned(), ..Self::default() }
+    }
+
+    fn add(&mut self, state: &CopyState) {
+        self.all += 1;
+        match state {
+            CopyState::Open => {}
+            CopyState::ToldBad => self.bad += 1,
+            CopyState::Marked(row) => match row.mark {
+                PickMark::Out => self.good += 1,
+                PickMark::Bad => self.bad += 1,
+                PickMark::Missing => self.missing += 1,
+                PickMark::Open => {}
+            },
+        }
+    }
+
+    /// Copies of which nobody said anything.
+    pub(crate) fn open(&self) -> u32 {
+        self.all - self.good - self.bad - self.missing
+    }
+
+    /// Its name for people.
+    pub(crate) fn name(&self) -> &str {
+        if self.order.is_empty() { "no order" } else { &self.order }
+    }
+}
+
+/// The sum of all bins.
+pub(super) fn sum_of(counts: &[BinCount]) -> BinCount {
+    let mut sum = BinCount::default();
+    for bin in counts {
+        (sum.all, sum.good) = (sum.all + bin.all, sum.good + bin.good);
+        (sum.bad, sum.missing) = (sum.bad + bin.bad, sum.missing + bin.missing);
+    }
+    sum
+}
+
+/// A mark in words.
+pub(super) fn mark_word(mark: PickMark) -> &'static str {
+    match mark {
+        PickMark::Out => "out",
+        PickMark::Bad => "out and bad",
+        PickMark::Missing => "not found",
+        PickMark::Open => "still in the cake",
+    }
+}

@@ -1,0 +1,53 @@
+//! The contents of parts, for the other nodes of the farm.
+
+use std::{io::Read, sync::Arc};
+
+use anyhow::Context;
+use axum::{
+    body::{Body, Bytes},
+    extract::{Path, State},
+    http::header,
+    response::{IntoResponse, Response},
+};
+use tokio_stream::wrappers::ReceiverStream;
+
+use super::state::DashboardState;
+use crate::{
+    farm,
+    web::base::error::{HandlerError, HandlerResult},
+};
+
+/// Bytes that are read at once.
+const CHUNK_BYTES: usize = 1 << 18;
+/// Chunks that wait for a slow receiver.
+const CHUNKS_AHEAD: usize = 4;
+
+/// The file whose BLAKE3 this is, from the store or an archive of this node.
+pub(crate) async fn get_content(
+    State(web): State<Arc<DashboardState>>,
+    Path(hash): Path<String>,
+) -> HandlerResult<Response> {
+    let found = farm::find_kept_content(&web.current_settings(), &web.ledger, &hash).await?;
+    let path = found.ok_or_else(|| HandlerError::NotFound(format!("file with the BLAKE3 {hash} on this node")))?;
+    let opened = std::fs::File::open(&path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let (bytes, mut file) = opened.with_context(|| format!("opening {}", path.display()))?;
+    let (send, chunks) = tokio::sync::mpsc::channel::<std::io::Result<Bytes>>(CHUNKS_AHEAD);
+    tokio::task::spawn_blocking(move || {
+        loop {
+            let mut chunk = vec![0; CHUNK_BYTES];
+            let read = file.read(&mut chunk);
+            let is_last = !matches!(read, Ok(1..));
+            let chunk = read.map(|count| {
+                chunk.truncate(count);
+                Bytes::from(chunk)
+            });
+            // The receiver may have gone.
+            if send.blocking_send(chunk).is_err() || is_last {
+                return;
+            }
+        }
+    });
+    let headers =
+        [(header::CONTENT_TYPE, "application/octet-stream".to_owned()), (header::CONTENT_LENGTH, bytes.to_string())];
+    Ok((headers, Body::from_stream(ReceiverStream::new(chunks))).into_response())
+}

@@ -1,0 +1,110 @@
+//! A form of a page: the key in it, and what became of it.
+
+use axum::{
+    http::StatusCode,
+    response::{IntoResponse, Redirect, Response},
+};
+use jiff::Timestamp;
+use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
+
+use super::state::DashboardState;
+use crate::ledger::AnsweredRequest;
+
+/// The field with the key of a form. It comes first: a form with files is not read without it.
+pub(crate) fn key_field(web: &DashboardState) -> Markup {
+    // Browsers would put an earlier key back when a page is loaded again.
+    html! { input type="hidden" name="key" value=(web.form_keys.make_key()) autocomplete="off"; }
+}
+
+/// What became of a form: sentences, if there is anything to say, and the page where it came from.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct FormAnswer {
+    pub(crate) title: String,
+    pub(crate) sentences: Vec<String>,
+    pub(crate) back: String,
+    /// Whether nothing was done: then the same form may be sent again, also with something else in it.
+    pub(crate) is_refused: bool,
+    /// When it was answered.
+    pub(crate) at: Timestamp,
+    /// The button that sends it once more and has it done anyway.
+    pub(crate) anyway: Option<AnywayButton>,
+}
+
+/// A button that sends a refused form once more, and says that it is meant.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct AnywayButton {
+    label: String,
+    /// Address and fields of the form; whoever carries it out knows them.
+    pub(crate) action: String,
+    pub(crate) fields: Vec<(String, String)>,
+}
+
+impl AnywayButton {
+    /// The button, in a form with a key of its own.
+    pub(crate) fn to_form(&self, web: &DashboardState) -> Markup {
+        html! {
+            form.order method="post" action=(self.action) {
+                (key_field(web))
+                @for (name, value) in self.fields.iter().filter(|(name, _)| name != "key") { input type="hidden" name=(name) value=(value); }
+                input type="hidden" name="anyway" value="yes";
+                button type="submit" { (self.label) }
+            }
+        }
+    }
+}
+
+impl FormAnswer {
+    /// It is done: the page `back` shows that.
+    pub(crate) fn back_to(back: &str) -> Self {
+        Self::told("Done", Vec::new(), back)
+    }
+
+    /// It is done, and this is to be said of it.
+    pub(crate) fn told(title: &str, sentences: Vec<String>, back: &str) -> Self {
+        let (title, back) = (title.to_owned(), back.to_owned());
+        Self { title, sentences, back, is_refused: false, at: Timestamp::now(), anyway: None }
+    }
+
+    /// Nothing was done, for these reasons.
+    pub(crate) fn refused(reasons: Vec<String>, back: &str) -> Self {
+        Self { is_refused: true, ..Self::told("Refused", reasons, back) }
+    }
+
+    /// With a button that has it done anyway.
+    pub(crate) fn or_anyway(self, label: &str) -> Self {
+        let button = AnywayButton { label: label.to_owned(), action: String::new(), fields: Vec::new() };
+        Self { anyway: Some(button), ..self }
+    }
+
+    /// What is known until it is done.
+    pub(crate) fn not_known() -> Self {
+        let text = "This form was sent, and then nestd ended or its ledger failed: it is not known whether all of it was done. Look \
+                    before you send it once more, from its page, loaded again.";
+        Self::told("Not known", vec![text.to_owned()], "/")
+    }
+
+    /// The answer that the ledger keeps.
+    pub(crate) fn parse(known: &AnsweredRequest) -> Option<Self> {
+        serde_json::from_str(&known.answer).ok()
+    }
+
+    /// Leads the browser to what is to be seen. `is_again` = the form was carried out some time before.
+    pub(crate) fn lead_on(&self, number: &str, is_again: bool) -> Response {
+        let to = match (is_again, self.sentences.is_empty()) {
+            (false, true) => self.back.clone(),
+            (false, false) => format!("/told/{number}"),
+            (true, _) => format!("/told/{number}?again=true"),
+        };
+        Redirect::to(&to).into_response()
+    }
+}
+
+impl IntoResponse for FormAnswer {
+    /// Whoever carries the form out makes of it what the browser gets.
+    fn into_response(self) -> Response {
+        let mut response = StatusCode::SEE_OTHER.into_response();
+        response.extensions_mut().insert(self);
+        response
+    }
+}

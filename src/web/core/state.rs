@@ -1,0 +1,88 @@
+//! The state that all request handlers share.
+
+use std::sync::{Arc, PoisonError};
+
+use axum::body::Bytes;
+use tokio::sync::{Semaphore, watch};
+
+use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
+use crate::{
+    farm::{self, QuoteMeshes, ServiceBridge},
+    ledger::Ledger,
+    metrics::MetricsExporter,
+    settings::{Settings, SharedSettings},
+    tables::TimeView,
+    web::{
+        base::{
+            cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
+            error::HandlerResult,
+        },
+        figures::pick_map::CachedPickMap,
+    },
+};
+
+/// The state that all request handlers share.
+pub(crate) struct DashboardState {
+    pub(crate) ledger: Ledger,
+    /// Tells whether the farm has halted.
+    pub(crate) farm: ServiceBridge,
+    pub(crate) settings: SharedSettings,
+    /// Whether the dashboard listens on TCP. Only then can another site make a browser send requests to it.
+    pub(crate) is_tcp: bool,
+    pub(crate) hosts: Vec<String>,
+    pub(crate) orders: bool,
+    /// Header in which a reverse proxy names the user.
+    pub(crate) user_header: Option<axum::http::HeaderName>,
+    /// What each client may take.
+    pub(crate) limits: Arc<ClientLimits>,
+    /// Who may ask what.
+    pub(crate) clients: ClientGate,
+    /// Uploads that requests are at.
+    pub(crate) uploads: UploadTurns,
+    /// Orders that are being taken.
+    pub(crate) door: Arc<OrderDoor>,
+    /// Makes the key that each form carries, so that it is carried out once, and no other site can post one (CSRF token).
+    pub(crate) form_keys: FormKeys,
+    pub(crate) caches: PageCaches,
+    pub(crate) metrics: MetricsExporter,
+    /// Who holds it makes something for the caches: looking takes one core and the meshes of one build from the farm at most.
+    pub(crate) render_slot: Arc<Semaphore>,
+    /// Who holds one of these receives files from a form.
+    pub(crate) upload_slots: Arc<Semaphore>,
+    /// Who holds one of these makes a quote.
+    pub(crate) quote_slots: Arc<Semaphore>,
+    /// The meshes of the machine that was quoted for last.
+    pub(crate) quote_meshes: QuoteMeshes,
+    pub(crate) changes: watch::Sender<u64>,
+}
+
+/// What is made of builds once, and kept.
+pub(crate) struct PageCaches {
+    pub(crate) scenes: RecentCache<CompressedBody>,
+    pub(crate) picks: RecentCache<CachedPickMap>,
+    pub(crate) pictures: RecentCache<Bytes>,
+}
+
+impl DashboardState {
+    /// The current settings.
+    pub(crate) fn current_settings(&self) -> Arc<Settings> {
+        self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// How the pages show times.
+    pub(crate) fn time_view(&self) -> TimeView {
+        TimeView::current(&self.current_settings().time_zone)
+    }
+
+    /// A text that changes whenever anything changes that the pages show.
+    pub(crate) async fn change_token(&self) -> HandlerResult<String> {
+        if let Some(halted) = self.farm.halt_reason() {
+            return Ok(halted);
+        }
+        let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
+        let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
+        let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
+        let picked = self.ledger.last_pick_id().await?;
+        Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?}"))
+    }
+}

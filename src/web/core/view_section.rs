@@ -1,0 +1,116 @@
+//! The 3D view of a build and, beside it, its parts by order: each side shows what is pointed at on the other.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use super::picture::cake_picture;
+use crate::{
+    farm::CakePart,
+    tables::CountedPart,
+    web::base::{assets::asset_address, format::count},
+};
+
+/// What the view of a build shows.
+pub(crate) struct ViewSection {
+    /// Number of the build.
+    pub(crate) build: i64,
+    /// Changes with the layout of the build. A report has none: it contains its scene and its picture.
+    pub(crate) version: String,
+    /// Its parts.
+    pub(crate) parts: Vec<ViewedPart>,
+}
+
+/// A part in the list beside the view.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ViewedPart {
+    part: i64,
+    name: String,
+    order: String,
+    due: String,
+    copies: u32,
+}
+
+impl ViewedPart {
+    /// A part of the ledger; `due` is its due date as people read it, "" = none.
+    pub(crate) fn of_counted(counted: &CountedPart, due: String) -> Self {
+        let (part, copies) = (&counted.part, counted.copies);
+        Self { part: part.id.0, name: part.full_name(), order: part.terms.order_name.clone(), due, copies }
+    }
+
+    /// A part of a report.
+    pub(crate) fn of_cake(part: &CakePart) -> Self {
+        let copies = part.copies.len() as u32;
+        Self { part: part.part, name: part.name.clone(), order: part.order.clone(), due: part.due.clone(), copies }
+    }
+}
+
+/// What colours can mean, besides the part.
+const COLOURINGS: [(&str, &str); 4] =
+    [("order", "order"), ("due", "due date"), ("height", "height"), ("step", "step of removal")];
+
+impl ViewSection {
+    /// The view, or a picture without JavaScript.
+    pub(crate) fn to_markup(&self) -> Markup {
+        let copies: u32 = self.parts.iter().map(|part| part.copies).sum();
+        let has_pages = !self.version.is_empty();
+        html! {
+            section #view data-build=(self.build) data-copies=(copies) data-version=(self.version)
+                data-script=[has_pages.then(|| asset_address("view.js"))] aria-label="3D view" {
+                @if has_pages { noscript { p { "The 3D view needs JavaScript. " } } }
+                @else { noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } } }
+                div.split {
+                    div {
+                        div.stage {
+                            // Stands there until the view is drawn, and where it cannot be drawn.
+                            @if has_pages { div.poster { (cake_picture(self.build)) } }
+                            canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
+                        }
+                        (view_controls())
+                        p #hover role="status" { "Point at a copy or at a line of the list to see what it is; press to keep it chosen." }
+                    }
+                    (self.part_list())
+                }
+            }
+        }
+    }
+
+    /// The parts by order.
+    fn part_list(&self) -> Markup {
+        let mut orders: BTreeMap<&str, Vec<&ViewedPart>> = BTreeMap::new();
+        for part in &self.parts {
+            orders.entry(part.order.as_str()).or_default().push(part);
+        }
+        html! {
+            div.view-list tabindex="0" role="group" aria-label="Parts by order" {
+                @for (order, parts) in &orders {
+                    @let copies: u32 = parts.iter().map(|part| part.copies).sum();
+                    button.view-order type="button" data-order=(order) aria-pressed="false" {
+                        b { @if order.is_empty() { "No order" } @else { (order) } } " " span.soft { (count(copies, "copy", "copies")) }
+                    }
+                    @for part in parts {
+                        button.view-part type="button" data-part=(part.part) aria-pressed="false" {
+                            span.swatch {} " " (part.name) " "
+                            span.soft { (part.copies) "\u{d7}" @if !part.due.is_empty() { ", due " (part.due) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn view_controls() -> Markup {
+    html! {
+        div.controls {
+            label { "Colour by " select #colour {
+                option value="part" { "part" }
+                @for (word, text) in COLOURINGS { option value=(word) { (text) } }
+            } }
+            label { "Layers up to " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
+            label { "Explode" input #explode type="range" min="0" max="100" value="0"; }
+            button #home type="button" { "Whole view" }
+        }
+        p #legend {}
+    }
+}

@@ -1,0 +1,150 @@
+//! The JSON interface: what the pages show, for machines. `openapi` says at which addresses, and describes it.
+
+use std::sync::Arc;
+
+use axum::{
+    Json,
+    extract::{Path, Query, State},
+};
+use jiff::Timestamp;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
+use crate::{
+    farm::{AlertSummary, PrinterView, load_placed_parts, printer_views, read_stored_alerts},
+    ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp},
+    tables::{FarmNode, MachineForecast, list_farm_nodes},
+    web::{
+        base::error::{HandlerError, HandlerResult},
+        core::{cached_render::find_build, state::DashboardState},
+        pages::{
+            history::{self, HistoryFilter},
+            part,
+        },
+    },
+};
+
+/// The farm as it stands.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct FarmResponse {
+    /// The daemon of this node.
+    daemon: Option<NodeRow>,
+    /// All nodes of the farm, with their machines.
+    nodes: Vec<FarmNode>,
+    /// What a person must see to.
+    needs_a_person: Vec<AlertSummary>,
+    /// The machines that are configured.
+    profiles: Vec<MachineResource>,
+}
+
+/// A machine as it stands.
+#[derive(Serialize, JsonSchema)]
+struct MachineResource {
+    #[serde(flatten)]
+    forecast: MachineForecast,
+    /// Volume of the machine, mm.
+    volume_mm: [f64; 3],
+    /// Whether it takes parts and gives builds, as the daemon saw it last; `None` = it was not looked at yet.
+    available: Option<bool>,
+    /// Why it is unavailable.
+    trouble: Option<String>,
+    /// Since when it is unavailable.
+    trouble_at: Option<UtcTimestamp>,
+    /// Its printers.
+    printers: Vec<PrinterView>,
+}
+
+/// The current state of the farm.
+pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
+    let (status, settings) = (web.ledger.profile_statuses().await?, web.current_settings());
+    let machines = web.ledger.list_machines().await?;
+    let mut printers = Vec::new();
+    for profile in settings.profiles.values() {
+        printers.extend(printer_views(&web.ledger, profile, Timestamp::now()).await?);
+    }
+    let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
+        let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
+        let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
+        let observed = machines.iter().find(|observed| observed.profile == *name);
+        MachineResource {
+            volume_mm: profile.space.volume_mm.to_array(),
+            available: observed.map(|observed| observed.trouble.is_empty()),
+            trouble: observed.map(|observed| observed.trouble.clone()).filter(|trouble| !trouble.is_empty()),
+            trouble_at: observed.and_then(|observed| observed.trouble_at),
+            printers: printers.iter().filter(|printer| printer.profile == *name).cloned().collect(),
+            forecast: MachineForecast::new(status, Some(profile)),
+        }
+    };
+    let profiles = settings.profiles.iter().map(machine).collect();
+    let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
+    let daemon = web.ledger.find_node(&settings.node.name).await?;
+    Ok(Json(FarmResponse { daemon, nodes: list_farm_nodes(&web.ledger).await?, needs_a_person, profiles }))
+}
+
+/// The history, filtered as the page is.
+pub(super) async fn list_builds(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Json<Vec<HistoryRow>>> {
+    Ok(Json(history::list_rows(&web, &asked).await?))
+}
+
+/// The sums of the published builds by machine, filtered as the history page is.
+pub(super) async fn list_height_sums(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Json<Vec<HeightSummary>>> {
+    Ok(Json(history::read_height_sums(&web, &asked).await?))
+}
+
+/// A build. One that is not proved yet comes with its current layout, as on its page.
+pub(super) async fn get_build(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Json<BuildResponse>> {
+    let (build, profile) = find_build(&web, number).await?;
+    let outcomes = convert_rows(web.ledger.outcomes_of_build(build.id).await?);
+    let (mut parts, mut placements) = (Vec::new(), Vec::new());
+    if matches!(build.state, BuildState::Open | BuildState::Nesting) {
+        for (part, copies) in load_placed_parts(&web.ledger, &build, &profile).await? {
+            placements.extend(copies.iter().map(|copy| PlacementResource::from_open_layout(&build, part.id, copy)));
+            parts.push(part.into());
+        }
+    } else {
+        parts = convert_rows(web.ledger.parts_of_build(build.id).await?);
+        placements = convert_rows(web.ledger.placements_of_build(build.id).await?);
+    }
+    Ok(Json(BuildResponse { build: BuildResource::new(build, &profile), parts, placements, outcomes }))
+}
+
+/// Parts, filtered as the page is.
+pub(crate) async fn list_parts(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<part::PartFilter>,
+) -> HandlerResult<Json<Vec<PartResource>>> {
+    Ok(Json(convert_rows(part::read_page(&web, &asked).await?.0)))
+}
+
+/// A part.
+pub(super) async fn get_part(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Json<PartResponse>> {
+    let id = PartId(number);
+    let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
+    let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
+    let same = web.ledger.parts_with_content(&part.file.content_hash).await?;
+    let same_content = same.into_iter().map(|other| other.id).filter(|other| *other != id).collect();
+    Ok(Json(PartResponse {
+        part: part.into(),
+        placements: convert_rows(placements),
+        events: convert_rows(events),
+        same_content,
+    }))
+}
+
+/// Converts rows of the ledger to their JSON form.
+fn convert_rows<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
+    rows.into_iter().map(R::from).collect()
+}

@@ -1,0 +1,132 @@
+//! What programs tell of builds and machines: outcomes, releases, flushes. As `nestd outcome`, `release` and `flush` do.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use axum::{
+    Json,
+    extract::{Path, State},
+    response::Response,
+};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{
+    edit_door::{CarriedOut, send},
+    enum_words::words_of,
+};
+use crate::{
+    farm,
+    ledger::{
+        BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome, ToldOutcome,
+    },
+    web::{
+        base::{
+            api_body::JsonBody,
+            error::{HandlerError, HandlerResult},
+        },
+        core::{
+            command::{check_takes_orders, is_failure_of_ledger},
+            request_user::RequestUser,
+            state::DashboardState,
+        },
+    },
+};
+
+/// What became of the print of a build.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OutcomeRequest {
+    /// The outcome.
+    #[schemars(with = "String", extend("enum" = words_of::<PrintOutcome>()))]
+    outcome: PrintOutcome,
+    /// A note for people.
+    #[serde(default)]
+    note: String,
+    /// Copies that are bad all the same, by the number of their part.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, u32>")]
+    bad: BTreeMap<i64, u32>,
+    /// Whether bad copies are not to be printed again.
+    #[serde(default)]
+    keep: bool,
+    /// Whether it corrects what was told before.
+    #[serde(default)]
+    correct: bool,
+    /// Whether it is meant although the file of the build lies in the queue: it is taken out first.
+    #[serde(default)]
+    anyway: bool,
+}
+
+/// That a proved build may be published.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct ReleaseRequest {
+    /// BLAKE3 of the build file that was looked at; if the build was proved anew since, it is not released.
+    file_hash: Option<String>,
+}
+
+/// Records the outcome of a build.
+pub(super) async fn post_outcome(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    JsonBody(request): JsonBody<OutcomeRequest>,
+) -> HandlerResult<Json<CarriedOut>> {
+    let build = require_build(&web, number).await?;
+    let outcome = request.outcome;
+    let told = ToldOutcome {
+        bad: request.bad.into_iter().map(|(part, copies)| (PartId(part), copies)).collect(),
+        keep: request.keep,
+        is_correction: request.correct,
+        ..ToldOutcome::new(outcome, request.note.trim(), &by)
+    };
+    let word = OperatorWord::Outcome(build, told);
+    let said = farm::operate(&web.ledger, &web.current_settings(), &word, &by, request.anyway).await;
+    let said = said.map_err(refusal_of_ledger)?;
+    Ok(Json(CarriedOut { done: said.noted.is_empty(), answers: said.sentences }))
+}
+
+/// Releases a proved build.
+pub(super) async fn post_release(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    JsonBody(request): JsonBody<ReleaseRequest>,
+) -> HandlerResult<Json<CarriedOut>> {
+    let build = require_build(&web, number).await?;
+    let released =
+        web.ledger.release_build(build, request.file_hash.as_deref(), &by).await.map_err(refusal_of_ledger)?;
+    let answer = match released {
+        true => format!("Build {build} is released and goes to the queue."),
+        false => format!("Build {build} was released before."),
+    };
+    Ok(Json(CarriedOut { done: true, answers: vec![answer] }))
+}
+
+/// Nests and publishes the waiting parts of a machine.
+pub(super) async fn post_flush(
+    State(web): State<Arc<DashboardState>>,
+    Path(machine): Path<String>,
+    RequestUser(asked_by): RequestUser,
+) -> HandlerResult<Response> {
+    check_takes_orders(&web)?;
+    if !web.current_settings().profiles.contains_key(&machine) {
+        return Err(HandlerError::NotFound(format!("machine {machine}")));
+    }
+    let (kind, argument) = (CommandKind::Flush, CommandArgument::default());
+    send(&web, vec![NewCommand { kind, profile: machine, part: None, argument, asked_by }]).await
+}
+
+async fn require_build(web: &DashboardState, number: i64) -> HandlerResult<BuildId> {
+    check_takes_orders(web)?;
+    let build = web.ledger.find_build(BuildId(number)).await?;
+    build.map(|build| build.id).ok_or_else(|| HandlerError::NotFound(format!("build {number}")))
+}
+
+/// What the ledger refuses is a conflict with what it holds.
+fn refusal_of_ledger(error: LedgerError) -> HandlerError {
+    match is_failure_of_ledger(&error) {
+        true => error.into(),
+        false => HandlerError::Refused(axum::http::StatusCode::CONFLICT, error.to_string()),
+    }
+}

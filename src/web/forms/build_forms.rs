@@ -1,0 +1,264 @@
+//! The forms of the page of a build, for what became of its print: the outcome, printing it again, and that somebody has
+//! seen to a failed print. The ledger carries them out, as it does for `nestd outcome`, `reprint`, `requeue` and `dismiss`.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use axum::{
+    Form,
+    extract::{Path, State},
+    http::StatusCode,
+};
+use jiff::Timestamp;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::operate_form::say_word;
+use crate::{
+    farm::{awaits_release, preview_release},
+    ledger::{
+        BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, PartId, PlacementRow, PrintOutcome,
+        ReprintTarget, ToldOutcome,
+    },
+    settings::MachineProfile,
+    web::{
+        base::error::{HandlerError, HandlerResult},
+        core::{
+            command::answer_form,
+            form_answer::{FormAnswer, key_field},
+            request_user::RequestUser,
+            state::DashboardState,
+        },
+    },
+};
+
+/// Longest note, so that a form stays below the size that is taken.
+pub(super) const MAX_NOTE: u32 = 500;
+
+/// A form of the page of a build.
+#[derive(Debug, Deserialize)]
+pub(crate) struct BuildTellForm {
+    act: BuildFormAct,
+    #[serde(default)]
+    note: String,
+    /// Bad copies: `7=2, 9=1`.
+    #[serde(default)]
+    bad: String,
+    /// Sent if bad copies are not to be printed again.
+    keep: Option<String>,
+    /// Sent if it corrects what was told before.
+    correct: Option<String>,
+    /// Hash of the build file that was shown.
+    seen: Option<String>,
+    /// Sent if it is meant although the file of the build lies in the queue.
+    anyway: Option<String>,
+}
+
+/// What a form of the page of a build asks for.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum BuildFormAct {
+    Complete,
+    Interrupted,
+    Failed,
+    Reprint,
+    Requeue,
+    Seen,
+    Release,
+    Withdraw,
+}
+
+/// The forms for a published build. `placements` are its copies, those that were printed badly included.
+pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
+    let is_told = matches!(build.state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
+    let has_counted = placements.iter().any(|placed| !placed.is_bad);
+    html! {
+        @if web.orders && build.times.published_at.is_some() {
+            section.forms #told aria-label="What became of the print" {
+                (outcome_form(web, build, &bad_text(build, placements), is_told))
+                @if has_counted {
+                    details { summary { "Print again" }
+                        p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }
+                        (act_form(web, build.id, "reprint", "Print every copy again"))
+                    }
+                }
+                @if build.state == BuildState::Published && build.place.taken_at.is_none() {
+                    details { summary { "Take it back out of the queue" }
+                        p { "Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it." }
+                        @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
+                        @else { (act_form(web, build.id, "withdraw", "Take it back")) }
+                    }
+                }
+                details { summary { "Issue once more" }
+                    p { "The same proved build is issued as a new one: the same copies in the same places. Copies that count as printed count as bad then." }
+                    (act_form(web, build.id, "requeue", "Issue this build once more"))
+                }
+            }
+        }
+    }
+}
+
+/// Says that a failed print needs a person, with the button that dismisses it.
+pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
+    html! {
+        div.failed role="alert" {
+            p { "The print of build " a href=(format!("/builds/{}", build.id)) { (build.id) } " on " (build.profile) " failed"
+                @if !build.reason.is_empty() { ": " (build.reason) }
+                ". Nobody has seen to it yet." }
+            @if web.orders { (act_form(web, build.id, "seen", "Seen to")) }
+        }
+    }
+}
+
+/// What publishing a proved build would mean, with the button that has it published; nothing unless it waits for that.
+pub(crate) async fn release_form(
+    web: &DashboardState,
+    build: &BuildRow,
+    profile: &MachineProfile,
+) -> HandlerResult<Markup> {
+    if !awaits_release(profile, build) {
+        return Ok(Markup::default());
+    }
+    let preview = preview_release(&web.ledger, profile, build, Timestamp::now()).await?;
+    Ok(html! {
+        section.forms #release aria-label="Waits for a yes" {
+            p role="status" { b { "It waits for a yes before it is published." } }
+            ul { @for sentence in preview.sentences(&profile.time_zone) { li { (sentence) } } }
+            @if web.orders { (act_form_with(web, build.id, ("release", "Publish it"), build.staged.file_hash.as_deref())) }
+        }
+    })
+}
+
+fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool) -> Markup {
+    let choices = [("complete", "complete"), ("interrupted", "interrupted: the machine stopped"), ("failed", "failed")];
+    html! {
+        details {
+            summary { @if is_told { "Correct what was told" } @else { "Tell how it printed" } }
+            form.tell method="post" action=(format!("/builds/{}/told", build.id)) {
+                (key_field(web))
+                @if is_told { input type="hidden" name="correct" value="yes"; }
+                label { "The print is" select name="act" {
+                    @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
+                } }
+                label { "Bad copies, as part = copies, for example 7=2, 9=1" input name="bad" value=(bad) maxlength=(MAX_NOTE); }
+                label { "Note" input name="note" maxlength=(MAX_NOTE); }
+                label.check { input type="checkbox" name="keep" value="yes"; "Do not print bad copies again" }
+                p { "Bad copies wait again with all that was asked; of a failed print all copies do." }
+                button type="submit" { @if is_told { "Correct the outcome" } @else { "Tell the outcome" } }
+            }
+        }
+    }
+}
+
+/// A button that needs no more fields.
+fn act_form(web: &DashboardState, build: BuildId, act: &str, label: &str) -> Markup {
+    act_form_with(web, build, (act, label), None)
+}
+
+/// A button that says which build file was shown.
+fn act_form_with(web: &DashboardState, build: BuildId, (act, label): (&str, &str), seen: Option<&str>) -> Markup {
+    html! {
+        form.order method="post" action=(format!("/builds/{build}/told")) {
+            (key_field(web))
+            input type="hidden" name="act" value=(act);
+            @if let Some(seen) = seen { input type="hidden" name="seen" value=(seen); }
+            button type="submit" { (label) span.unseen { " (build " (build) ")" } }
+        }
+    }
+}
+
+/// The copies that were told bad, as the form takes them; "" for a failed print, in which all are.
+fn bad_text(build: &BuildRow, placements: &[PlacementRow]) -> String {
+    let mut bad: BTreeMap<i64, u32> = BTreeMap::new();
+    if build.state != BuildState::Failed {
+        for placed in placements.iter().filter(|placed| placed.is_bad) {
+            *bad.entry(placed.part_id.0).or_default() += 1;
+        }
+    }
+    bad.iter().map(|(part, copies)| format!("{part}={copies}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Records what a form says of a build.
+pub(crate) async fn post_told(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    Form(form): Form<BuildTellForm>,
+) -> HandlerResult<FormAnswer> {
+    let build = BuildId(number);
+    if web.ledger.find_build(build).await?.is_none() {
+        return Err(HandlerError::NotFound(format!("build {number}")));
+    }
+    let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
+    let back = format!("/builds/{number}");
+    match word_of(build, &form, bad, &by) {
+        Some(word) => say_word(&web, &word, &by, form.anyway.is_some(), &back).await,
+        None => answer_form(carry_out(&web.ledger, build, &form, &by).await, &back),
+    }
+}
+
+/// The word about its print that a form says.
+fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &str) -> Option<OperatorWord> {
+    let outcome = match form.act {
+        BuildFormAct::Complete => PrintOutcome::Complete,
+        BuildFormAct::Interrupted => PrintOutcome::Interrupted,
+        BuildFormAct::Failed => PrintOutcome::Failed,
+        BuildFormAct::Reprint => return Some(OperatorWord::Reprint(ReprintTarget::Build(build))),
+        BuildFormAct::Requeue => return Some(OperatorWord::Requeue(build)),
+        BuildFormAct::Withdraw => return Some(OperatorWord::Withdraw(build, String::new())),
+        BuildFormAct::Seen | BuildFormAct::Release => return None,
+    };
+    let told = ToldOutcome {
+        bad,
+        keep: form.keep.is_some(),
+        is_correction: form.correct.is_some(),
+        ..ToldOutcome::new(outcome, form.note.trim(), by)
+    };
+    Some(OperatorWord::Outcome(build, told))
+}
+
+async fn carry_out(
+    ledger: &Ledger,
+    build: BuildId,
+    form: &BuildTellForm,
+    by: &str,
+) -> Result<Vec<String>, LedgerError> {
+    match form.act {
+        BuildFormAct::Release => {
+            ledger.release_build(build, form.seen.as_deref(), by).await?;
+            Ok(vec![format!("Build {build} is released and goes to the queue.")])
+        }
+        BuildFormAct::Seen => {
+            ledger.mark_failure_seen(build, by).await?;
+            Ok(Vec::new())
+        }
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// Parses `7=2, p9=1`.
+fn parse_bad_copies(text: &str) -> Result<Vec<(PartId, u32)>, String> {
+    let pieces = text.split([',', ';']).map(str::trim).filter(|piece| !piece.is_empty());
+    let pair = |piece: &str| {
+        let (part, copies) = piece.split_once('=')?;
+        let part = part.trim().trim_start_matches(['p', 'P']).parse().ok()?;
+        Some((PartId(part), copies.trim().parse().ok().filter(|copies| *copies > 0)?))
+    };
+    let parse = |piece: &str| {
+        pair(piece).ok_or_else(|| format!("'{piece}' names no bad copies: say part = copies, for example 7=2, 9=1"))
+    };
+    pieces.map(parse).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_copies_are_pairs_of_part_and_number() {
+        assert_eq!(parse_bad_copies(" 7=2, p9 = 1;").unwrap(), [(PartId(7), 2), (PartId(9), 1)]);
+        assert!(parse_bad_copies("").unwrap().is_empty());
+        for wrong in ["7", "7=0", "=1", "7=-1", "a=1", "7=1 9=1"] {
+            assert!(parse_bad_copies(wrong).is_err(), "{wrong}");
+        }
+    }
+}

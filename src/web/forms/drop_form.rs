@@ -1,0 +1,146 @@
+//! The form that puts files into the hot folder of a machine, and what it says of them: the ticket that is written beside each.
+
+use maud::{Markup, html};
+
+use crate::{
+    intake::{MAX_COPIES, Ticket},
+    settings::{FarmZone, MachineProfile},
+    web::core::{form_answer::key_field, state::DashboardState},
+};
+
+/// Longest text of a field.
+pub(crate) const MAX_FIELD_BYTES: usize = 1000;
+
+/// What the form says of its files; empty fields say nothing.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct DropFields {
+    pub(crate) key: String,
+    order: String,
+    copies: String,
+    due: String,
+    due_time: String,
+    orientation: String,
+    priority: String,
+    note: String,
+}
+
+impl DropFields {
+    /// Sets the field of this name. Returns whether there is one.
+    pub(crate) fn set_field(&mut self, name: &str, text: String) -> bool {
+        let field = match name {
+            "key" => &mut self.key,
+            "order" => &mut self.order,
+            "copies" => &mut self.copies,
+            "due" => &mut self.due,
+            "due_time" => &mut self.due_time,
+            "orientation" => &mut self.orientation,
+            "priority" => &mut self.priority,
+            "note" => &mut self.note,
+            _ => return false,
+        };
+        *field = text.trim().to_owned();
+        true
+    }
+
+    /// The ticket to write beside each file; "" = none.
+    ///
+    /// # Errors
+    /// In words, when a field says what no ticket may.
+    pub(crate) fn to_ticket(&self, zone: &FarmZone) -> Result<String, String> {
+        let mut ticket = toml::Table::new();
+        let mut set = |name: &str, text: &str| {
+            if !text.is_empty() {
+                ticket.insert(name.to_owned(), toml::Value::String(text.to_owned()));
+            }
+        };
+        set("order", &self.order);
+        set("orientation", &self.orientation);
+        set("note", &self.note);
+        let due = match self.due_time.as_str() {
+            "" => self.due.clone(),
+            _ if self.due.is_empty() => return Err("a time of day needs its date".to_owned()),
+            time => format!("{} {time}", self.due),
+        };
+        set("due", &due);
+        for (name, text) in [("copies", &self.copies), ("priority", &self.priority)] {
+            if !text.is_empty() {
+                let number: i64 = text.parse().map_err(|_| format!("{name}: '{text}' is no whole number"))?;
+                ticket.insert(name.to_owned(), number.into());
+            }
+        }
+        let text = toml::to_string(&ticket).map_err(|error| error.to_string())?;
+        let read = Ticket::from_toml(&text, "of this form").map_err(|error| error.to_string())?;
+        let instant = read.due.map(|due| due.to_timestamp(zone.time_zone())).transpose();
+        instant.map_err(|error| format!("due: {error}"))?;
+        Ok(text)
+    }
+}
+
+/// The form. `at` distinguishes its fields from those of the other forms of a page.
+pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_bytes: u64) -> Markup {
+    let name = profile.name.as_str();
+    html! {
+        form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
+            data-max-bytes=(max_bytes) data-machine=(name) {
+            (key_field(web))
+            label { "Order" input name="order" maxlength="200"; }
+            label { "Copies of each file; empty = as its name says (bracket_x10.stl), else 1"
+                input name="copies" type="number" min="1" max=(MAX_COPIES) inputmode="numeric"; }
+            div.pair {
+                label { "Due (the end of that day, unless with a time)" input name="due" type="date"; }
+                label { "Time" input name="due_time" type="time"; }
+            }
+            label { "How the parts may be turned" select name="orientation" {
+                option value="" { "as the machine allows" }
+                @for (word, text) in [("free", "free: any way"), ("upright", "upright: about the vertical"), ("axis", "axis: in right angles"), ("fixed", "fixed: as in the file")] {
+                    option value=(word) { (text) }
+                }
+            } }
+            label { "Priority, 0 to 100; 100 must be in the next build" input name="priority" type="number" min="0" max="100"; }
+            label { "Note" input name="note" maxlength="500"; }
+            label.files { "STL or 3MF files" input name="file" type="file" multiple required accept=".stl,.3mf"; }
+            p.chosen role="status" {}
+            progress.sent max="100" value="0" hidden aria-label=(format!("Files that are sent to {name}")) {}
+            button type="submit" { "Add to " (name) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ticket(fields: &[(&str, &str)]) -> Result<String, String> {
+        let mut form = DropFields::default();
+        for (name, text) in fields {
+            assert!(form.set_field(name, (*text).to_owned()), "{name}");
+        }
+        form.to_ticket(&FarmZone::default())
+    }
+
+    #[test]
+    fn the_form_writes_a_ticket_that_the_hot_folder_reads() {
+        assert_eq!(ticket(&[("order", " "), ("copies", "")]).unwrap(), "", "nothing said, no ticket");
+        let said = [
+            ("order", "10\"42\n\\"),
+            ("copies", "12"),
+            ("due", "2026-11-27"),
+            ("due_time", "17:00"),
+            ("orientation", "upright"),
+        ];
+        let text = ticket(&said).unwrap();
+        let read = Ticket::from_toml(&text, "t").unwrap();
+        assert_eq!((read.copies, read.due.unwrap().to_string()), (Some(12), "2026-11-27 17:00".to_owned()));
+        assert!(read.order.unwrap().starts_with("10\"42"));
+        for wrong in [
+            ("copies", "0"),
+            ("copies", "many"),
+            ("due", "tomorrow"),
+            ("due_time", "17:00"),
+            ("priority", "101"),
+            ("orientation", "sideways"),
+        ] {
+            assert!(ticket(&[wrong]).is_err(), "{wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The forms of the page of an order: what waits of it is changed, moved or cancelled, what was printed is printed again. Each line has
+//! the forms of its part.
+
+use std::sync::Arc;
+
+use axum::{
+    Form,
+    extract::{Path, State},
+    http::StatusCode,
+};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{
+    build_forms::MAX_NOTE,
+    operate_form::say_word,
+    order_cancel::{CancelTarget, cancel_lines},
+    part_forms::{PartEditForm, part_forms},
+};
+use crate::{
+    ledger::{
+        CommandArgument, CommandKind, NewCommand, OperatorWord, OrderLine, PartEdit, PartRow, PartState, ReprintTarget,
+    },
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            format::count,
+            query::order_address,
+        },
+        core::{
+            command::{command_button, send_commands, show_answers},
+            form_answer::{FormAnswer, key_field},
+            request_user::RequestUser,
+            state::DashboardState,
+        },
+    },
+};
+
+/// Lines whose forms are on the page of the order; those of others are on the pages of their parts.
+const MAX_FORMS: usize = 40;
+
+/// The form that moves a whole order.
+#[derive(Debug, Deserialize)]
+pub(crate) struct MoveOrderForm {
+    /// The machine that it is moved to.
+    profile: String,
+}
+
+/// The button that prints a whole order again.
+#[derive(Debug, Deserialize)]
+pub(crate) struct ReprintOrderForm {
+    /// Sent if it is meant although the file of a build lies in the queue.
+    anyway: Option<String>,
+}
+
+fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
+    lines.iter().filter(|line| line.state == PartState::Waiting)
+}
+
+/// The forms that change what waits of an order.
+pub(crate) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
+    let waiting = waiting_lines(lines).count() as u32;
+    let settings = web.current_settings();
+    let address = order_address(name);
+    let parts = count(waiting, "waiting part", "waiting parts");
+    html! {
+        @if web.orders && waiting > 0 {
+            details { summary { "Change what waits" }
+                form.tell method="post" action=(format!("{address}/edit")) {
+                    (key_field(web))
+                    p { "For all " (parts) ". An empty field changes nothing." }
+                    label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
+                    label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
+                    label { "Note" input name="note" maxlength=(MAX_NOTE); }
+                    button type="submit" { "Change the order" }
+                }
+            }
+            @if settings.profiles.len() > 1 {
+                details { summary { "Move to another machine" }
+                    form.tell method="post" action=(format!("{address}/move")) {
+                        (key_field(web))
+                        label { "Machine" select name="profile" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
+                        p { "The " (parts) " of this order move, and are read again there." }
+                        button type="submit" { "Move the order" }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The forms of each line: those of its part.
+pub(crate) fn line_forms(web: &DashboardState, lines: &[OrderLine], parts: &[PartRow]) -> Markup {
+    html! {
+        @if web.orders && lines.len() <= MAX_FORMS {
+            details { summary { "Change a line" }
+                @for (line, part) in lines.iter().filter_map(|line| Some((line, parts.iter().find(|part| part.id == line.part)?))) {
+                    details { summary { "Part " (line.part) ": " (line.full_name()) " " span.soft { (line.state) } }
+                        div.buttons {
+                            @if line.state == PartState::Waiting { (command_button(web, CommandKind::Cancel, "Cancel", &line.full_name(), "", Some(line.part))) }
+                            @if line.state == PartState::Rejected { (command_button(web, CommandKind::Retry, "Retry", &line.full_name(), "", Some(line.part))) }
+                        }
+                        (part_forms(web, part, line.copies.printed + line.copies.good))
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A command for every waiting line of an order.
+async fn command_lines(
+    web: &DashboardState,
+    name: &str,
+    command: impl Fn(&OrderLine) -> NewCommand,
+) -> HandlerResult<FormAnswer> {
+    let lines = web.ledger.order_lines(name).await?;
+    let commands: Vec<NewCommand> = waiting_lines(&lines).map(command).collect();
+    if commands.is_empty() {
+        return Err(nothing_waits());
+    }
+    send_commands(web, commands, &order_address(name)).await
+}
+
+fn nothing_waits() -> HandlerError {
+    HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned())
+}
+
+/// Changes what was asked with the waiting parts of an order.
+pub(crate) async fn post_edit(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    RequestUser(by): RequestUser,
+    Form(form): Form<PartEditForm>,
+) -> HandlerResult<FormAnswer> {
+    let refused = |wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong);
+    let edit: PartEdit = form.to_edit(&web.current_settings().time_zone).map_err(refused)?;
+    if edit.is_empty() {
+        return Err(refused("nothing was filled in".to_owned()));
+    }
+    let command = |line: &OrderLine| NewCommand {
+        kind: CommandKind::Edit,
+        profile: String::new(),
+        part: Some(line.part),
+        argument: CommandArgument { copies: None, edit: Some(edit.clone()) },
+        asked_by: by.clone(),
+    };
+    command_lines(&web, &name, command).await
+}
+
+/// Moves what waits of an order to another machine.
+pub(crate) async fn post_move(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    RequestUser(by): RequestUser,
+    Form(form): Form<MoveOrderForm>,
+) -> HandlerResult<FormAnswer> {
+    if !web.current_settings().profiles.contains_key(&form.profile) {
+        return Err(HandlerError::NotFound(format!("machine {}", form.profile)));
+    }
+    let command = |line: &OrderLine| NewCommand {
+        kind: CommandKind::Move,
+        profile: form.profile.clone(),
+        part: Some(line.part),
+        argument: CommandArgument::default(),
+        asked_by: by.clone(),
+    };
+    command_lines(&web, &name, command).await
+}
+
+/// The buttons that concern the whole order. Each is folded away, so that nobody presses it by mistake.
+/// `arriving` = lines that are no parts yet.
+pub(crate) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine], arriving: usize) -> Markup {
+    let printed = lines.iter().any(|line| line.copies.printed + line.copies.good > 0);
+    let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
+    let waiting = (waiting_lines(lines).count() + read + arriving) as u32;
+    let address = order_address(name);
+    html! {
+        @if web.orders && printed {
+            details { summary { "Print again" }
+                p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
+                form.tell method="post" action=(format!("{address}/reprint")) {
+                    (key_field(web))
+                    button type="submit" { "Print every printed copy again" }
+                }
+            }
+        }
+        @if web.orders && waiting > 0 {
+            details { summary { "Cancel" }
+                p { (count(waiting, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
+                form.tell method="post" action=(format!("{address}/cancel")) {
+                    (key_field(web))
+                    button type="submit" { "Cancel what waits" }
+                }
+            }
+        }
+    }
+}
+
+/// Puts every printed copy of an order back among the waiting ones.
+pub(crate) async fn post_reprint(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    RequestUser(by): RequestUser,
+    Form(form): Form<ReprintOrderForm>,
+) -> HandlerResult<FormAnswer> {
+    let back = order_address(&name);
+    let word = OperatorWord::Reprint(ReprintTarget::Order(name));
+    say_word(&web, &word, &by, form.anyway.is_some(), &back).await
+}
+
+/// Cancels what waits of an order.
+pub(crate) async fn post_cancel(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<FormAnswer> {
+    let answers = cancel_lines(&web, CancelTarget { order: &name, line: None }, &by).await?;
+    match answers.is_empty() {
+        true => Err(nothing_waits()),
+        false => Ok(show_answers(answers, &order_address(&name))),
+    }
+}

@@ -1,0 +1,128 @@
+//! The page of a build: 3D view, facts and parts.
+
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use maud::{Markup, html};
+
+use super::machine_card::fire_forecast_text;
+use crate::{
+    farm::{CakeCopy, load_placed_parts},
+    ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
+    settings::MachineProfile,
+    tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
+    web::{
+        base::{
+            error::HandlerResult,
+            format::prose_with_code,
+            listing::{fact_list, table_of},
+            page::html_page,
+        },
+        core::{
+            cached_render::{find_build, layout_version},
+            state::DashboardState,
+            view_section::{ViewSection, ViewedPart},
+        },
+        figures::chart,
+        forms::build_forms::{build_forms, release_form, unseen_failure},
+    },
+};
+
+/// The page of a build.
+pub(crate) async fn show_build(
+    State(web): State<Arc<DashboardState>>,
+    Path(number_of_build): Path<i64>,
+) -> HandlerResult<Markup> {
+    let (build, profile) = find_build(&web, number_of_build).await?;
+    let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
+    let copies: u32 = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
+    // Counts only the copies in this build: the other copies are in other builds, or wait.
+    let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart { part, copies: copies.len() as u32 };
+    let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
+    let outcomes = web.ledger.outcomes_of_build(build.id).await?;
+    let placements = web.ledger.placements_of_build(build.id).await?;
+    let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
+    let view = web.time_view();
+    // What the machine asks for now counts, not what it asked for when the build was made.
+    let machine = web.current_settings().profiles.get(&build.profile).cloned();
+    let release = match &machine {
+        Some(machine) => release_form(&web, &build, machine).await?,
+        None => Markup::default(),
+    };
+    let content = html! {
+        h1 { "Build " (build.id) " on " (build.profile) ": " (build.state_word()) }
+        @if is_unseen { (unseen_failure(&web, &build)) }
+        @else if !build.reason.is_empty() {
+            p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
+        }
+        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
+        p.links { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" }
+            @if build.times.published_at.is_some() {
+                a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
+            } }
+        @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
+        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view)))
+        (release)
+        (build_forms(&web, &build, &placements))
+        (height_curve(&build.height_curve()))
+        (outcome_list(&outcomes, &view))
+        h2 { "Parts" }
+        (table_of("Parts", None, BUILD_PART_COLUMNS, &rows, &view))
+    };
+    Ok(html_page(&format!("Build {}", build.id), "", Some("start.js"), &content))
+}
+
+/// The 3D view of a build with its parts.
+fn view_of_build(build: &BuildRow, rows: &[CountedPart], view: &TimeView) -> ViewSection {
+    let due = |counted: &CountedPart| GivenDate::of_terms(&counted.part.terms).map(|due| view.due_text(&due));
+    let part = |counted: &CountedPart| ViewedPart::of_counted(counted, due(counted).unwrap_or_default());
+    ViewSection { build: build.id.0, version: view_version(build), parts: rows.iter().map(part).collect() }
+}
+
+/// When an open build fires, and which trigger fires it.
+async fn fire_forecast(
+    web: &DashboardState,
+    build: &BuildRow,
+    profile: &MachineProfile,
+) -> HandlerResult<Option<String>> {
+    if build.state != BuildState::Open {
+        return Ok(None);
+    }
+    let status = web.ledger.profile_statuses().await?;
+    Ok(status
+        .iter()
+        .find(|status| status.profile == build.profile)
+        .and_then(|status| fire_forecast_text(profile, status)))
+}
+
+/// A text that changes when the layout of the build changes. A proved build does not change any more.
+fn view_version(build: &BuildRow) -> String {
+    match build.state {
+        BuildState::Open | BuildState::Nesting => layout_version(build),
+        _ => "proved".to_owned(),
+    }
+}
+
+/// Whether the reason of a build is a failure, not a note of the operator.
+fn is_failure(build: &BuildRow) -> bool {
+    build.place.withdrawn_at.is_none() && matches!(build.state, BuildState::Failed | BuildState::Interrupted)
+}
+
+/// A chart of the build height over the time of the search.
+pub(crate) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
+    html! {
+        @if points.len() > 1 {
+            figure { figcaption { "Height while it was searched, mm over seconds" }
+                (chart::plot_lines("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
+        }
+    }
+}
+
+fn outcome_list(outcomes: &[OutcomeRow], view: &TimeView) -> Markup {
+    html! {
+        @if !outcomes.is_empty() {
+            h2 { "What became of it" }
+            (table_of("Outcomes", None, OUTCOME_COLUMNS, outcomes, view))
+        }
+    }
+}

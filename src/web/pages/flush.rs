@@ -1,0 +1,93 @@
+//! What a flush would build now, before a person asks for it.
+
+use std::sync::Arc;
+
+use axum::extract::{Path, State};
+use maud::{Markup, html};
+
+use crate::{
+    farm::load_placed_parts,
+    ledger::{CommandKind, PartQuery, PartRow, PartState, ProfileStatus},
+    settings::MachineProfile,
+    tables::{BUILD_PART_COLUMNS, CountedPart, PART_COLUMNS, fields, height_in_volume},
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            format::count,
+            listing::table_of,
+            page::html_page,
+        },
+        core::{command::command_button, picture::profile_picture, state::DashboardState},
+    },
+};
+
+/// Waiting parts that are listed.
+const MAX_PARTS: u32 = 200;
+
+/// The preview of a flush, with the button that asks for it.
+pub(crate) async fn show_preview(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+) -> HandlerResult<Markup> {
+    let settings = web.current_settings();
+    let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
+    let status = web.ledger.profile_statuses().await?.into_iter().find(|status| status.profile == name);
+    let status = status.unwrap_or_else(|| ProfileStatus { profile: name.clone(), ..ProfileStatus::default() });
+    let inside = placed_parts(&web, profile, &status).await?;
+    let query = PartQuery {
+        state: Some(PartState::Waiting),
+        profile: Some(name.clone()),
+        limit: MAX_PARTS,
+        ..PartQuery::default()
+    };
+    let mut outside: Vec<PartRow> = web.ledger.list_parts(&query).await?;
+    outside.retain(|part| !inside.iter().any(|counted| counted.part.id == part.id));
+    let picture_html = profile_picture(&web, &status).await?;
+    let placed: u32 = inside.iter().map(|counted| counted.copies).sum();
+    let later = status.waiting_copies.saturating_sub(placed);
+    let view = web.time_view();
+    let content = html! {
+        h1 { "Flush " (name) "?" }
+        @if status.waiting_parts == 0 { p { "Nothing waits for it: there is nothing to build." } }
+        @else {
+            (preview_sentence(profile, &status, placed))
+            @if later > 0 { p { (count(later, "waiting copy stands", "waiting copies stand")) " in no layout yet. The final search tries to take them, too." } }
+            div.buttons {
+                (command_button(&web, CommandKind::Flush, "Flush now", &format!("{name}: publish what waits now"), &name, None))
+                a.button href="/" { "Not now" }
+            }
+            (picture_html)
+            @if !inside.is_empty() { h2 { "In the layout so far" } (table_of("In the layout", None, BUILD_PART_COLUMNS, &inside, &view)) }
+            @if !outside.is_empty() { h2 { "Waiting, in no layout yet" } (table_of("Waiting", None, PART_COLUMNS, &outside, &view)) }
+        }
+    };
+    Ok(html_page(&format!("Flush {name}"), "", None, &content))
+}
+
+/// The parts in the layout of the open build, with the copies there.
+async fn placed_parts(
+    web: &DashboardState,
+    profile: &MachineProfile,
+    status: &ProfileStatus,
+) -> HandlerResult<Vec<CountedPart>> {
+    let Some(open) = &status.open else { return Ok(Vec::new()) };
+    let Some(build) = web.ledger.find_build(open.build).await? else { return Ok(Vec::new()) };
+    let parts = load_placed_parts(&web.ledger, &build, profile).await?;
+    Ok(parts.into_iter().map(|(part, copies)| CountedPart { part, copies: copies.len() as u32 }).collect())
+}
+
+/// What would be built, and how high it stands.
+fn preview_sentence(profile: &MachineProfile, status: &ProfileStatus, placed: u32) -> Markup {
+    let open = status.open.as_ref().filter(|_| placed > 0);
+    let height = open.and_then(|open| height_in_volume(open.height_mm, Some(profile.space.volume_mm.z)));
+    let density = open.and_then(|open| fields::DENSITY.with_unit(open.density));
+    html! {
+        p { b { (count(status.waiting_copies, "copy", "copies")) " of " (count(status.waiting_parts, "part", "parts")) } " wait. "
+            @if let Some(height) = height {
+                "The layout so far holds " (placed) " of them and stands at " b { (height) }
+                @if let Some(density) = density { ", " (density) " dense" } ". "
+            }
+            "A flush searches for " (format!("{:.0} s", profile.search.final_secs)) ", proves the build and puts it into the queue; it may come out lower. "
+            "Copies that find no place go on waiting." }
+    }
+}

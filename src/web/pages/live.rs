@@ -1,0 +1,58 @@
+//! Live updates: the server notifies a page that something has changed, and the page reloads its content. The first event
+//! comes as soon as a page subscribes, so that a change since the page was rendered is not lost. Each event names the time zone
+//! of the farm, in which a page that loses its connection says since when.
+
+use std::{convert::Infallible, sync::Arc, time::Duration};
+
+use axum::{
+    extract::State,
+    http::StatusCode,
+    response::sse::{Event, KeepAlive, Sse},
+};
+use tokio::sync::watch;
+use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
+
+use crate::web::{
+    base::error::{HandlerError, HandlerResult},
+    core::state::DashboardState,
+};
+
+/// Most pages that listen at once. Each of them keeps a connection open, and other requests need connections as well.
+pub(crate) const MAX_LISTENERS: usize = 48;
+
+/// Time between two reads of the ledger while a page listens.
+const POLL_INTERVAL: Duration = Duration::from_secs(1);
+
+/// The change stream: an event `changed` at once, and again whenever the farm's state changes. Its data is the name of the farm's
+/// time zone; empty where that has no name.
+pub(crate) async fn stream_changes(
+    State(web): State<Arc<DashboardState>>,
+) -> HandlerResult<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
+    if web.changes.receiver_count() >= MAX_LISTENERS {
+        let text = "too many pages listen for changes already".to_owned();
+        return Err(HandlerError::Refused(StatusCode::TOO_MANY_REQUESTS, text));
+    }
+    let changes = WatchStream::new(web.changes.subscribe());
+    let events = changes.map(move |_| {
+        let zone = web.current_settings().time_zone.time_zone().iana_name().unwrap_or_default().to_owned();
+        Ok(Event::default().event("changed").data(zone))
+    });
+    Ok(Sse::new(events).keep_alive(KeepAlive::default()))
+}
+
+/// Checks once a second whether the farm's state has changed, while any page listens.
+pub(crate) async fn watch_for_changes(web: Arc<DashboardState>, changes: watch::Sender<u64>) {
+    let mut seen = String::new();
+    loop {
+        tokio::time::sleep(POLL_INTERVAL).await;
+        if changes.receiver_count() == 0 {
+            continue;
+        }
+        // A read that fails is repeated a second later.
+        let Ok(now) = web.change_token().await else { continue };
+        if now != seen {
+            seen = now;
+            changes.send_modify(|number| *number += 1);
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The report of a month: what each machine made, against the month before; what came late, and what failed.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use axum::{
+    Json,
+    extract::{Query, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use jiff::{
+    Timestamp, ToSpan,
+    civil::{Date, date},
+};
+use maud::{Markup, html};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    ledger::{BuildState, HistoryQuery, HistoryRow, LatePart},
+    settings::FarmZone,
+    tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields},
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            format::{DASH, count},
+            listing::heading,
+            page::html_page,
+            query::order_address,
+        },
+        core::state::DashboardState,
+        figures::chart::weekly_bars,
+    },
+};
+
+/// Which month is asked for.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(inline)]
+pub(crate) struct MonthQuestion {
+    /// The month, such as 2026-10, in the time zone of the farm; the current one if empty.
+    at: String,
+}
+
+/// What a month came to.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct MonthResponse {
+    /// The month, such as 2026-10.
+    month: String,
+    /// What each machine made, and their sum if there are several.
+    machines: Vec<MachineOutput>,
+    /// The same for the month before.
+    before: Vec<MachineOutput>,
+    /// Parts with a due date in this month that came late or are late.
+    late: Vec<LatePart>,
+    /// Builds of this month that failed or were interrupted.
+    failed: Vec<HistoryRow>,
+}
+
+/// A month of a farm.
+struct FarmMonth {
+    first: Date,
+    zone: FarmZone,
+}
+
+impl FarmMonth {
+    fn parse(text: &str, zone: &FarmZone, now: Timestamp) -> HandlerResult<Self> {
+        let today = now.to_zoned(zone.time_zone().clone()).date();
+        let first = match text.trim() {
+            "" => Some(today.first_of_month()),
+            text => {
+                format!("{text}-01").parse::<Date>().ok().filter(|first| first.strftime("%Y-%m").to_string() == text)
+            }
+        };
+        let in_range = first.filter(|first| (date(1970, 2, 1)..date(9990, 1, 1)).contains(first));
+        let wrong = || HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no month such as 2026-10"));
+        Ok(Self { first: in_range.ok_or_else(wrong)?, zone: zone.clone() })
+    }
+
+    /// The month that is this many months later.
+    fn later(&self, months: i64) -> Self {
+        Self { first: self.first.saturating_add(months.months()), zone: self.zone.clone() }
+    }
+
+    fn begins_at(&self) -> Timestamp {
+        let begin = self.first.to_zoned(self.zone.time_zone().clone());
+        begin.map_or(Timestamp::MIN, |begin| begin.timestamp())
+    }
+
+    fn key(&self) -> String {
+        self.first.strftime("%Y-%m").to_string()
+    }
+
+    fn name(&self) -> String {
+        self.first.strftime("%B %Y").to_string()
+    }
+}
+
+/// The builds of a month, and what each machine made.
+async fn read_output(web: &DashboardState, month: &FarmMonth) -> HandlerResult<(Vec<HistoryRow>, Vec<MachineOutput>)> {
+    let (since, until) = (month.begins_at(), month.later(1).begins_at());
+    let query = HistoryQuery { since: Some(since), until: Some(until), ..HistoryQuery::default() };
+    let rows = web.ledger.read_history(&query).await?;
+    let bad = web.ledger.bad_copies_between(since, until).await?;
+    let settings = web.current_settings();
+    let hours: BTreeMap<String, f64> =
+        settings.profiles.iter().map(|(name, profile)| (name.clone(), profile.space.print_hours_per_mm)).collect();
+    let machines = MachineOutput::of_history(&rows, &bad, &hours);
+    Ok((rows, machines))
+}
+
+async fn read_month(
+    web: &DashboardState,
+    month: &FarmMonth,
+    now: Timestamp,
+) -> HandlerResult<(Vec<HistoryRow>, MonthResponse)> {
+    let (rows, machines) = read_output(web, month).await?;
+    let (_, before) = read_output(web, &month.later(-1)).await?;
+    let late = web.ledger.late_parts(month.begins_at(), month.later(1).begins_at(), now).await?;
+    let is_bad = |state: BuildState| matches!(state, BuildState::Failed | BuildState::Interrupted);
+    let failed = |row: &&HistoryRow| is_bad(row.state) && row.withdrawn_at.is_none();
+    let failed = rows.iter().filter(failed).cloned().collect();
+    Ok((rows, MonthResponse { month: month.key(), machines, before, late, failed }))
+}
+
+/// The page of a month.
+pub(crate) async fn show_month(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<MonthQuestion>,
+) -> HandlerResult<Markup> {
+    let now = Timestamp::now();
+    let month = FarmMonth::parse(&asked.at, &web.current_settings().time_zone, now)?;
+    let (rows, report) = read_month(&web, &month, now).await?;
+    let (before, after, view) = (month.later(-1), month.later(1), web.time_view());
+    let content = html! {
+        h1 { (month.name()) }
+        (month_links(&month, &before, (after.begins_at() <= now).then_some(&after)))
+        (output_table(&report, &before.name()))
+        p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Hours are the \
+                  height times the machine's print_hours_per_mm. Yield: good copies of those of which somebody told how they came out." }
+        (weekly_bars("Height by week, mm", &rows, &month.zone, &|row| row.measures.height_mm))
+        (late_section(&report.late, &month.zone, &view))
+        (failed_section(&report.failed, &view))
+        p.links {
+            a href=(format!("/month.csv?at={}", month.key())) { "CSV" }
+            a href=(format!("/month.json?at={}", month.key())) { "JSON" }
+        }
+    };
+    Ok(html_page(&month.name(), "/month", None, &content))
+}
+
+/// The builds that failed, each with why.
+fn failed_section(failed: &[HistoryRow], view: &TimeView) -> Markup {
+    html! {
+        h2 { "Failed builds" }
+        @if failed.is_empty() { p { "None." } }
+        @else { ul { @for row in failed { li {
+            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.profile) ": " b { (row.state) }
+            ", " (view.time_text(row.at))
+            @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { ", " (height) }
+            @if let Some(copies) = row.measures.copies { ", " (count(copies, "copy", "copies")) }
+            @if !row.result.reason.is_empty() { ": " (row.result.reason) }
+        } } } }
+    }
+}
+
+fn month_links(month: &FarmMonth, before: &FarmMonth, after: Option<&FarmMonth>) -> Markup {
+    html! {
+        form.filters method="get" action="/month" {
+            a.button rel="prev" href=(format!("/month?at={}", before.key())) { (before.name()) }
+            @if let Some(after) = after { a.button rel="next" href=(format!("/month?at={}", after.key())) { (after.name()) } }
+            label { "Month" input type="month" name="at" value=(month.key()) pattern="[0-9]{4}-[0-9]{2}" placeholder="2026-10"; }
+            button type="submit" { "Show" }
+        }
+    }
+}
+
+/// A row per machine, each figure with that of the month before.
+fn output_table(report: &MonthResponse, before: &str) -> Markup {
+    html! {
+        div.wide tabindex="0" role="region" aria-label="Machines" {
+            table {
+                caption { "Published in this month; in small what it was in " (before) }
+                thead { tr { @for column in MONTH_COLUMNS { (heading(&column.field)) } } }
+                tbody { @for machine in &report.machines {
+                    @let last = report.before.iter().find(|other| other.profile == machine.profile);
+                    tr { @for column in MONTH_COLUMNS {
+                        td class=[column.field.is_number().then_some("n")] {
+                            (column.field.plain_text(&(column.value)(machine)).unwrap_or_else(|| DASH.to_owned()))
+                            @if column.field.is_number() {
+                                br; small.soft { (last.and_then(|last| column.field.plain_text(&(column.value)(last))).unwrap_or_else(|| DASH.to_owned())) }
+                            }
+                        }
+                    } }
+                } }
+            }
+        }
+    }
+}
+
+fn late_section(late: &[LatePart], zone: &FarmZone, view: &TimeView) -> Markup {
+    let mut orders: BTreeMap<&str, Vec<&LatePart>> = BTreeMap::new();
+    for part in late {
+        orders.entry(part.order_name.as_str()).or_default().push(part);
+    }
+    html! {
+        h2 { "Late" }
+        @if late.is_empty() { p { "Everything that was due in this month was in a queue in time." } }
+        @else {
+            p { (count(late.len() as u32, "part", "parts")) " of " (count(orders.len() as u32, "order", "orders")) " came into a queue after the due date, or are not there yet." }
+            ul { @for (order, parts) in &orders { li {
+                @if order.is_empty() { "Without an order" } @else { a href=(order_address(order)) { (order) } }
+                ul { @for part in parts { li {
+                    a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.profile)
+                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (TimeView::kept(zone).due_text(&due)) }
+                    @match part.built_at { Some(at) => { ", built " (view.time_text(at)) } None => { ", " b { (part.state) } } }
+                } } }
+            } } }
+        }
+    }
+}
+
+/// What each machine made, as CSV.
+pub(crate) async fn download_csv(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<MonthQuestion>,
+) -> HandlerResult<Response> {
+    let month = FarmMonth::parse(&asked.at, &web.current_settings().time_zone, Timestamp::now())?;
+    let (_, machines) = read_output(&web, &month).await?;
+    let text = csv_of(MONTH_COLUMNS, &machines).map_err(anyhow::Error::from)?;
+    let name = format!("attachment; filename=\"nestd-{}.csv\"", month.key());
+    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8".to_owned()), (header::CONTENT_DISPOSITION, name)], text)
+        .into_response())
+}
+
+/// The month as JSON.
+pub(crate) async fn get_month(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<MonthQuestion>,
+) -> HandlerResult<Json<MonthResponse>> {
+    let now = Timestamp::now();
+    let month = FarmMonth::parse(&asked.at, &web.current_settings().time_zone, now)?;
+    Ok(Json(read_month(&web, &month, now).await?.1))
+}

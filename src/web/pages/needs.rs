@@ -1,0 +1,202 @@
+//! What needs a person, the most urgent first: each with its buttons, and with what to do where no button does it.
+
+use std::sync::Arc;
+
+use anyhow::Context;
+use axum::extract::{Path, State};
+use jiff::Timestamp;
+use maud::{Markup, html};
+
+use crate::{
+    farm::{self, AlertKind, FarmAlert, awaits_release},
+    intake,
+    ledger::{
+        BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
+    },
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            format::{count, format_age, prose_with_code},
+        },
+        core::{
+            command::command_button,
+            form_answer::{FormAnswer, key_field},
+            state::DashboardState,
+        },
+        forms::build_forms::unseen_failure,
+    },
+};
+
+/// Parts of an entry that are named.
+const MAX_NAMED: usize = 4;
+/// Refused parts that are looked at to name some.
+const MAX_REFUSED: u32 = 200;
+/// Entries that are shown at once; the others are folded, so that the machines stay in sight.
+const MAX_SHOWN: usize = 3;
+
+/// What the entries are made of.
+struct NeededFacts {
+    failures: Vec<BuildRow>,
+    questions: Vec<QuestionedPart>,
+    refused: Vec<PartRow>,
+    /// Proved builds that are not published.
+    verified: Vec<BuildRow>,
+}
+
+/// What needs a person, with buttons; nothing if nothing does.
+pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], now: Timestamp) -> HandlerResult<Markup> {
+    let since = now.checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN);
+    let mut refused = web.ledger.parts_in_state_between(PartState::Rejected, since, now, MAX_REFUSED).await?;
+    refused.retain(|part| !matches!(part.rejection.refusal, Some(RefusalCause::Cancelled | RefusalCause::Replaced)));
+    let facts = NeededFacts {
+        failures: web.ledger.unseen_failures().await?,
+        questions: web.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_NAMED as u32).await?,
+        refused,
+        verified: web.ledger.builds_in_state(BuildState::Verified).await?,
+    };
+    let mut entries: Vec<Markup> = facts.failures.iter().map(|build| unseen_failure(web, build)).collect();
+    // A failed print has its own entry.
+    let has_entry = |alert: &FarmAlert| {
+        alert.kind == AlertKind::PrintFailed && facts.failures.iter().any(|build| build.profile == alert.profile)
+    };
+    let others = alerts.iter().filter(|alert| !has_entry(alert));
+    entries.extend(others.map(|alert| alert_entry(web, alert, &facts, now)));
+    entries.extend(copies_question(&facts.questions));
+    let folded = entries.split_off(entries.len().min(MAX_SHOWN));
+    let total = entries.len() + folded.len();
+    Ok(html! {
+        @if total > 0 {
+            section.needs aria-label="Needs a person" {
+                h2 { (count(total as u32, "thing needs a person", "things need a person")) }
+                @for entry in &entries { (entry) }
+                @if !folded.is_empty() {
+                    details { summary { (count(folded.len() as u32, "more thing", "more things")) }
+                        @for entry in &folded { (entry) } }
+                }
+            }
+        }
+    })
+}
+
+/// An alert with its buttons.
+fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts, now: Timestamp) -> Markup {
+    html! {
+        div.need {
+            p { b { (alert.alert_text()) } " " span.soft { "Since " (format_age(alert.since, now)) "." } }
+            (alert_buttons(web, alert, facts))
+            details { summary { "What to do" } p { (prose_with_code(alert.kind.remedy())) } }
+        }
+    }
+}
+
+/// The buttons and links that end an alert.
+fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> Markup {
+    let profile = alert.profile.as_str();
+    let waiting = format!("/parts?state=waiting&profile={profile}");
+    let of_kind = |kind: QuestionKind| {
+        let own = facts.questions.iter().filter(move |asked| asked.kind == kind && asked.part.profile == profile);
+        own.map(|asked| &asked.part).take(MAX_NAMED)
+    };
+    html! {
+        @match alert.kind {
+            AlertKind::BuildFailed => {
+                div.buttons {
+                    (command_button(web, CommandKind::Resume, "Resume", profile, profile, None))
+                    a.button href=(format!("/history?profile={profile}&state=failed")) { "Failed builds" }
+                }
+            }
+            AlertKind::Question => { @for part in of_kind(QuestionKind::Confirmation) {
+                (part_line(part, &part.owed.question, &html! {
+                    (part_button(web, CommandKind::Confirm, "Print as it is", part))
+                    (part_button(web, CommandKind::Cancel, "Cancel", part))
+                }))
+            } }
+            AlertKind::FileDamaged => { @for part in of_kind(QuestionKind::Original) {
+                (part_line(part, "", &part_button(web, CommandKind::Cancel, "Cancel", part)))
+            } }
+            AlertKind::Refused => { (refused_parts(web, profile, &facts.refused)) }
+            AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{profile}/drop")) { "Add files" } } }
+            AlertKind::ReleaseDue => { div.buttons {
+                @for build in facts.verified.iter().filter(|build| build.profile == profile && awaits_yes(web, build)) {
+                    a.button href=(format!("/builds/{}#release", build.id)) { "Build " (build.id) }
+                }
+            } }
+            AlertKind::MachineGone => { div.buttons { a.button href=(waiting) { "The parts that wait" } } }
+            _ => {}
+        }
+    }
+}
+
+/// Whether a proved build waits for a person's yes.
+fn awaits_yes(web: &DashboardState, build: &BuildRow) -> bool {
+    web.current_settings().profiles.get(&build.profile).is_some_and(|profile| awaits_release(profile, build))
+}
+
+fn part_button(web: &DashboardState, kind: CommandKind, label: &str, part: &PartRow) -> Markup {
+    command_button(web, kind, label, &part.full_name(), "", Some(part.id))
+}
+
+/// A part with what is to say of it, and buttons.
+fn part_line(part: &PartRow, text: &str, buttons: &Markup) -> Markup {
+    html! {
+        div.part-line {
+            p { a href=(format!("/parts/{}", part.id)) { (part.full_name()) }
+                @if !part.terms.order_name.is_empty() { ", order " (part.terms.order_name) }
+                @if !text.is_empty() { ": " (prose_with_code(text)) } }
+            div.buttons { (buttons) }
+        }
+    }
+}
+
+/// The refused parts of a machine, newest first.
+fn refused_parts(web: &DashboardState, profile: &str, refused: &[PartRow]) -> Markup {
+    let own: Vec<&PartRow> = refused.iter().filter(|part| part.profile == profile).collect();
+    html! {
+        @for part in own.iter().take(MAX_NAMED) {
+            @let reason = part.rejection.reason.lines().next().unwrap_or_default();
+            // What was found; what to do is on the page of the part.
+            @let found = reason.split_once(". ").map_or(reason.to_owned(), |(first, _)| format!("{first}."));
+            (part_line(part, &found, &html! {
+                @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, "Read it again", part)) }
+            }))
+        }
+        div.buttons {
+            a.button href=(format!("/parts?state=rejected&profile={profile}")) { "All refused parts" }
+            @if web.orders {
+                form.order method="post" action=(format!("/machines/{profile}/dismiss")) {
+                    (key_field(web))
+                    button type="submit" { "Seen to: leave them there" span.unseen { " (" (profile) ")" } }
+                }
+            }
+        }
+    }
+}
+
+/// Parts whose number of copies is asked for. They are printed as one copy, so nobody is alerted.
+fn copies_question(questions: &[QuestionedPart]) -> Option<Markup> {
+    let asked: Vec<&QuestionedPart> = questions.iter().filter(|asked| asked.kind == QuestionKind::Copies).collect();
+    let parts: Vec<&PartRow> = asked.iter().map(|asked| &asked.part).take(MAX_NAMED).collect();
+    (!parts.is_empty()).then(|| {
+        html! {
+            div.need {
+                p { b { "How many copies are wanted? They are taken as 1." } }
+                @for part in parts {
+                    (part_line(part, "", &html! { a.button href=(format!("/parts/{}#edit", part.id)) { "Say how many" } }))
+                }
+            }
+        }
+    })
+}
+
+/// Ends the alert of the refused files of a machine; they stay where they are.
+pub(crate) async fn post_dismiss(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+) -> HandlerResult<FormAnswer> {
+    let settings = web.current_settings();
+    let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
+    let error_dir = profile.folders.error.clone();
+    let dismissed = tokio::task::spawn_blocking(move || farm::dismiss_refused(&error_dir)).await;
+    dismissed.context("a step ended")?.context("writing into the error folder")?;
+    Ok(FormAnswer::back_to("/"))
+}

@@ -1,0 +1,195 @@
+//! Forms of pages. Each has a key of its own, made when its page is made, and is carried out once, however often it is sent: by a double
+//! click, a reload, or back and once more. Afterwards the browser is led to a page that may be loaded again. A key is kept as the
+//! `Idempotency-Key` of a program is.
+
+use std::{future::Future, sync::Arc, time::Duration};
+
+use anyhow::Context;
+use axum::{
+    body::{Body, to_bytes},
+    extract::{Path, Query, Request, State},
+    http::{StatusCode, header},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+use jiff::{SignedDuration, Timestamp};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use crate::{
+    ledger::AnsweredRequest,
+    web::{
+        base::{
+            client::RequestClient,
+            error::{HandlerError, HandlerResult},
+            format::prose_with_pages,
+            page::html_page,
+        },
+        core::{
+            command::check_takes_orders, form_answer::FormAnswer, form_keys::number_of, order_keys::KeyGuard,
+            state::DashboardState,
+        },
+        doors::request_stage::{MAX_BODY_BYTES, brings_files},
+    },
+};
+
+/// How long a form waits for the same form that is being carried out.
+const TURN_TIMEOUT: Duration = Duration::from_secs(30);
+/// Time between two looks whether it has ended.
+const TURN_INTERVAL: Duration = Duration::from_millis(50);
+/// A form that comes again so soon is another click of the same person, who need not be told.
+const SAME_PRESS: SignedDuration = SignedDuration::from_secs(3);
+
+/// Carries out every form of a page once. One with files is received first, by its handler, which calls [`carry_out_form`] itself.
+pub(super) async fn carry_out_once(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
+    let is_form = !request.method().is_safe() && !request.uri().path().starts_with("/api/");
+    if !is_form || brings_files(&request) {
+        return next.run(request).await;
+    }
+    receive_form(web, request, next).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+async fn receive_form(web: Arc<DashboardState>, request: Request, next: Next) -> HandlerResult<Response> {
+    let client = request.extensions().get().cloned().unwrap_or_else(RequestClient::nobody);
+    let (head, body) = request.into_parts();
+    let bytes = to_bytes(body, MAX_BODY_BYTES).await.context("the form did not arrive as a whole")?;
+    let fields: Vec<(String, String)> = serde_urlencoded::from_bytes(&bytes).unwrap_or_default();
+    let key = fields.iter().find(|(name, _)| name == "key").map(|(_, key)| key.clone()).unwrap_or_default();
+    let mut asked = blake3::Hasher::new();
+    asked.update(head.uri.path().as_bytes()).update(b"\n").update(&bytes);
+    let fingerprint = asked.finalize().to_hex().to_string();
+    let action = head.uri.path().to_owned();
+    let answering = async move {
+        let mut response = next.run(Request::from_parts(head, Body::from(bytes))).await;
+        let answer = response.extensions_mut().get_mut::<FormAnswer>();
+        if let Some(button) = answer.and_then(|answer| answer.anyway.as_mut()) {
+            (button.action, button.fields) = (action, fields);
+        }
+        response
+    };
+    carry_out_form(web, &client, &key, fingerprint, answering).await
+}
+
+/// Refuses a form where the farm takes none, or that comes from no page of this daemon; one that was carried out before may come from a
+/// page of an earlier daemon.
+pub(super) async fn check_form_key(web: &DashboardState, client: &RequestClient, key: &str) -> HandlerResult<()> {
+    check_takes_orders(web)?;
+    let is_known = web.form_keys.is_own(key)
+        || web.ledger.find_answered_request(client.key_name(), number_of(key)).await?.is_some();
+    let text = "the page is older than the daemon: load it again and press once more";
+    if is_known { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
+}
+
+/// Carries out a form, unless it was carried out before; then it is answered as it was. Once it has begun, it ends, also when its browser
+/// has gone: a second click sends the first one away. `fingerprint` = BLAKE3 of what is asked.
+pub(crate) async fn carry_out_form(
+    web: Arc<DashboardState>,
+    client: &RequestClient,
+    key: &str,
+    fingerprint: String,
+    work: impl Future<Output = Response> + Send + 'static,
+) -> HandlerResult<Response> {
+    check_takes_orders(&web)?;
+    let (client_name, number) = (client.key_name().to_owned(), number_of(key).to_owned());
+    let turn = take_turn(&web, &client_name, &number).await?;
+    let known = web.ledger.find_answered_request(&client_name, &number).await?;
+    if let Some((known, answer)) = known.and_then(|known| FormAnswer::parse(&known).map(|answer| (known, answer)))
+        && !answer.is_refused
+    {
+        return answer_again(&known, &answer, &fingerprint, &number);
+    }
+    check_form_key(&web, client, key).await?;
+    let carry_out = async move {
+        let _turn = turn;
+        record_and_answer(&web, &client_name, &number, fingerprint, work).await
+    };
+    tokio::spawn(carry_out).await.context("a form was not carried out")?
+}
+
+/// Waits while the same form is being carried out.
+async fn take_turn(web: &DashboardState, client: &str, number: &str) -> HandlerResult<KeyGuard> {
+    let asked = std::time::Instant::now();
+    loop {
+        match web.door.begin_request(client, number) {
+            Err(busy) if busy.status_code() == StatusCode::CONFLICT && asked.elapsed() < TURN_TIMEOUT => {
+                tokio::time::sleep(TURN_INTERVAL).await;
+            }
+            turn => return turn,
+        }
+    }
+}
+
+fn answer_again(
+    known: &AnsweredRequest,
+    answer: &FormAnswer,
+    fingerprint: &str,
+    number: &str,
+) -> HandlerResult<Response> {
+    if known.fingerprint != fingerprint {
+        let text = "this form was sent before, with something else in it: load its page again, and send it from there";
+        return Err(HandlerError::Refused(StatusCode::UNPROCESSABLE_ENTITY, text.to_owned()));
+    }
+    Ok(answer.lead_on(number, answer.at.duration_until(Timestamp::now()) > SAME_PRESS))
+}
+
+/// Notes the form before anything is done, and what became of it afterwards: after a crash in between it is not done again.
+async fn record_and_answer(
+    web: &DashboardState,
+    client: &str,
+    number: &str,
+    fingerprint: String,
+    work: impl Future<Output = Response>,
+) -> HandlerResult<Response> {
+    let record = async |answer: &FormAnswer| {
+        let answer = serde_json::to_string(answer).context("writing the answer")?;
+        let answered = AnsweredRequest { fingerprint: fingerprint.clone(), answer };
+        HandlerResult::Ok(web.ledger.record_answered_request(client, number, &answered).await?)
+    };
+    record(&FormAnswer::not_known()).await?;
+    let response = work.await;
+    let Some(answer) = response.extensions().get::<FormAnswer>() else {
+        // Where the farm itself failed, something may be done.
+        if response.status().is_client_error() {
+            web.ledger.forget_answered_request(client, number).await?;
+        }
+        return Ok(response);
+    };
+    record(answer).await?;
+    let mut leading = answer.lead_on(number, false);
+    if let Some(cookie) = response.headers().get(header::SET_COOKIE) {
+        leading.headers_mut().insert(header::SET_COOKIE, cookie.clone());
+    }
+    Ok(leading)
+}
+
+/// Whether the form was sent once more.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct ToldQuery {
+    #[serde(default)]
+    again: bool,
+}
+
+/// The page that says what became of a form.
+pub(super) async fn show_told(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<String>,
+    Query(query): Query<ToldQuery>,
+    client: RequestClient,
+) -> HandlerResult<Markup> {
+    let known = web.ledger.find_answered_request(client.key_name(), &number).await?;
+    let answer = known.as_ref().and_then(FormAnswer::parse);
+    let FormAnswer { title, sentences, back, at, anyway, .. } =
+        answer.ok_or_else(|| HandlerError::NotFound("form of that number".to_owned()))?;
+    let content = html! {
+        h1 { (title) }
+        div #answer role="status" {
+            @if query.again {
+                p { "This form was sent before, " (web.time_view().time_text(at.into())) ", and is not carried out a second time. To do the same once more, load its page again." }
+            }
+            @for sentence in &sentences { p { (prose_with_pages(sentence)) } }
+        }
+        @if let Some(button) = &anyway { (button.to_form(&web)) }
+        p { a href=(back) { "Back" } }
+    };
+    Ok(html_page(&title, "", None, &content))
+}

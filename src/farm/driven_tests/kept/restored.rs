@@ -1,0 +1,242 @@
+//! Ledgers that are put back to a time before copies were edited and printed, or orders came by request.
+
+use std::fs;
+
+use crate::{
+    farm::{
+        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
+        note_order, update_order_notes,
+    },
+    intake::{PutContents, ordered_claim_id},
+    ledger::{
+        AnsweredRequest, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
+        ReprintTarget,
+    },
+};
+
+fn publish(farm: &mut HandDrivenFarm, builds: usize) {
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(builds);
+    farm.pass_secs(1.0);
+}
+
+fn edit(farm: &HandDrivenFarm, part: PartId, copies: u32) {
+    let edit = PartEdit { copies: Some(copies), ..PartEdit::default() };
+    farm.ask(async |ledger| ledger.edit_part(part, &edit, "ann@farm").await.unwrap());
+}
+
+#[test]
+fn a_restored_ledger_wants_at_least_the_copies_that_were_printed_since_and_holds_together() {
+    type Since = fn(&mut HandDrivenFarm, PartId);
+    let stories: [(&str, Since, PartState, u32); 4] = [
+        (
+            "more were wanted before the print",
+            |farm, part| (edit(farm, part, 3), publish(farm, 1)).1,
+            PartState::Built,
+            3,
+        ),
+        (
+            "more were wanted after the print",
+            |farm, part| {
+                publish(farm, 1);
+                edit(farm, part, 3);
+                publish(farm, 2);
+            },
+            PartState::Built,
+            3,
+        ),
+        (
+            "some of them were cancelled",
+            |farm, part| {
+                edit(farm, part, 5);
+                farm.ask(async |ledger| ledger.cancel_copies(part, 2, "ann@farm").await.unwrap());
+                publish(farm, 1);
+            },
+            PartState::Built,
+            3,
+        ),
+        (
+            "it was refused, taken back and wanted more often",
+            |farm, part| {
+                farm.order_and_wait(CommandKind::Cancel, Some(part));
+                farm.order_and_wait(CommandKind::Retry, Some(part));
+                farm.wait_for_parts(PartState::Waiting, 1);
+                edit(farm, part, 4);
+                publish(farm, 1);
+            },
+            PartState::Built,
+            4,
+        ),
+    ];
+    for (story, since, state, wanted) in stories {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+        let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+        let backup = farm.write_backup("backup");
+        since(&mut farm, part);
+        for _ in 0..2 {
+            farm.stop();
+            farm.restore(&backup);
+            farm.start();
+            farm.pass_secs(2.0);
+            let parts = farm.parts(state);
+            let found: Vec<u32> = parts.iter().map(|part| part.wanted_copies()).collect();
+            assert_eq!(found, [wanted], "{story}");
+            farm.assert_nothing_lost_or_doubled();
+        }
+    }
+}
+
+#[test]
+fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_after_a_restore() {
+    type Decide = fn(&mut HandDrivenFarm);
+    let stories: [(&str, Decide); 2] = [
+        ("it is no part", |farm| {
+            farm.drop_bytes("a.stl", b"solid nothing\nendsolid nothing\n");
+        }),
+        ("it was cancelled before it was read", |farm| {
+            farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+            let part = farm.wait_for_parts(PartState::Claimed, 1).remove(0);
+            farm.order(CommandKind::Cancel, Some(part.id));
+        }),
+    ];
+    for (story, decide) in stories {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let backup = farm.write_backup("backup");
+        // What is refused stays where it is claimed.
+        let (error, aside) = (farm.folder("error"), farm.root().join("aside"));
+        fs::rename(&error, &aside).unwrap();
+        decide(&mut farm);
+        farm.wait_for_parts(PartState::Rejected, 1);
+        farm.pass_secs(1.0);
+        farm.stop();
+        let _ = fs::remove_dir(&error);
+        fs::rename(&aside, &error).unwrap();
+        let told = farm.restore(&backup).doubts.join("\n");
+        for _ in 0..2 {
+            farm.start();
+            farm.stop();
+        }
+        farm.start();
+        farm.pass_secs(3.0);
+        assert_eq!((farm.parts(PartState::Rejected).len(), farm.parts(PartState::Waiting).len()), (1, 0), "{story}");
+        assert!(told.contains("a.stl") && told.contains("is not printed"), "{story}: {told}");
+        let refused = crate::intake::files_below(&error).unwrap();
+        assert_eq!(refused.iter().filter(|file| file.ends_with("a.stl")).count(), 1, "{story}: {refused:?}");
+        let retried = farm.parts(PartState::Rejected)[0].id;
+        farm.order_and_wait(CommandKind::Retry, Some(retried));
+        farm.pass_secs(2.0);
+        farm.assert_ledger_agrees_with_folders();
+    }
+}
+
+#[test]
+fn the_copies_that_a_late_ticket_asked_for_are_named_with_a_remedy_that_brings_them_back() {
+    // Whether the ledger knew the part before the ticket came.
+    for is_known in [true, false] {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let mut backup = farm.write_backup("before");
+        farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        if is_known {
+            backup = farm.write_backup("known");
+        }
+        farm.drop_bytes("bracket.stl.toml", b"copies = 9\n");
+        farm.pass_until("it is applied", |farm| farm.parts(PartState::Waiting)[0].wanted_copies() == 9);
+        farm.pass_secs(1.0);
+        farm.stop();
+        let told = farm.restore(&backup).doubts.join("\n");
+        assert!(told.contains("bracket.stl") && told.contains("9 copies of it were wanted then"), "{told}");
+        farm.start();
+        let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0).id;
+        assert!(told.contains(&format!("`nestd retry {part}` takes it back")), "{told}");
+        assert!(told.contains(&format!("`nestd edit {part} --copies 9`")), "{told}");
+        farm.order_and_wait(CommandKind::Retry, Some(part));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        edit(&farm, part, 9);
+        publish(&mut farm, 1);
+        farm.assert_nothing_lost_or_doubled();
+    }
+}
+
+#[test]
+fn of_a_part_that_is_built_a_restore_names_words_that_can_be_said() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    let backup = farm.write_backup("backup");
+    publish(&mut farm, 1);
+    fs::remove_file(&farm.queued()[0]).unwrap();
+    let again = OperatorWord::Reprint(ReprintTarget::Part(part, Some(1)));
+    farm.say(&again, false).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(2.0);
+    farm.stop();
+    let told = farm.restore(&backup).doubts.join("\n");
+    assert!(told.contains("is built") && !told.contains("nestd retry"), "{told}");
+    assert!(told.contains(&format!("`nestd reprint {part}=N` prints copies of it again")), "{told}");
+    farm.start();
+    farm.say(&again, false).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    publish(&mut farm, 1);
+}
+
+/// Records an order of two lines as the door does, and its note.
+fn take_order(farm: &HandDrivenFarm) -> NewOrderRequest {
+    let bytes = stl(&block(10.0, 12.0, 14.0));
+    let contents = PutContents::of_farm(&farm.root().join("state"));
+    contents.create_folder().unwrap();
+    let content_hash = blake3::hash(&bytes).to_hex().to_string();
+    fs::write(contents.path_of(&content_hash), bytes).unwrap();
+    let line = |at: usize| OrderedLine {
+        claim: ordered_claim_id("mes", "k1", "f", at),
+        client: "mes".to_owned(),
+        profile: PROFILE.to_owned(),
+        order_name: "K-1".to_owned(),
+        name: format!("line{at}.stl"),
+        content_hash: content_hash.clone(),
+        copies: 2,
+        ticket: r#"{"copies":2,"order":"K-1"}"#.to_owned(),
+        read_unit: None,
+    };
+    let answered = AnsweredRequest { fingerprint: "f".to_owned(), answer: "{}".to_owned() };
+    let (client, key) = ("mes".to_owned(), "k1".to_owned());
+    let order = NewOrderRequest { client, key, answered, lines: vec![line(1), line(2)] };
+    farm.ask(async |ledger| {
+        ledger.record_order_request(&order).await.unwrap();
+        note_order(ledger, &farm.root().join("state"), "mes", "k1", &order.answered).await.unwrap();
+    });
+    order
+}
+
+#[test]
+fn an_order_that_was_answered_is_taken_in_by_a_restore_whatever_became_of_its_lines_since() {
+    // Whether a line is cancelled and the others become parts before the ledger is put back.
+    for (is_cancelled, is_taken) in [(false, false), (true, false), (false, true)] {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        let backup = farm.write_backup("backup");
+        let order = take_order(&farm);
+        let state = farm.root().join("state");
+        if is_cancelled {
+            farm.ask(async |ledger| {
+                assert!(ledger.cancel_arriving_line(&order.lines[0], "by ann").await.unwrap());
+                update_order_notes(ledger, &state).await.unwrap();
+            });
+        }
+        if is_taken {
+            farm.wait_for_parts(PartState::Waiting, 2);
+        }
+        farm.stop();
+        let told = farm.restore(&backup).done.join("\n");
+        assert_eq!(told.contains("line1.stl of order K-1"), !is_cancelled && !is_taken, "{told}");
+        assert_eq!(told.contains("line2.stl of order K-1"), !is_taken, "{told}");
+        farm.start();
+        let parts = if is_cancelled { 1 } else { 2 };
+        farm.wait_for_parts(PartState::Waiting, parts);
+        publish(&mut farm, 1);
+        assert_eq!(farm.parts(PartState::Built).len(), parts);
+        farm.assert_nothing_lost_or_doubled();
+        farm.ask(async |ledger| update_order_notes(ledger, &state).await.unwrap());
+        assert_eq!(fs::read_dir(state.join("put/orders")).unwrap().count(), 0, "its lines are parts");
+    }
+}

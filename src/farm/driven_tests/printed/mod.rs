@@ -1,0 +1,11 @@
+//! What lies in the queues, and what people say of it.
+
+pub(super) mod kept_builds;
+pub(super) mod life;
+pub(super) mod printer_recovery;
+pub(super) mod printers;
+pub(super) mod queue_files;
+pub(super) mod reprints;
+pub(super) mod shrunk_machines;
+pub(super) mod told;
+pub(super) mod withdrawals;

@@ -1,0 +1,206 @@
+//! What people say of builds whose files still lie in their queue: no printer could ever print more copies than are wanted.
+
+use std::fs;
+
+use super::printers::published;
+use crate::{
+    farm::{
+        AlertKind,
+        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+    },
+    ledger::{
+        BuildId, BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PickMark,
+        PrintOutcome, ReprintTarget, ToldOutcome,
+    },
+};
+
+/// A farm with one published build of three copies.
+fn three_copies() -> (HandDrivenFarm, BuildRow) {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_bytes("a.stl.toml", b"copies = 3\n");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_parts(PartState::Built, 1);
+    let build = published(&farm).remove(0);
+    (farm, build)
+}
+
+fn outcome(build: &BuildRow, outcome: PrintOutcome, bad: u32) -> OperatorWord {
+    let part = crate::ledger::PartId(1);
+    let bad = if bad > 0 { vec![(part, bad)] } else { Vec::new() };
+    OperatorWord::Outcome(build.id, ToldOutcome { bad, ..ToldOutcome::new(outcome, "", "ann@farm") })
+}
+
+fn find(farm: &HandDrivenFarm, build: BuildId) -> BuildRow {
+    farm.ask(async |ledger| ledger.find_build(build).await.unwrap().unwrap())
+}
+
+/// Every word that makes copies bad, and how many.
+fn words(farm: &HandDrivenFarm, build: &BuildRow) -> Vec<(OperatorWord, usize)> {
+    let marks: Vec<_> = (0..3).map(|copy| (crate::ledger::PartId(1), copy)).collect();
+    farm.ask(async |ledger| ledger.mark_picks(build.id, &marks, PickMark::Missing, "ann@farm").await.unwrap());
+    vec![
+        (outcome(build, PrintOutcome::Failed, 0), 3),
+        (outcome(build, PrintOutcome::Complete, 1), 1),
+        (outcome(build, PrintOutcome::Interrupted, 2), 2),
+        (OperatorWord::BreakOut(build.id), 3),
+        (OperatorWord::Reprint(ReprintTarget::Build(build.id)), 3),
+        (OperatorWord::Requeue(build.id), 3),
+    ]
+}
+
+#[test]
+fn a_word_that_has_copies_printed_again_takes_the_file_out_of_the_queue_first_or_is_refused() {
+    for number in 0..6 {
+        let (mut farm, build) = three_copies();
+        let (word, again) = words(&farm, &build).swap_remove(number);
+        let refused = farm.say(&word, false).unwrap_err();
+        assert!(refused.to_string().contains("lies untouched in the queue"), "{refused}");
+        assert_eq!((find(&farm, build.id), farm.queued().len()), (build.clone(), 1), "{word:?}");
+        let noted = farm.say(&word, true).unwrap();
+        assert_eq!(noted.noted, [build.id]);
+        assert!(farm.parts(PartState::Waiting).is_empty(), "no copy waits before the file is back: {word:?}");
+        let twice = farm.say(&word, true);
+        assert!(matches!(twice, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{twice:?}");
+        // Wherever the daemon is killed, it goes on.
+        if number % 2 == 0 {
+            farm.stop();
+            farm.start();
+        }
+        farm.pass_until("the word is carried out", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        farm.order(CommandKind::Flush, None);
+        farm.wait_for_queued(1);
+        assert_each_copy_once(&farm.queued(), again);
+        farm.assert_ledger_agrees_with_folders();
+    }
+}
+
+#[test]
+fn a_word_is_carried_out_at_once_where_the_file_was_taken_or_no_copy_is_bad() {
+    for number in 0..6 {
+        let (mut farm, build) = three_copies();
+        let (word, again) = words(&farm, &build).swap_remove(number);
+        let taken = farm.root().join("taken.build.3mf");
+        fs::rename(&farm.queued()[0], &taken).unwrap();
+        assert!(farm.say(&word, false).unwrap().noted.is_empty(), "{word:?}");
+        farm.pass_secs(2.0);
+        farm.order(CommandKind::Flush, None);
+        farm.wait_for_queued(1);
+        assert_each_copy_once(&farm.queued(), again);
+        farm.assert_ledger_agrees_with_folders();
+    }
+    let (farm, build) = three_copies();
+    assert!(farm.say(&outcome(&build, PrintOutcome::Complete, 0), false).unwrap().noted.is_empty());
+    // It stays in the folder for months; then somebody corrects what was told.
+    let mut failed = ToldOutcome::new(PrintOutcome::Failed, "", "ann@farm");
+    failed.is_correction = true;
+    let word = OperatorWord::Outcome(build.id, failed);
+    assert!(farm.say(&word, false).is_err() && farm.say(&word, true).is_ok());
+}
+
+#[test]
+fn some_copies_of_a_build_that_nobody_told_of_are_not_printed_again_while_its_file_lies_there() {
+    let (farm, build) = three_copies();
+    let word = OperatorWord::Reprint(ReprintTarget::Part(crate::ledger::PartId(1), Some(1)));
+    for anyway in [false, true] {
+        let refused = farm.say(&word, anyway).unwrap_err();
+        assert!(matches!(refused, LedgerError::InQueue(InQueueError::NotTold { .. })), "{refused}");
+    }
+    assert_eq!(find(&farm, build.id), build);
+}
+
+#[test]
+fn a_file_that_was_emptied_replaced_or_is_a_folder_is_not_taken_back() {
+    for harm in ["emptied", "replaced", "folder"] {
+        let (mut farm, build) = three_copies();
+        let file = farm.queued().remove(0);
+        let bytes = fs::metadata(&file).unwrap().len() as usize;
+        fs::remove_file(&file).unwrap();
+        match harm {
+            "folder" => fs::create_dir(&file).unwrap(),
+            _ => fs::write(&file, vec![7; if harm == "emptied" { 0 } else { bytes }]).unwrap(),
+        }
+        farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
+        farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
+        farm.pass_until("the withdrawal has ended", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        let row = find(&farm, build.id);
+        assert_eq!((row.state, row.place.withdrawn_at), (BuildState::Published, None), "{harm}");
+        assert!(file.exists() && farm.parts(PartState::Waiting).is_empty(), "{harm}");
+    }
+}
+
+#[test]
+fn a_file_that_comes_back_lies_in_the_queue_again() {
+    let (mut farm, build) = three_copies();
+    let (file, aside) = (farm.queued().remove(0), farm.root().join("aside"));
+    fs::rename(&file, &aside).unwrap();
+    farm.pass_until("it is gone", |farm| find(farm, build.id).place.taken_at.is_some());
+    fs::rename(&aside, &file).unwrap();
+    let failed = outcome(&build, PrintOutcome::Failed, 0);
+    assert!(matches!(farm.say(&failed, false), Err(LedgerError::InQueue(InQueueError::LiesThere { .. }))));
+    assert_eq!(find(&farm, build.id).place.taken_at, None);
+    assert_eq!(farm.folder_of("queue", PROFILE), file.parent().unwrap());
+}
+
+#[test]
+fn a_published_file_that_was_emptied_or_copied_is_an_alert_until_it_is_as_it_was() {
+    let (mut farm, _) = three_copies();
+    let file = farm.queued().remove(0);
+    let bytes = fs::read(&file).unwrap();
+    let copy = file.with_file_name("Copy of it.build.3mf");
+    farm.pass_secs(5.0);
+    assert!(!farm.has_alert(AlertKind::QueueAltered));
+    for harm in ["emptied", "copied"] {
+        if harm == "emptied" {
+            fs::write(&file, b"").unwrap()
+        } else {
+            fs::write(&copy, &bytes).unwrap()
+        }
+        farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
+        if harm == "emptied" {
+            fs::write(&file, &bytes).unwrap()
+        } else {
+            fs::remove_file(&copy).unwrap()
+        }
+        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::QueueAltered));
+    }
+}
+
+#[test]
+fn a_word_about_a_file_that_its_printer_takes_before_it_is_taken_out_changes_nothing_and_is_told() {
+    for number in 0..6 {
+        let (mut farm, build) = three_copies();
+        let (word, _) = words(&farm, &build).swap_remove(number);
+        assert_eq!(farm.say(&word, true).unwrap().noted, [build.id]);
+        fs::remove_file(&farm.queued()[0]).unwrap();
+        farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        assert_eq!(find(&farm, build.id).state, BuildState::Published, "{word:?}");
+        assert!(farm.parts(PartState::Waiting).is_empty(), "what the printer has is not printed again: {word:?}");
+        let told = farm.alert_text(AlertKind::PublishingFails);
+        assert!(told.contains("its printer took it first"), "{told}");
+        farm.assert_ledger_agrees_with_folders();
+    }
+}
+
+#[test]
+fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name() {
+    for is_moved in [true, false] {
+        for number in [0, 1, 2, 4, 5] {
+            let (farm, build) = three_copies();
+            let (word, _) = words(&farm, &build).swap_remove(number);
+            let (file, other) = (farm.queued().remove(0), farm.folder("queue").join("hans.build.3mf"));
+            fs::copy(&file, &other).unwrap();
+            if is_moved {
+                fs::remove_file(&file).unwrap();
+            }
+            for anyway in [false, true] {
+                let refused = farm.say(&word, anyway).unwrap_err().to_string();
+                assert!(refused.contains("under another name, as hans.build.3mf"), "{word:?}: {refused}");
+            }
+            assert_eq!(find(&farm, build.id).state, BuildState::Published);
+            fs::remove_file(&other).unwrap();
+            farm.say(&word, true).unwrap();
+        }
+    }
+}

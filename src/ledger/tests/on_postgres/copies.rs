@@ -8,11 +8,13 @@ use proptest::{
 use sqlx::AssertSqlSafe;
 
 use super::{
-    super::random_walks::{RandomWalk, step},
     same_rows::{compare, relations},
     *,
 };
-use crate::ledger::keep::copy::{TABLES, VIEWS};
+use crate::ledger::{
+    keep::copy::{TABLES, VIEWS},
+    tests::store::random_walks::{RandomWalk, step},
+};
 
 /// A ledger with rows in every table that a farm without trouble fills.
 async fn fill(ledger: &Ledger) {

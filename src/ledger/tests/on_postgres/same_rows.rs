@@ -15,10 +15,8 @@ use proptest::{
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
 };
 
-use super::{
-    super::random_walks::{RandomWalk, is_refusal, step},
-    *,
-};
+use super::*;
+use crate::ledger::tests::store::random_walks::{RandomWalk, is_refusal, step};
 
 /// Walks, and the steps of each.
 const WALKS: usize = 3;

@@ -8,13 +8,11 @@ use proptest::{
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
 };
 
-use super::{
-    super::random_walks::{RandomWalk, is_refusal, step},
-    *,
-};
+use super::*;
 use crate::ledger::{
     keep::copy::TABLES,
     store::{address::ServerAddress, postgres::upgrade_as_newer},
+    tests::store::random_walks::{RandomWalk, is_refusal, step},
 };
 
 const LONG: Duration = Duration::from_secs(60);

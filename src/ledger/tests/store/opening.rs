@@ -1,7 +1,6 @@
 //! Tests of opening a ledger, and of two processes that write at the same time.
 
-use super::*;
-use crate::ledger::base::sql;
+use crate::ledger::{base::sql, tests::*};
 use std::{path::Path, process, time::Duration};
 
 /// Number of changes that each of two concurrent writers makes.

@@ -6,10 +6,9 @@ use std::{borrow::Cow, io::Write, path::Path, time::Instant};
 
 use sqlx::{SqlitePool, migrate::Migrator, sqlite::SqliteConnectOptions};
 
-use super::*;
-use crate::ledger::store::schema::MIGRATIONS;
+use crate::ledger::{store::schema::MIGRATIONS, tests::*};
 
-#[path = "../../../tests/reliability/large_ledger.rs"]
+#[path = "../../../../tests/reliability/large_ledger.rs"]
 #[expect(dead_code, reason = "the reliability run uses the rest")]
 mod large_ledger;
 

@@ -11,11 +11,11 @@ use proptest::{
     test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
 };
 
-use super::*;
+use crate::ledger::tests::*;
 
 /// A step. The numbers select a part, a build or copies among the existing ones.
 #[derive(Debug, Clone)]
-pub(super) enum WalkStep {
+pub(crate) enum WalkStep {
     Claim(u32),
     Accept(usize),
     Reject(usize),
@@ -38,7 +38,7 @@ pub(super) enum WalkStep {
     CancelCopies(usize, u32),
 }
 
-pub(super) fn step() -> impl Strategy<Value = WalkStep> {
+pub(crate) fn step() -> impl Strategy<Value = WalkStep> {
     let any = 0..64usize;
     let outcome = prop::sample::select(vec![
         PrintOutcome::Printing,
@@ -70,7 +70,7 @@ pub(super) fn step() -> impl Strategy<Value = WalkStep> {
 
 /// The test driver knows what it created, but no states.
 #[derive(Default)]
-pub(super) struct RandomWalk {
+pub(crate) struct RandomWalk {
     parts: Vec<(PartId, u32)>,
     builds: Vec<BuildId>,
 }
@@ -86,7 +86,7 @@ impl RandomWalk {
         self.builds.iter().rev().nth(number % self.builds.len().clamp(1, 5)).copied().unwrap_or(BuildId(0))
     }
 
-    pub(super) async fn take(&mut self, ledger: &Ledger, step: WalkStep) -> Result<(), LedgerError> {
+    pub(crate) async fn take(&mut self, ledger: &Ledger, step: WalkStep) -> Result<(), LedgerError> {
         match step {
             WalkStep::Claim(copies) => {
                 let claim = format!("claim-{}", self.parts.len());
@@ -159,7 +159,7 @@ impl RandomWalk {
 
     /// Checks that every wanted copy of every part is in exactly one place: it is waiting, or in one build that counts, or
     /// its part was rejected.
-    pub(super) async fn account(&self, ledger: &Ledger) {
+    pub(crate) async fn account(&self, ledger: &Ledger) {
         for part in ledger.parts_to_fetch().await.unwrap() {
             ledger.mark_fetched(&part.file.content_hash).await.unwrap();
         }
@@ -189,7 +189,7 @@ impl RandomWalk {
     }
 }
 
-pub(super) fn is_refusal(error: &LedgerError) -> bool {
+pub(crate) fn is_refusal(error: &LedgerError) -> bool {
     !matches!(error, LedgerError::Sql(_) | LedgerError::Open { .. } | LedgerError::Migrate { .. })
 }
 

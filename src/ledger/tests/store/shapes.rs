@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::super::{fixtures::*, *};
+use crate::ledger::{fixtures::*, *};
 
 fn keys(row: &impl Serialize) -> Vec<String> {
     let json = serde_json::to_value(row).unwrap();

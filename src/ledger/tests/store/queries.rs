@@ -1,7 +1,6 @@
 //! Tests of the queries of users and the farm: waiting parts, duplicates, commands, status, history, views.
 
-use super::*;
-use crate::ledger::base::sql;
+use crate::ledger::{base::sql, tests::*};
 use std::{
     collections::BTreeSet,
     sync::{

@@ -1,8 +1,7 @@
 //! Tests that no query of the farm or its user interfaces scans a whole table that grows without limit, according to
 //! SQLite's query plans.
 
-use super::*;
-use crate::ledger::base::sql;
+use crate::ledger::{base::sql, tests::*};
 use std::path::Path;
 
 /// Tables that grow for as long as the farm runs.

@@ -8,8 +8,7 @@ use sqlx::{
     sqlite::SqliteConnectOptions,
 };
 
-use super::*;
-use crate::ledger::store::schema::MIGRATIONS;
+use crate::ledger::{store::schema::MIGRATIONS, tests::*};
 
 /// A row for each table of the first schema; later schemas have these tables too.
 const ROWS: &str = "
@@ -154,7 +153,7 @@ async fn the_list_of_migrations_is_the_folder() {
 /// Checksums as earlier releases wrote them into their ledgers, which this one must open.
 #[test]
 fn released_migrations_have_the_checksums_of_their_release() {
-    let released = include_str!("released_migrations.txt");
+    let released = include_str!("../released_migrations.txt");
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let own: Vec<_> =
         MIGRATIONS.iter().map(|m| format!("{} {} {}", m.version, hex(&m.checksum), m.description)).collect();

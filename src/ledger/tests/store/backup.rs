@@ -2,7 +2,7 @@
 
 use std::{fs, os::unix::fs::PermissionsExt};
 
-use super::*;
+use crate::ledger::tests::*;
 
 #[tokio::test]
 async fn a_backup_is_a_whole_ledger_with_its_seal_and_for_its_owner_only() {
@@ -16,7 +16,7 @@ async fn a_backup_is_a_whole_ledger_with_its_seal_and_for_its_owner_only() {
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "the backup and its seal: {names:?}");
-    super::super::prove_backup(&file).await.unwrap();
+    crate::ledger::prove_backup(&file).await.unwrap();
     let copy = Ledger::open_checked(&file).await.unwrap();
     assert_eq!(build_state(&copy, build).await, BuildState::Published);
     assert_eq!(copy.find_inconsistencies().await.unwrap(), Vec::<String>::new());
@@ -46,15 +46,15 @@ async fn a_damaged_or_foreign_backup_is_distinguished_from_a_good_one() {
         let mut bytes = whole.clone();
         bytes[at] ^= 1;
         fs::write(&file, bytes).unwrap();
-        assert!(super::super::prove_backup(&file).await.unwrap_err().is_damage(), "byte {at}");
+        assert!(crate::ledger::prove_backup(&file).await.unwrap_err().is_damage(), "byte {at}");
     }
     fs::write(&file, "SELECT 1").unwrap();
-    assert!(super::super::prove_backup(&file).await.unwrap_err().is_damage());
+    assert!(crate::ledger::prove_backup(&file).await.unwrap_err().is_damage());
     let other = folder.path().join("other.db");
     let pool = sqlx::SqlitePool::connect(&format!("sqlite:{}?mode=rwc", other.display())).await.unwrap();
     sqlx::query("CREATE TABLE x (y)").execute(&pool).await.unwrap();
     pool.close().await;
-    let refused = super::super::prove_backup(&other).await.unwrap_err().to_string();
+    let refused = crate::ledger::prove_backup(&other).await.unwrap_err().to_string();
     assert!(refused.contains("holds no ledger"), "{refused}");
 }
 

@@ -69,6 +69,7 @@ pub async fn reconcile_ledger(
     for profile in settings.profiles.values() {
         unknown.extend(find_unknown_builds(settings, ledger, profile, known, &mut unclear).await?);
     }
+    record_published_builds(settings, ledger, &mut found).await?;
     if !unknown.is_empty() {
         give_up_nesting_builds(settings, ledger, &unknown, &mut found).await?;
     }
@@ -254,6 +255,28 @@ async fn give_up_nesting_builds(
         } else {
             ledger.fail_build(build.id, "the ledger was put back from a backup").await?;
             found.done.push(format!("build {} was being nested and is given up; its copies wait", build.id));
+        }
+    }
+    Ok(())
+}
+
+/// Records of verified builds that they were published after the backup was made: they have a record and no dot-file any more. The next
+/// start finds them in their queue, or taken, and asks nobody for a yes.
+async fn record_published_builds(settings: &Settings, ledger: &Ledger, found: &mut ReconcileReport) -> Result<()> {
+    for build in ledger.builds_in_state(BuildState::Verified).await? {
+        let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), &build.staged.file_name) else {
+            continue;
+        };
+        if build.staged.publishing_at.is_some() || !build_record::has_record(&profile.folders.archive, name)? {
+            continue;
+        }
+        let mut is_published = true;
+        for queue in profile.queue_folders() {
+            is_published &= !is_staged(queue, name, build.staged.queue_id.as_deref())?;
+        }
+        if is_published {
+            ledger.begin_publishing(build.id).await?;
+            found.done.push(format!("build {} ({name} of {}) was published since", build.id, build.profile));
         }
     }
     Ok(())

@@ -9,8 +9,8 @@ use crate::{
     },
     intake::{PutContents, ordered_claim_id},
     ledger::{
-        AnsweredRequest, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
-        ReprintTarget,
+        AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId,
+        PartState, ReprintTarget,
     },
 };
 
@@ -239,4 +239,29 @@ fn an_order_that_was_answered_is_taken_in_by_a_restore_whatever_became_of_its_li
         farm.ask(async |ledger| update_order_notes(ledger, &state).await.unwrap());
         assert_eq!(fs::read_dir(state.join("put/orders")).unwrap().count(), 0, "its lines are parts");
     }
+}
+
+#[test]
+fn a_build_that_was_published_after_the_backup_was_made_is_known_to_be_it_and_needs_no_second_yes() {
+    let mut farm = HandDrivenFarm::open(&format!("approve = \"always\"\n{QUICK}"));
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.order(CommandKind::Flush, None);
+    let proved =
+        |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.builds_in_state(BuildState::Verified).await.unwrap());
+    farm.pass_until("the build is proved", |farm| proved(farm).len() == 1);
+    let (build, backup) = (proved(&farm).remove(0), farm.write_backup("backup"));
+    farm.ask(async |ledger| ledger.release_build(build.id, None, "ann").await.unwrap());
+    let queued = farm.wait_for_queued(1);
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.pass_secs(2.0);
+    fs::remove_file(&queued[0]).unwrap();
+    farm.stop();
+    let report = farm.restore(&backup);
+    assert!(report.done.iter().any(|done| done.contains("was published since")), "{report:?}");
+    farm.start();
+    assert_eq!(farm.violations(), [""; 0], "the restored ledger holds together with the folders");
+    farm.pass_secs(2.0);
+    assert_eq!(farm.parts(PartState::Built).len(), 1);
+    assert!(farm.queued().is_empty() && proved(&farm).is_empty(), "nothing is printed again or waits for a yes");
 }

@@ -1,6 +1,6 @@
 //! I1 and I4: where the file of every part must be.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
@@ -18,7 +18,7 @@ use crate::{
         records::{forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild},
     },
     intake::{self, ContentStore, StoreError},
-    ledger::{Ledger, PartFileRow, PartState},
+    ledger::{BuildState, Ledger, PartFileRow, PartId, PartState},
     settings::Settings,
 };
 
@@ -36,12 +36,13 @@ pub async fn check_live_and_refused_parts(
     report: &mut InvariantReport,
 ) -> Result<()> {
     let mut stored = StoreVerifier::for_settings(settings);
+    let begun = ArchivedParts::of_begun_builds(settings, ledger, report).await?;
     let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
     let places = ledger.unbuilt_part_files().await?;
     for part in places.iter().filter(|part| is_of_this_node(settings, ledger, &part.profile)) {
         if part.state == PartState::Rejected {
             refused.entry((&part.profile, &part.content_hash)).or_default().push(part);
-        } else {
+        } else if !begun.hold(part) {
             check_live_part(part, folders, &mut stored, report);
         }
     }
@@ -67,6 +68,34 @@ pub async fn check_live_and_refused_parts(
 /// Whether the files of a machine are on this server: where several nodes share a ledger, each has the files of its own machines.
 fn is_of_this_node(settings: &Settings, ledger: &Ledger, profile: &str) -> bool {
     ledger.file().is_some() || settings.profiles.contains_key(profile)
+}
+
+/// The parts of builds whose publishing has begun, and the originals that their archives have. A ledger may know them as batched until the
+/// next start finds out that their build was published.
+struct ArchivedParts(Vec<(HashSet<PartId>, FilesByHash)>);
+
+impl ArchivedParts {
+    async fn of_begun_builds(settings: &Settings, ledger: &Ledger, report: &mut InvariantReport) -> Result<Self> {
+        let mut begun = Vec::new();
+        for build in ledger.builds_in_state(BuildState::Verified).await? {
+            let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), &build.staged.file_name) else {
+                continue;
+            };
+            if build.staged.publishing_at.is_some() {
+                let parts = ledger.copies_of_build(build.id).await?.into_iter().map(|(part, _)| part).collect();
+                let folder = profile.folders.archive.join(name.strip_suffix(".build.3mf").unwrap_or(name));
+                begun.push((parts, files_by_hash(&folder, |_| true, report)));
+            }
+        }
+        Ok(Self(begun))
+    }
+
+    fn hold(&self, part: &PartFileRow) -> bool {
+        let is_held = |(parts, files): &(HashSet<PartId>, FilesByHash)| {
+            parts.contains(&part.id) && files.contains_key(&part.content_hash)
+        };
+        part.state == PartState::Batched && self.0.iter().any(is_held)
+    }
 }
 
 /// Verifies each content once, even if many parts share it.

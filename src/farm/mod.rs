@@ -1,11 +1,11 @@
 //! The service: one file per step of a part's life, and one event loop.
 //!
-//! `farm` and `state` hold what the steps share. A step is a file of functions that take what they need: the ledger, the
-//! settings, the machines, the alerts or the jobs; or the whole farm. What a step decides is a function without a farm
-//! (`trigger`, `batch_decision`, `nest_decision`, `night_decision`, `publish_decision`, `tick_tasks`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
-//! `scan_jobs` and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
-//! writes and proves, `publish` publishes, `commands` carries out commands of operators. Only `event_loop` knows all
-//! steps.
+//! `core` holds what the steps share. A step is a file of functions that take what they need: the ledger, the settings, the machines,
+//! the alerts or the jobs; or the whole farm. What a step decides is a function without a farm (`decisions`), and what it does off the
+//! loop is a `BackgroundJob` in the same file. `receive` claims and reads dropped files, `open_build` keeps the waiting parts nested,
+//! fires, searches, writes and proves, `publish` publishes, `operate` carries out what people say. Only `run/event_loop` knows all steps.
+//!
+//! A folder knows only earlier ones, in the order of ARCHITECTURE.md.
 
 mod again;
 mod alerts;

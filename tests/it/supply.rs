@@ -22,8 +22,8 @@ fn manifests() -> Vec<Table> {
     below.chain(["Cargo.toml".to_owned()]).map(|name| toml_file(&name)).collect()
 }
 
-/// Crates that a first `cargo run --release` compiles, at most: a dependency is weight, and so is each of its features.
-const MAX_CRATES: usize = 255;
+/// Crates that a first `cargo run` compiles, at most: a dependency is weight, and so is each of its features. PostgreSQL's driver takes eight.
+const MAX_CRATES: usize = 263;
 
 fn text_at(value: &toml::Value) -> String {
     value.as_str().unwrap().to_owned()

@@ -17,11 +17,11 @@ use crate::ledger::base::sql::{self, BindValue, FromSqlRow, SqlValue};
 
 /// Tests of what SQLite's files and its planner do.
 const SQLITE_ALONE: [&str; 7] = [
-    "tests::backup",
-    "tests::migrations",
-    "tests::opening",
-    "tests::query_plans",
-    "tests::upgrade",
+    "tests::store::backup",
+    "tests::store::migrations",
+    "tests::store::opening",
+    "tests::store::query_plans",
+    "tests::store::upgrade",
     "the_schema_and_the_state_machines_know_the_same_words",
     "the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back",
 ];

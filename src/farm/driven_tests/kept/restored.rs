@@ -10,7 +10,7 @@ use crate::{
     intake::{PutContents, ordered_claim_id},
     ledger::{
         AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId,
-        PartState, ReprintTarget,
+        PartState, PrintOutcome, ReprintTarget, ToldOutcome,
     },
 };
 
@@ -264,4 +264,33 @@ fn a_build_that_was_published_after_the_backup_was_made_is_known_to_be_it_and_ne
     farm.pass_secs(2.0);
     assert_eq!(farm.parts(PartState::Built).len(), 1);
     assert!(farm.queued().is_empty() && proved(&farm).is_empty(), "nothing is printed again or waits for a yes");
+}
+
+#[test]
+fn copies_that_were_told_bad_and_printed_again_after_the_backup_was_made_are_not_printed_a_third_time() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let printed = |farm: &mut HandDrivenFarm| {
+        publish(farm, 1);
+        fs::remove_file(&farm.queued()[0]).unwrap();
+        farm.pass_secs(2.0);
+    };
+    printed(&mut farm);
+    let first = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()).remove(0).id;
+    let backup = farm.write_backup("backup");
+    let failed = OperatorWord::Outcome(first, ToldOutcome::new(PrintOutcome::Failed, "", "ann@farm"));
+    farm.say(&failed, false).unwrap();
+    printed(&mut farm);
+    farm.stop();
+    let report = farm.restore(&backup);
+    assert!(report.doubts.iter().any(|doubt| doubt.contains("counts as bad")), "{report:?}");
+    farm.start();
+    farm.pass_secs(2.0);
+    // As the documents say: the outcomes are recorded again.
+    farm.say(&failed, false).unwrap();
+    farm.pass_secs(5.0);
+    assert_eq!(farm.parts(PartState::Built).len(), 1, "{:?}", farm.parts(PartState::Waiting));
+    assert!(farm.queued().is_empty(), "it is not printed a third time");
+    assert_eq!(farm.violations(), [""; 0]);
 }

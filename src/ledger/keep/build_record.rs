@@ -4,12 +4,14 @@
 //!
 //! The text names the columns, so a record of an earlier schema can be imported into a later one.
 
-use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
+use build_file::format_count;
+use serde_json::{Map, Value};
 use sqlx::AssertSqlSafe;
 
 use crate::ledger::{
-    BuildId, EventKind, Ledger, LedgerError, PartId, PartState,
+    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport,
     base::{
         error::Result,
         sql::{self, SqlTransaction, SqlValue},
@@ -70,7 +72,7 @@ impl Ledger {
             return Ok(ImportOutcome::AlreadyKnown);
         }
         let id = import_build(&mut change, build, is_published).await?;
-        let mut doubts = Vec::new();
+        let (mut doubts, mut again) = (Vec::new(), BTreeMap::<BuildId, u32>::new());
         let mut taken = Vec::new();
         for part in &parts {
             taken.push((number_column(part, "id")?, import_part(&mut change, part).await?));
@@ -79,8 +81,16 @@ impl Ledger {
             let old = number_column(&placement, "part_id")?;
             let part = taken.iter().find(|(from, _)| *from == old).map(|(_, part)| *part);
             let part = part.ok_or_else(|| invalid_record("a placement refers to a part that it does not hold"))?;
-            doubts.extend(import_placement(&mut change, id, part, placement).await?);
+            match import_placement(&mut change, id, part, placement).await? {
+                ImportedCopy::Placed => {}
+                ImportedCopy::Again(before) => *again.entry(before).or_default() += 1,
+                ImportedCopy::Conflict(sentence) => doubts.push(sentence),
+            }
         }
+        doubts.extend(again.into_iter().map(|(before, number)| {
+            let copies = format_count(number, "copy", "copies");
+            format!("{copies} of build {before} counts as bad: build {id} was made of the same ones later. Tell how both prints ended")
+        }));
         let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = $1) WHERE id = $1";
         sql::query(count).bind(id).execute(change.db()).await?;
         for ((_, part), row) in taken.into_iter().zip(&parts) {
@@ -271,28 +281,46 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
     }
 }
 
-/// Inserts a copy into its build. Returns a sentence if it conflicts with an existing placement.
+/// What became of a copy of a record.
+enum ImportedCopy {
+    Placed,
+    /// It was printed in this build before, and told bad after the ledger was written: nothing else puts it into a later build.
+    Again(BuildId),
+    /// Another build has it; a sentence.
+    Conflict(String),
+}
+
+/// Inserts a copy into its build.
 async fn import_placement(
     change: &mut LedgerChange,
     build: BuildId,
     part: PartId,
     mut row: JsonRow,
-) -> Result<Option<String>> {
+) -> Result<ImportedCopy> {
     let copy = number_column(&row, "copy")?;
-    let holder: Option<(BuildId, Option<String>)> = sql::query_as(
-        "SELECT b.id, b.published_at FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = $1 AND l.copy = $2",
+    let holder: Option<(BuildId, bool)> = sql::query_as(
+        "SELECT b.id, coalesce(b.published_at < n.published_at, FALSE) FROM placement l JOIN build b ON b.id = l.build_id \
+         JOIN build n ON n.id = $3 WHERE l.part_id = $1 AND l.copy = $2",
     )
     .bind(part)
     .bind(copy)
+    .bind(build)
     .fetch_optional(change.db())
     .await?;
-    if let Some((holder, _)) = holder {
-        return Ok(Some(format!("copy {copy} of part {part} is in build {holder} already, and in build {build} too")));
+    let mut imported = ImportedCopy::Placed;
+    if let Some((holder, is_later)) = holder {
+        let (true, Ok(number)) = (is_later, u32::try_from(copy)) else {
+            let sentence = format!("copy {copy} of part {part} is in build {holder} already, and in build {build} too");
+            return Ok(ImportedCopy::Conflict(sentence));
+        };
+        let by = format!("the record of build {build}");
+        change.mark_bad(holder, &[(part, number)], &by, true, &mut PutBackReport::default()).await?;
+        imported = ImportedCopy::Again(holder);
     }
     row.insert("part_id".to_owned(), part.0.into());
     row.insert("build_id".to_owned(), build.0.into());
     insert_row(change, "placement", &row).await?;
-    Ok(None)
+    Ok(imported)
 }
 
 /// How many copies are wanted may have been changed after the ledger was written: the record says it if it counts more decisions. In any
@@ -357,7 +385,9 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
     let now = change.now;
     let set = sql::query(
         "UPDATE part SET state = $1, state_at = $2, reason = CASE $1 WHEN 'rejected' THEN reason ELSE '' END, \
-         refusal = CASE $1 WHEN 'rejected' THEN refusal END WHERE id = $3",
+         refusal = CASE $1 WHEN 'rejected' THEN refusal END, \
+         put_back_at = CASE $1 WHEN 'built' THEN NULL ELSE put_back_at END, \
+         fetch_at = CASE $1 WHEN 'built' THEN NULL ELSE fetch_at END WHERE id = $3",
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
     let detail = "according to the record of a build";

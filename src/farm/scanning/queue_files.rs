@@ -119,9 +119,17 @@ impl QueueFileLook<'_> {
         let stamp = stamp_of(&seen);
         let wrong = match row {
             Some(build) if build.place.move_to.is_some() || build.place.withdraw_by.is_some() => None,
-            Some(build) if build.profile != self.profile.name => {
-                Some(format!("is build {} of {}: take it to a queue of {1}", build.id, build.profile))
-            }
+            Some(build) if build.profile != self.profile.name => Some(match build.state {
+                BuildState::Published => {
+                    format!("is build {} of {}: take it to a queue of {1}", build.id, build.profile)
+                }
+                _ => format!(
+                    "is the file of build {} of {} ({}): take it out, or its copies are printed a second time",
+                    build.id,
+                    build.profile,
+                    build.state_word()
+                ),
+            }),
             Some(build) if build.state == BuildState::Published => {
                 let is_proved = seen.is_file() && self.is_proved(&build, &path, stamp, reads);
                 let wrong = self.find_fault_of_published(&build, queue, is_proved);
@@ -133,8 +141,10 @@ impl QueueFileLook<'_> {
             Some(build) => self.find_fault_of_told(&build)?,
             None => self.find_original(&path, stamp, reads)?.map(|build| {
                 let own = build.staged.file_name.as_deref().unwrap_or_default();
+                let is_wanted = build.state == BuildState::Published && build.profile == self.profile.name;
+                let or_rename = if is_wanted { ", or give it that name back" } else { "" };
                 format!(
-                    "holds the copies of build {} ({}), whose file is {own}: take it out, or give it that name back",
+                    "holds the copies of build {} ({}), whose file is {own}: take it out{or_rename}",
                     build.id,
                     build.state_word()
                 )

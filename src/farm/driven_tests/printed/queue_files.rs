@@ -69,6 +69,9 @@ fn a_copy_with_other_bytes_is_told_whatever_became_of_its_build() {
             farm.say(&told(&build, PrintOutcome::Complete), false).unwrap();
         }
         expect_told(&mut farm, &format!("Kopie.build.3mf at test holds the copies of build {} ({ends})", build.id));
+        // Under its own name, only a file that is still to be printed is none that is told.
+        let text = farm.alert_text(AlertKind::QueueAltered);
+        assert_eq!(text.contains("or give it that name back"), ends == "published", "{text}");
         farm.stop();
         farm.start();
         expect_told(&mut farm, "Kopie.build.3mf");
@@ -106,6 +109,36 @@ fn a_file_that_is_put_back_when_its_build_is_over_is_told() {
         farm.pass_until("the hot folder says so", is_there);
         fs::remove_file(&file).unwrap();
         expect_over(&mut farm);
+    }
+}
+
+#[test]
+fn a_file_at_another_machine_is_sent_to_its_own_only_while_its_build_is_to_be_printed() {
+    for ends in ["published", "failed", "complete"] {
+        let (mut farm, build, file) = one_build();
+        farm.write_profile("other", QUICK);
+        farm.reload();
+        farm.pass_secs(5.0);
+        let (aside, name) = (farm.root().join("aside"), file.file_name().unwrap().to_owned());
+        fs::rename(&file, &aside).unwrap();
+        farm.pass_until("it is gone", |farm| find(farm, &build).place.taken_at.is_some());
+        match ends {
+            "failed" => drop(farm.say(&told(&build, PrintOutcome::Failed), true).unwrap()),
+            "complete" => drop(farm.say(&told(&build, PrintOutcome::Complete), true).unwrap()),
+            _ => {}
+        }
+        for there in [name.to_str().unwrap(), "Kopie.build.3mf"] {
+            let there = farm.folder_of("queue", "other").join(there);
+            fs::copy(&aside, &there).unwrap();
+            expect_told(&mut farm, &format!("build {}", build.id));
+            let text = farm.alert_text(AlertKind::QueueAltered);
+            let is_sent = ends == "published" && there.file_name() == Some(&*name);
+            assert_eq!(text.contains("take it to a queue of"), is_sent, "{ends}: {text}");
+            assert_eq!(text.contains("take it out"), !is_sent, "{ends}: {text}");
+            assert!(!text.contains("that name back"), "{ends}: {text}");
+            fs::remove_file(&there).unwrap();
+            expect_over(&mut farm);
+        }
     }
 }
 

@@ -163,8 +163,8 @@ pub enum LedgerError {
     WrongState {
         /// The build.
         build: BuildId,
-        /// Its state.
-        state: crate::ledger::BuildState,
+        /// Its state, as people call it.
+        state: String,
         /// The states that the change requires.
         needed: &'static [crate::ledger::BuildState],
     },
@@ -271,6 +271,19 @@ pub enum LedgerError {
         state: crate::ledger::BuildState,
         /// The outcome that was given now.
         asked: crate::ledger::BuildState,
+    },
+    /// Nobody printed the build: its file was taken back untouched.
+    #[error(
+        "build {build} was taken back out of the queue on {}, untouched: nobody can have printed it, and its copies are made again. If \
+         somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; \
+         `nestd show b{build}` lists its parts",
+        .at.0.strftime("%Y-%m-%d %H:%M UTC")
+    )]
+    TakenBack {
+        /// The build.
+        build: BuildId,
+        /// When.
+        at: crate::ledger::UtcTimestamp,
     },
     /// Fewer copies of the part are in the build than were named as bad.
     #[error("build {build} holds {} of part {part}, and {asked} were named; `nestd show b{build}` lists them", copies_text(*.placed))]

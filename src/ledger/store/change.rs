@@ -14,6 +14,7 @@ use crate::ledger::{
         error::Result,
         sql::{self, SqlTransaction},
     },
+    rows::build_row::state_word,
 };
 
 /// A change that is not committed yet. Dropping it rolls everything back.
@@ -126,8 +127,17 @@ impl LedgerChange {
     pub async fn ensure_build_state(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
         match self.require_build(build).await? {
             (profile, state) if needed.contains(&state) => Ok(profile),
-            (_, state) => Err(LedgerError::WrongState { build, state, needed }),
+            (_, state) => {
+                let state = state_word(state, self.withdrawn_at(build).await?);
+                Err(LedgerError::WrongState { build, state, needed })
+            }
         }
+    }
+
+    /// When the file of a build was taken back out of the queue untouched; `None` = it was not.
+    pub async fn withdrawn_at(&mut self, build: BuildId) -> Result<Option<UtcTimestamp>> {
+        let query = sql::query_scalar("SELECT withdrawn_at FROM build WHERE id = $1").bind(build);
+        Ok(query.fetch_one(self.db()).await?)
     }
 
     /// Moves a part to another state. `detail` is stored in the event.

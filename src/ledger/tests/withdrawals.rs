@@ -42,6 +42,7 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     assert_eq!(to_withdraw(&ledger).await, [build], "its file is still to be removed");
     ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
     assert!(to_withdraw(&ledger).await.is_empty());
+    assert_no_outcome_is_heard(&ledger, build).await;
     let row = ledger.find_build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "withdrawn from the queue by a@b: a mistake"));
     assert!(ledger.unseen_failures().await.unwrap().is_empty());
@@ -129,6 +130,27 @@ async fn builds_that_are_made_for_a_printer_or_lie_in_its_queue_are_ahead_of_it(
     assert_eq!(status.ahead, expected);
 }
 
+/// Nobody can have printed what was taken back untouched, so no word makes its copies count as printed.
+async fn assert_no_outcome_is_heard(ledger: &Ledger, build: BuildId) {
+    let before = ledger.find_build(build).await.unwrap().unwrap();
+    for outcome in [PrintOutcome::Failed, PrintOutcome::Complete, PrintOutcome::Interrupted, PrintOutcome::Printing] {
+        for is_correction in [true, false] {
+            let told = ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "ann") };
+            let word = OperatorWord::Outcome(build, told);
+            let refused = ledger.carry_out(&word, "ann", &BTreeSet::from([build]), true).await;
+            assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{outcome} {is_correction}: {refused:?}");
+        }
+    }
+    let broken_out = OperatorWord::BreakOut(build);
+    let refused = ledger.carry_out(&broken_out, "ann", &BTreeSet::from([build]), true).await.unwrap_err().to_string();
+    assert!(refused.contains("untouched: nobody can have printed it") && refused.contains("nestd cancel"), "{refused}");
+    let again = ledger.carry_out(&OperatorWord::Withdraw(build, String::new()), "ann", &BTreeSet::new(), false).await;
+    assert_eq!(again.unwrap_err().to_string(), format!("build {build} is withdrawn, not published"));
+    assert_eq!(ledger.find_build(build).await.unwrap().unwrap(), before);
+    assert!(ledger.placements_of_build(build).await.unwrap().iter().all(|placed| placed.is_bad));
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
 #[tokio::test]
 async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_counts_as_withdrawn() {
     for is_requeue in [true, false] {
@@ -145,9 +167,7 @@ async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_co
         ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
         let row = ledger.find_build(build).await.unwrap().unwrap();
         assert_eq!((row.state, row.state_word().as_str()), (BuildState::Failed, "withdrawn"));
-        let complete = OperatorWord::Outcome(build, ToldOutcome::new(PrintOutcome::Complete, "", "ann"));
-        let refused = ledger.carry_out(&complete, "ann", &BTreeSet::from([build]), false).await;
-        assert!(matches!(refused, Err(LedgerError::AlreadyTold { .. })), "{refused:?}");
+        assert_no_outcome_is_heard(&ledger, build).await;
         let now = UtcTimestamp(jiff::Timestamp::now());
         let busy = ledger.occupying_builds("paper-200", now).await.unwrap();
         assert!(busy.iter().all(|busy| busy.build != build), "its printer is free of it");

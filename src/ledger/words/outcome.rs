@@ -127,8 +127,6 @@ pub(crate) async fn tell_outcome(
     let mut report = PutBackReport::default();
     move_to_outcome(change, build, told).await?;
     record_told(change, build, told).await?;
-    // Somebody says that a withdrawn build was printed all the same.
-    sql::query("UPDATE build SET withdrawn_at = NULL WHERE id = $1").bind(build).execute(change.db()).await?;
     if told.is_correction && told.outcome != PrintOutcome::Failed {
         change.return_bad_copies(build, &mut report).await?;
     }
@@ -163,7 +161,7 @@ pub(super) async fn record_told(change: &mut LedgerChange, build: BuildId, told:
     Ok(())
 }
 
-/// Moves a build to the state of its outcome.
+/// Moves a build to the state of its outcome. A withdrawn build has none: its copies would count as printed, and be lost.
 pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
     let (_, state) = change.require_build(build).await?;
     let is_published: bool = sql::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = $1")
@@ -173,7 +171,10 @@ pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, t
     let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
     if !is_published {
         // Only the farm may fail a nesting build, because it then releases the copies.
-        return Err(LedgerError::WrongState { build, state, needed: REPORTABLE_STATES });
+        change.ensure_build_state(build, REPORTABLE_STATES).await?;
+    }
+    if let Some(at) = change.withdrawn_at(build).await? {
+        return Err(LedgerError::TakenBack { build, at });
     }
     if is_told && !told.is_correction {
         return Err(LedgerError::AlreadyTold { build, state, asked: told.outcome.build_state() });

@@ -74,7 +74,7 @@ pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
     html! {
         @if web.orders && build.times.published_at.is_some() {
             section.forms #told aria-label="What became of the print" {
-                (outcome_form(web, build, &bad_text(build, placements), is_told))
+                @if build.place.withdrawn_at.is_none() { (outcome_form(web, build, &bad_text(build, placements), is_told)) }
                 @if has_counted {
                     details { summary { "Print again" }
                         p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }

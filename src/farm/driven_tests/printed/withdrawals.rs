@@ -5,7 +5,10 @@ use std::fs;
 
 use super::printers::{build_part, published};
 use crate::{
-    farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+    farm::{
+        AlertKind,
+        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+    },
     ledger::{
         BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand,
         OperatorWord, PartEdit, PartState, PrintOutcome, ToldOutcome,
@@ -102,6 +105,30 @@ fn a_build_that_is_taken_back_can_be_changed_and_comes_again() {
     assert_each_copy_once(&farm.queued(), 3);
     let sums = farm.ask(async |ledger| ledger.height_summaries(&Default::default()).await.unwrap());
     assert_eq!((sums[0].builds, sums[0].copies), (1, 3), "what was withdrawn was not printed");
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
+fn no_copy_of_a_build_that_was_taken_back_is_lost_and_its_file_is_told_of_where_somebody_puts_it_back() {
+    let (mut farm, build, _) = one_build("");
+    let file = farm.queued().remove(0);
+    let bytes = fs::read(&file).unwrap();
+    withdraw(&farm, build).unwrap();
+    wait_for_end(&mut farm, build);
+    for outcome in [PrintOutcome::Complete, PrintOutcome::Interrupted] {
+        let told = ToldOutcome { is_correction: true, ..ToldOutcome::new(outcome, "", "ann@farm") };
+        let refused = farm.say(&OperatorWord::Outcome(build, told), true).unwrap_err();
+        assert!(matches!(refused, LedgerError::TakenBack { .. }), "{refused}");
+    }
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    fs::write(&file, bytes).unwrap();
+    farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
+    fs::remove_file(&file).unwrap();
+    // Somebody printed it from a copy all the same: the remedy that the refusal names.
+    let argument = CommandArgument { copies: Some(1), ..CommandArgument::default() };
+    let (kind, profile, asked_by) = (CommandKind::Cancel, String::new(), "a@test".to_owned());
+    farm.submit_command(&NewCommand { kind, profile, part: Some(part), argument, asked_by });
+    farm.pass_until("no copy waits", |farm| farm.parts(PartState::Waiting).is_empty());
     farm.assert_ledger_agrees_with_folders();
 }
 

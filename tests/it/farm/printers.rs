@@ -155,7 +155,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
     fs::create_dir_all(&taken).unwrap();
     let mut parts = 0;
     let log_text = |farm: &TestFarm| farm.log();
-    while farm.log().matches("was taken back out of the queue").count() < wanted {
+    while farm.log().matches("is out of the queue. ").count() < wanted {
         let is_empty = list_build_files(&queue(&farm, "test")).is_empty();
         if random.random_bool(0.2) || is_empty && farm.parts(PartState::Built).len() == parts {
             let urgent = random.random_bool(0.3).then_some("priority = 100\n");

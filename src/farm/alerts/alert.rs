@@ -71,6 +71,8 @@ pub enum AlertKind {
     QueueReplaced,
     /// What lies in a queue folder must not be printed as it is.
     QueueAltered,
+    /// A printer took a build whose copies were to be printed again.
+    TakenFirst,
     /// Parts wait for a machine that is not configured.
     MachineGone,
     /// Parts, tickets and order lists do not match, and wait.
@@ -120,7 +122,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -152,6 +154,7 @@ impl AlertKind {
         Self::PublishingFails,
         Self::QueueReplaced,
         Self::QueueAltered,
+        Self::TakenFirst,
         Self::MachineGone,
         Self::Incomplete,
         Self::Refused,
@@ -205,6 +208,7 @@ impl AlertKind {
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::QueueAltered => "A file in a queue folder must not be printed as it is",
+            Self::TakenFirst => "A printer took a build whose copies were to be printed again",
             Self::MachineGone => "Parts wait for a machine that is not configured",
             Self::Incomplete => "Parts, tickets and order lists do not fit together, and wait",
             Self::Refused => "Refused files lie in the error folder",
@@ -320,6 +324,7 @@ impl AlertKind {
                 "Do what is said of each file before somebody prints it. Where it was printed all the same, tell the outcome of its build \
                  (`nestd outcome`)."
             }
+            Self::TakenFirst => "Look what the printer makes of it, and tell that (`nestd outcome`): it ends this.",
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
                  them. Lines that a program ordered are cancelled with DELETE (docs/api.md)."

@@ -29,7 +29,7 @@ use crate::{
             queue_files::QueueFileMemory,
         },
     },
-    ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
+    ledger::{BuildId, BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
     settings::MachineProfile,
 };
 
@@ -92,6 +92,8 @@ pub struct MachineState {
     pub printers: MachinePrinters,
     /// What was read of the files in their queue folders.
     pub queue_files: QueueFileMemory,
+    /// Builds that a printer took although their copies were to be printed again, with the number of outcomes that were told before.
+    pub taken_first: BTreeMap<BuildId, usize>,
     /// The build that collects waiting parts.
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
@@ -170,6 +172,7 @@ impl MachineState {
             leases: FolderLeases::new(holder, &profile),
             printers: MachinePrinters::new(&profile, now),
             queue_files: QueueFileMemory::default(),
+            taken_first: BTreeMap::new(),
             profile,
             agreed_folders: None,
             may_claim: false,

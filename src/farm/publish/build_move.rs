@@ -10,7 +10,7 @@ use crate::{
         alerts::alert::AlertKind,
         core::{farm::Farm, machine_state::MachineState},
         leases::folder_leases::FolderLeases,
-        printers::printers::choose_for_build,
+        printers::{printers::choose_for_build, queue_alerts::report_taken_first},
         process::jobs::BackgroundJob,
         records::staged_build::has_hash,
         scanning::machine_fit::find_misfit,
@@ -300,7 +300,7 @@ async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> R
         Ok(MoveStep::Dropped) => farm.ledger.end_move(id, MoveEnd::Dropped).await?,
         Ok(MoveStep::TakenThere) => {
             farm.ledger.end_move(id, MoveEnd::TakenThere).await?;
-            report_taken_there(farm, &build, &to);
+            report_taken_there(farm, &build, &to).await?;
         }
         Err(failure) => {
             report_move_failure(farm, id, &build.profile, &failure);
@@ -312,16 +312,17 @@ async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> R
     Ok(())
 }
 
-/// A printed build whose copies wait again would be printed twice. Nobody but a person can tell; the alert ends with the daemon.
-fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) {
-    if !matches!(build.state, BuildState::Printing | BuildState::Complete) {
-        let (id, state) = (build.id, build.state);
-        let text = format!(
-            "build {id} was told to be {state} while it went to the printer {printer}, which has taken it: look whether {printer} \
-             prints it, and correct the outcome if it does"
-        );
-        farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, taken"), &text);
+/// A printed build whose copies wait again would be printed twice.
+async fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) -> Result<()> {
+    if matches!(build.state, BuildState::Printing | BuildState::Complete) {
+        return Ok(());
     }
+    let (id, state) = (build.id, build.state);
+    let text = format!(
+        "build {id} was told to be {state} while it went to the printer {printer}, which has taken it: look whether {printer} \
+         prints it, and tell the outcome once more, with --correct"
+    );
+    report_taken_first(farm, build, &text).await
 }
 
 fn report_move_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) {

@@ -13,7 +13,7 @@ use crate::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
         core::{farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
-        printers::queue_alerts::report_wrong_files,
+        printers::queue_alerts::{end_told_alerts, report_wrong_files},
         process::jobs::BackgroundJob,
         scanning::queue_files::{QueueFileFindings, QueueFileLook, QueueFileMemory},
     },
@@ -73,6 +73,7 @@ impl BackgroundJob<Farm> for QueueLookJob {
 
 /// Starts jobs that look into the queue folders.
 pub(crate) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
+    end_told_alerts(farm).await?;
     for (name, machine) in &farm.machines {
         let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {

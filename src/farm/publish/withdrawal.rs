@@ -16,7 +16,7 @@ use crate::{
         },
         leases::folder_leases::FolderLeases,
         operate::operate::operate,
-        printers::{printers::occupation_of, release_preview::awaits_release},
+        printers::{printers::occupation_of, queue_alerts::report_taken_first, release_preview::awaits_release},
         process::{jobs::BackgroundJob, tick_tasks::TimedTask},
         records::staged_build::has_hash,
     },
@@ -177,7 +177,7 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
         Ok(WithdrawalStep::Taken) => {
             // A word was said of a file that lay untouched: of one that its printer has, it may not be true.
             if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
-                report_word_dropped(farm, &build);
+                report_word_dropped(farm, &build).await?;
             }
             farm.ledger.end_withdrawal(id, WithdrawalEnd::Taken).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
@@ -213,14 +213,14 @@ fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failur
     Ok(())
 }
 
-/// What was said of a build whose file lay in the queue is not done: its printer was faster. The alert ends with the daemon.
-fn report_word_dropped(farm: &mut Farm, build: &BuildRow) {
+/// What was said of a build whose file lay in the queue is not done: its printer was faster.
+async fn report_word_dropped(farm: &mut Farm, build: &BuildRow) -> Result<()> {
     let id = build.id;
     let text = format!(
         "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but its printer took it first: \
          nothing was changed. Say it once more when it is known how build {id} is printed"
     );
-    farm.alerts.raise(AlertKind::PublishingFails, &build.profile, &format!("build {id}, withdrawn"), &text);
+    report_taken_first(farm, build, &text).await
 }
 
 /// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.

@@ -150,16 +150,24 @@ fn a_build_whose_failure_was_told_after_it_became_visible_at_the_other_printer_i
 
 #[test]
 fn a_person_learns_that_the_other_printer_took_a_build_whose_failure_was_told() {
-    let (mut farm, build, file) = one_build();
-    stage_on_the_right(&farm, &build, &file);
-    let right = open_queue(&farm, "right");
-    right.publish(&file).unwrap();
-    fs::remove_file(right.published_path(&file)).unwrap();
-    start_after_failure(&mut farm, &build);
-    wait_for_end_of_move(&mut farm, &build);
-    assert!(farm.has_alert(AlertKind::PublishingFails));
-    let now = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
-    assert!(now.place.printer.as_deref() == Some("right") && now.place.taken_at.is_some(), "{:?}", now.place);
+    for outcome in [PrintOutcome::Failed, PrintOutcome::Complete] {
+        let (mut farm, build, file) = one_build();
+        stage_on_the_right(&farm, &build, &file);
+        let right = open_queue(&farm, "right");
+        right.publish(&file).unwrap();
+        fs::remove_file(right.published_path(&file)).unwrap();
+        start_after_failure(&mut farm, &build);
+        wait_for_end_of_move(&mut farm, &build);
+        let is_told = |farm: &HandDrivenFarm| farm.alert_text(AlertKind::TakenFirst).contains("which has taken it");
+        assert!(is_told(&farm) && !farm.has_alert(AlertKind::PublishingFails), "{}", farm.status_text());
+        let now = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
+        assert!(now.place.printer.as_deref() == Some("right") && now.place.taken_at.is_some(), "{:?}", now.place);
+        farm.pass_secs(5.0);
+        assert!(is_told(&farm), "nobody has looked yet");
+        let told = ToldOutcome { is_correction: true, ..ToldOutcome::new(outcome, "", "a@test") };
+        farm.ask(async |ledger| ledger.record_outcome(build.id, &told).await.unwrap());
+        farm.pass_until("it is over", |farm| !is_told(farm));
+    }
 }
 
 #[test]

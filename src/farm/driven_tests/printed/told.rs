@@ -177,9 +177,14 @@ fn a_word_about_a_file_that_its_printer_takes_before_it_is_taken_out_changes_not
         farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
         assert_eq!(find(&farm, build.id).state, BuildState::Published, "{word:?}");
         assert!(farm.parts(PartState::Waiting).is_empty(), "what the printer has is not printed again: {word:?}");
-        let told = farm.alert_text(AlertKind::PublishingFails);
+        let told = farm.alert_text(AlertKind::TakenFirst);
         assert!(told.contains("its printer took it first"), "{told}");
+        assert!(!farm.has_alert(AlertKind::PublishingFails), "{told}");
         farm.assert_ledger_agrees_with_folders();
+        farm.pass_secs(5.0);
+        assert!(farm.has_alert(AlertKind::TakenFirst));
+        farm.say(&outcome(&build, PrintOutcome::Complete, 0), true).unwrap();
+        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::TakenFirst));
     }
 }
 

@@ -149,7 +149,8 @@ fn publish_after_backup(farm: &mut TestFarm) -> PathBuf {
 fn farm_with_a_published() -> (TestFarm, PathBuf) {
     let mut farm = TestFarm::running(QUICK);
     let backup = publish_after_backup(&mut farm);
-    fs::remove_dir_all(farm.folder("archive")).unwrap();
+    // The old folder stays, so that the new one gets another inode.
+    fs::rename(farm.folder("archive"), farm.root().join("archive-before")).unwrap();
     fs::create_dir(farm.folder("archive")).unwrap();
     (farm, backup)
 }

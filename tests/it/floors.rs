@@ -30,62 +30,20 @@ const FLOORS: [(&str, u32); 12] = [
     ("cli", 9),
 ];
 
-/// The folders of a crate or room in their order: each knows only earlier ones, as in `ARCHITECTURE.md`.
-const FOLDERS: [(&str, &[&str]); 11] = [
-    ("crates/solids", &["mesh", "trees", "clearance", "fixtures"]),
-    ("crates/sample-parts", &["making", "parts", "workload"]),
-    (
-        "crates/nester",
-        &[
-            "pollination",
-            "orientation",
-            "problem",
-            "shapes",
-            "prepare",
-            "separation",
-            "proof",
-            "paper",
-            "start",
-            "finish",
-            "search",
-        ],
-    ),
-    ("crates/build-file", &["common", "stl", "threemf", "read", "build", "picture"]),
-    ("src/intake", &["names", "folder", "lists", "put", "claim", "spec"]),
-    ("src/ledger", &["base", "rows", "store", "parts", "builds", "orders", "words", "service", "keep"]),
-    (
-        "src/farm",
-        &[
-            "leases",
-            "process",
-            "alerts",
-            "decisions",
-            "files",
-            "records",
-            "nesting",
-            "scanning",
-            "core",
-            "receive",
-            "again",
-            "printers",
-            "operate",
-            "publish",
-            "planning",
-            "nodes",
-            "open_build",
-            "recover",
-            "run",
-            "search",
-        ],
-    ),
-    ("src/web", &["base", "figures", "core", "forms", "pages", "break_out", "doors", "serve"]),
-    ("src/settings", &["reading", "machine", "service", "validation"]),
-    ("src/tables", &["columns", "fields", "lists", "sheets"]),
-    ("src/cli", &["terminal", "serve", "look", "act"]),
-];
-
 /// The most source files that stand in one folder.
 const FULLEST_FOLDER: usize = 15;
+
+/// The folders of each crate or room in their order, and files that stand beside them, as `ARCHITECTURE.md` lists them: each knows only
+/// earlier ones.
+fn folders() -> Vec<(String, Vec<String>)> {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md")).unwrap();
+    let (_, table) = text.split_once("| crate or room | folders |\n|---|---|\n").unwrap();
+    let rows = table.lines().take_while(|line| line.starts_with('|'));
+    let names = |row: &str| row.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let found: Vec<_> = rows.map(names).map(|mut names| (names.remove(0), names)).collect();
+    assert_eq!(found.len(), 11, "{found:?}");
+    found
+}
 
 fn rust_files(dir: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -252,14 +210,12 @@ fn no_files_of_a_crate_or_a_room_import_each_other_in_a_circle() {
 fn a_folder_knows_only_earlier_folders_of_its_room() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut faults = Vec::new();
-    for (place, folders) in FOLDERS {
+    for (place, folders) in &folders() {
         let (imports, depth) = match place.strip_prefix("src/") {
             Some(room) => (imports::imports_of(&root.join("src"), &[room]), 1),
             None => (imports::imports_of(&root.join(place).join("src"), &[]), 0),
         };
-        let rank = |module: &imports::ModulePath| {
-            folders.iter().position(|name| Some(*name) == module.get(depth).map(String::as_str))
-        };
+        let rank = |module: &imports::ModulePath| folders.iter().position(|name| Some(name) == module.get(depth));
         for (module, targets) in imports.iter().filter(|(module, _)| module.len() > depth) {
             let Some(own) = rank(module) else {
                 faults.push(format!("{place}: {} stands in no known folder", module.join("/")));
@@ -284,7 +240,7 @@ fn a_folder_has_at_most_15_files_and_a_head() {
     }
     let full = counts.iter().filter(|(_, count)| **count > FULLEST_FOLDER);
     let mut faults: Vec<String> = full.map(|(folder, count)| format!("{}: {count} files", folder.display())).collect();
-    for (place, folders) in FOLDERS {
+    for (place, folders) in &folders() {
         let source = if place.starts_with("crates/") { root.join(place).join("src") } else { root.join(place) };
         let heads = folders.iter().map(|folder| source.join(folder).join("mod.rs")).filter(|head| head.exists());
         let bare = heads.filter(|head| !fs::read_to_string(head).unwrap().starts_with("//! "));
@@ -293,7 +249,7 @@ fn a_folder_has_at_most_15_files_and_a_head() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// `web/admit -> web/serve/server -> web/admit`.
+/// `web/admit -> web/server -> web/admit`.
 fn in_words(circle: &[imports::ModulePath]) -> String {
     let back = circle.iter().chain(circle.first());
     back.map(|module| module.join("/")).collect::<Vec<_>>().join(" -> ")

@@ -17,6 +17,7 @@ use ureq::{
 use super::lane_problem::mesh_files;
 use crate::{
     access,
+    farm::records::build_record::archive_folder,
     intake::{self, ContentStore},
     ledger::{Ledger, NodeRow},
     settings::{MachineProfile, Settings},
@@ -198,8 +199,7 @@ pub(crate) async fn archive_folders<'m>(
 ) -> Result<Vec<PathBuf>> {
     let mut folders = Vec::new();
     for (profile, file_name) in ledger.build_files_with_content(hash).await? {
-        let stem = file_name.strip_suffix(".build.3mf").unwrap_or(&file_name);
-        folders.extend(profile_named(&profile).map(|profile| profile.folders.archive.join(stem)));
+        folders.extend(profile_named(&profile).map(|profile| archive_folder(&profile.folders.archive, &file_name)));
     }
     Ok(folders)
 }

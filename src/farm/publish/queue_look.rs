@@ -194,9 +194,10 @@ impl QueueLook {
         queue: &QueueFolder,
         file: &str,
     ) -> Result<Option<(BuildId, FoundPlace)>> {
-        let row = self.runtime.block_on(self.ledger.find_build_by_file(&self.profile.name, file))?;
-        // Other farms have files of their own.
-        let Some(build) = row.filter(|build| build.place.move_to.is_none() && build.place.withdraw_by.is_none()) else {
+        let row = self.runtime.block_on(self.ledger.find_build_of_file(file))?;
+        // Other farms and machines have files of their own.
+        let is_left = |build: &BuildRow| build.place.move_to.is_none() && build.place.withdraw_by.is_none();
+        let Some(build) = row.filter(|build| build.profile == self.profile.name && is_left(build)) else {
             return Ok(None);
         };
         if build.state == BuildState::Published {

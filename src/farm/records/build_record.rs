@@ -48,7 +48,12 @@ pub fn remove_record(archive: &Path, name: &str) -> Result<()> {
 }
 
 fn record_path(archive: &Path, name: &str) -> PathBuf {
-    archive.join(name.strip_suffix(BUILD).unwrap_or(name)).join(NAME)
+    archive_folder(archive, name).join(NAME)
+}
+
+/// The folder of a build in an archive: its originals and its record. `name` = that of its build file.
+pub fn archive_folder(archive: &Path, name: &str) -> PathBuf {
+    archive.join(name.strip_suffix(BUILD).unwrap_or(name))
 }
 
 /// The builds with a record in an archive: name of the build file, and path of the record; oldest first.

@@ -12,13 +12,13 @@ use build_file::{BuildMetadata, PictureBody, PictureScheme, PlacedMesh, Viewpoin
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
-use super::kept_build;
+use super::{build_record::archive_folder, kept_build};
 use crate::{
     farm::{
         decisions::layout::{due_words, placed_from_json},
         files::{mesh_cache::MeshCache, mesh_source::MeshSource},
     },
-    intake::ContentStore,
+    intake::{self, ContentStore},
     ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep},
     settings::{MachineProfile, Settings},
 };
@@ -203,7 +203,7 @@ fn placed_mesh_name(item: &PlacedMesh) -> String {
 
 /// The file of a published build, if it lies in the queue or is kept in the archive, and is the one that was proved.
 pub fn find_proved_file(profile: &MachineProfile, build: &BuildRow) -> Option<PathBuf> {
-    let is_proved = |file: &Path| Some(hash_file(file).ok()?.to_hex().as_str() == build.staged.file_hash.as_deref()?);
+    let is_proved = |file: &Path| Some(intake::hash_file(file).ok()? == build.staged.file_hash.as_deref()?);
     build_file_paths(profile, build)?.into_iter().find(|file| is_proved(file).unwrap_or(false))
 }
 
@@ -245,15 +245,15 @@ impl OriginalMeshes {
             preparation_cache: None,
             unreadable_since: unreadable,
         };
-        let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
-        let archive = stem.map(|stem| profile.folders.archive.join(stem));
+        let name = build.staged.file_name.as_deref();
+        let archive = name.map(|name| archive_folder(&profile.folders.archive, name));
         Self { meshes, archive, archived: OnceCell::new() }
     }
 
     fn archived_by_hash(&self) -> &HashMap<String, PathBuf> {
         self.archived.get_or_init(|| {
             let files = self.archive.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
-            let known = |path: PathBuf| Some((hash_file(&path).ok()?.to_hex().to_string(), path));
+            let known = |path: PathBuf| Some((intake::hash_file(&path).ok()?, path));
             files.flatten().filter_map(|file| known(file.path())).collect()
         })
     }
@@ -266,10 +266,4 @@ impl OriginalMeshes {
         let file = self.archived_by_hash().get(&part.file.content_hash)?;
         self.meshes.mesh_cache.read_mesh(file, part, &self.meshes.limits).ok()
     }
-}
-
-fn hash_file(file: &Path) -> std::io::Result<blake3::Hash> {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(std::fs::File::open(file)?)?;
-    Ok(hasher.finalize())
 }

@@ -4,11 +4,7 @@
 //! A part in doubt is not printed: a person is told and can have it printed. A cake that was printed twice cannot be
 //! undone.
 
-use std::{
-    collections::HashSet,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{collections::HashSet, fs, path::PathBuf};
 
 use anyhow::{Context, Result};
 use serde_json::json;
@@ -154,10 +150,8 @@ pub async fn find_unknown_builds(
             continue;
         };
         let record = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
-        let mut is_published = true;
-        for queue in profile.queue_folders() {
-            is_published &= !is_staged(queue, &name, staged_in(profile, &record).as_deref())?;
-        }
+        let queue_id = staged_in(&record);
+        let is_published = !is_staged(profile, &name, queue_id.as_deref())?;
         unknown.push(UnknownBuild {
             name,
             profile: profile.name.clone(),
@@ -169,25 +163,29 @@ pub async fn find_unknown_builds(
     Ok(unknown)
 }
 
-/// The marker of the queue folder where the build of a record was staged. Of several printers, the folder of another one may
-/// still hold what was staged for an earlier attempt: that says nothing. `None` = there is only one folder.
-fn staged_in(profile: &MachineProfile, record: &str) -> Option<String> {
+/// The marker of the queue folder where the build of a record was staged.
+fn staged_in(record: &str) -> Option<String> {
     let record: serde_json::Value = serde_json::from_str(record).unwrap_or_default();
-    let marker = record["builds"][0]["queue_id"].as_str().map(str::to_owned);
-    marker.filter(|_| profile.printers.len() > 1)
+    record["builds"][0]["queue_id"].as_str().map(str::to_owned)
 }
 
-/// Whether the file is still under its dot-name: its record was written, but the build was not published. Looks only into a
-/// folder with this marker, if one is given.
-fn is_staged(queue: &Path, name: &str, marker: Option<&str>) -> Result<bool> {
-    if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
-        return Ok(false);
+/// Whether the file of a build is still under its dot-name: its record was written, but it was not published. Of several printers, the
+/// folder of another one than `queue_id` may still hold what was staged for an earlier attempt: that says nothing.
+fn is_staged(profile: &MachineProfile, name: &str, queue_id: Option<&str>) -> Result<bool> {
+    let marker = queue_id.filter(|_| profile.printers.len() > 1);
+    for queue in profile.queue_folders() {
+        if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
+            continue;
+        }
+        let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
+            true => queue.staged_state(name),
+            false => Ok(StagedState::Gone),
+        });
+        if state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged {
+            return Ok(true);
+        }
     }
-    let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
-        true => queue.staged_state(name),
-        false => Ok(StagedState::Gone),
-    });
-    Ok(state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged)
+    Ok(false)
 }
 
 /// A record made from a build file that has none, for the parts in it that the ledger knows. `None` = there are none,
@@ -270,11 +268,7 @@ async fn record_published_builds(settings: &Settings, ledger: &Ledger, found: &m
         if build.staged.publishing_at.is_some() || !build_record::has_record(&profile.folders.archive, name)? {
             continue;
         }
-        let mut is_published = true;
-        for queue in profile.queue_folders() {
-            is_published &= !is_staged(queue, name, build.staged.queue_id.as_deref())?;
-        }
-        if is_published {
+        if !is_staged(profile, name, build.staged.queue_id.as_deref())? {
             ledger.begin_publishing(build.id).await?;
             found.done.push(format!("build {} ({name} of {}) was published since", build.id, build.profile));
         }

@@ -122,8 +122,11 @@ impl StagedBuild {
             self.check_rights()?;
             return Ok(PublishStep::Done(self.queue.publish(self.file_name()?)?));
         }
-        let misfit = self.misfit.clone();
-        if let Some(why) = misfit.map_or_else(|| self.find_damage(), |misfit| Ok(Some(misfit)))? {
+        let why = match &self.misfit {
+            Some(misfit) => Some(misfit.clone()),
+            None => self.find_damage()?,
+        };
+        if let Some(why) = why {
             // The file is still staged, so it was never renamed.
             build_record::remove_record(&self.archive, self.file_name()?)?;
             return Ok(PublishStep::MadeAgain(why));

@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 
 use crate::ledger::{
-    BuildId, BuildRow, Ledger, PartId, PartState, UtcTimestamp,
+    BuildId, Ledger, PartId, PartState, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -114,11 +114,5 @@ impl Ledger {
              WHERE profile = $1 AND content_hash = $2 ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)
-    }
-
-    /// The build of a profile that has this file name.
-    pub async fn find_build_by_file(&self, profile: &str, file_name: &str) -> Result<Option<BuildRow>> {
-        let query = sql::select_as("FROM build WHERE profile = $1 AND file_name = $2");
-        Ok(query.bind(profile).bind(file_name).fetch_optional(self.reader()?).await?)
     }
 }

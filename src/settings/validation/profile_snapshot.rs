@@ -39,7 +39,8 @@ struct NestingSnapshot {
 }
 
 impl MachineProfile {
-    /// Returns the profile at the time of a build: what its proof depends on comes from `snapshot` (JSON), everything else from `now`. If the machine is not configured any more, the folders come from the snapshot too.
+    /// Returns the profile at the time of a build: what its proof depends on comes from `snapshot` (JSON), everything else from `now`.
+    /// If the machine is not configured any more, the folders come from the snapshot too.
     /// Without a snapshot nothing is known of such a machine, and its volume is zero.
     pub fn from_snapshot(name: &str, snapshot: Option<&str>, now: Option<&Self>) -> Self {
         let stored: ProfileSnapshot = snapshot.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();

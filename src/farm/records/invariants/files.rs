@@ -15,7 +15,7 @@ use super::{
 use crate::{
     farm::{
         decisions::trigger::secs_between,
-        records::{forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild},
+        records::{build_record::archive_folder, forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild},
     },
     intake::{self, ContentStore, StoreError},
     ledger::{BuildState, Ledger, PartFileRow, PartId, PartState},
@@ -83,7 +83,7 @@ impl ArchivedParts {
             };
             if build.staged.publishing_at.is_some() {
                 let parts = ledger.copies_of_build(build.id).await?.into_iter().map(|(part, _)| part).collect();
-                let folder = profile.folders.archive.join(name.strip_suffix(".build.3mf").unwrap_or(name));
+                let folder = archive_folder(&profile.folders.archive, name);
                 begun.push((parts, files_by_hash(&folder, |_| true, report)));
             }
         }
@@ -224,21 +224,20 @@ pub async fn check_archived_originals(
         if !is_required || is_from_kept {
             continue;
         }
-        let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);
+        let folder = archive_folder(&profile.folders.archive, &row.file_name);
         // Another node that served the machine then has published it into an archive of its own.
-        if ledger.file().is_none() && !profile.folders.archive.join(stem).exists() {
+        if ledger.file().is_none() && !folder.exists() {
             continue;
         }
-        let archived = archives
-            .entry(row.file_name.clone())
-            .or_insert_with(|| files_by_hash(&profile.folders.archive.join(stem), |_| true, report));
+        let archived =
+            archives.entry(row.file_name.clone()).or_insert_with(|| files_by_hash(&folder, |_| true, report));
         if !archived.contains_key(&row.content_hash) {
             let text = format!(
                 "part {} ({}) is printed in build {} and its original is not in {}",
                 row.part,
                 row.name,
                 row.build,
-                profile.folders.archive.join(stem).display()
+                folder.display()
             );
             let remedy =
                 "nestd keeps originals for archive_days: ask who else deletes there, and put it back if needed";

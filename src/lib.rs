@@ -16,7 +16,8 @@
 //! ```
 //!
 //! Separate crates form the floors below: `solids` (meshes, poses, distances), `nester` (the packing search),
-//! `build_file` (STL and 3MF in, build files and pictures out) and `sample_parts` (the project's own parts).
+//! `build_file` (STL and 3MF in, build files and pictures out), `sample_parts` (the project's own parts) and `jobs` (work
+//! beside an event loop).
 
 pub mod access;
 pub mod build;

@@ -12,7 +12,7 @@ mod imports;
 
 /// Crates of the workspace and their floors, as in `ARCHITECTURE.md`. The rooms (modules) of `nestd` are above all of
 /// them.
-const CRATES: [(&str, u32); 4] = [("solids", 0), ("sample-parts", 1), ("nester", 2), ("build-file", 2)];
+const CRATES: [(&str, u32); 5] = [("solids", 0), ("jobs", 0), ("sample-parts", 1), ("nester", 2), ("build-file", 2)];
 
 /// Rooms (modules of `nestd`) and their floors, as in `ARCHITECTURE.md`.
 const FLOORS: [(&str, u32); 12] = [

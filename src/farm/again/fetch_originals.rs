@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use tracing::info;
 
 use crate::{
@@ -14,7 +15,6 @@ use crate::{
         files::claim_note::ClaimNote,
         leases::folder_leases::FolderLeases,
         nesting::node_content::{OtherNodes, archive_folders, find_original},
-        process::jobs::BackgroundJob,
         receive::damaged_files,
         records::kept_build::KeptBuild,
     },

@@ -5,6 +5,7 @@ use std::{collections::BTreeSet, path::Path, time::Duration};
 
 use anyhow::Result;
 use build_file::format_count;
+use jobs::BackgroundJob;
 use tracing::info;
 
 use crate::{
@@ -12,7 +13,6 @@ use crate::{
         alerts::alert::AlertKind,
         core::farm::Farm,
         nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
-        process::jobs::BackgroundJob,
     },
     ledger::NodeRow,
 };

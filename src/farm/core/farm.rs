@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use jiff::Timestamp;
+use jobs::JobRunner;
 use nester::SearchBudget;
 
 use super::{
@@ -17,7 +18,7 @@ use crate::{
             alert_registry::{AlertRegistry, ServicePhase},
         },
         files::mesh_source::MeshSource,
-        process::{jobs::JobRunner, systemd},
+        process::systemd,
         records::lost_ledger::ledger_alert,
     },
     ledger::Ledger,

@@ -2,11 +2,10 @@
 
 use std::time::Instant;
 
+use jobs::LoopEvent;
+
 use super::farm::Farm;
-use crate::farm::{
-    alerts::alert::AlertKind,
-    process::{jobs::LoopEvent, systemd},
-};
+use crate::farm::{alerts::alert::AlertKind, process::systemd};
 
 /// Takes in one event of the loop. A halted farm ignores it.
 pub(crate) async fn handle_event(farm: &mut Farm, event: LoopEvent<Farm>) {

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 
 use crate::farm::{
     alerts::alert::AlertKind,
     core::farm::Farm,
-    process::jobs::BackgroundJob,
     records::ledger_freshness::{FolderComparison, StoreComparison, compare_machine_folders},
 };
 

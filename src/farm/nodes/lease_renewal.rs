@@ -3,6 +3,7 @@
 use std::{path::PathBuf, time::Duration};
 
 use anyhow::Result;
+use jobs::{BackgroundJob, Carried};
 use tracing::{info, warn};
 
 use super::{adopt, folder_comparison};
@@ -19,10 +20,7 @@ use crate::{
             folder_leases::{FolderLeases, LeaseProblem},
             lease_clock,
         },
-        process::{
-            jobs::{BackgroundJob, Carried},
-            tick_tasks::TimedTask,
-        },
+        process::tick_tasks::TimedTask,
     },
     queue::QueueFolder,
 };

@@ -4,6 +4,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use anyhow::Result;
+use jobs::{BackgroundJob, Carried, JobRunner, LoopEvent};
 use tracing::{debug, warn};
 
 use super::{folder_comparison, lease_renewal};
@@ -13,7 +14,6 @@ use crate::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
         core::{farm::Farm, machine_state::MachineStates, state::WatchedInboxes},
         leases::folder_leases::FolderLeases,
-        process::jobs::{BackgroundJob, Carried, JobRunner, LoopEvent},
         receive::scan_jobs,
     },
     intake::{InboxWatcher, WatchError},

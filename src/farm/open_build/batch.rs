@@ -5,6 +5,7 @@ use std::{collections::BTreeSet, time::Instant};
 use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
+use jobs::BackgroundJob;
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -26,10 +27,7 @@ use crate::{
         nesting::nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
         operate::commands,
         printers::printers,
-        process::{
-            jobs::BackgroundJob,
-            thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
-        },
+        process::thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
         publish::withdrawal,
         receive::{damaged_files, deferred_refusal},
     },

@@ -6,6 +6,7 @@ use std::{
 };
 
 use anyhow::{Result, ensure};
+use jobs::BackgroundJob;
 use nester::{LaneTask, NestingConfig, NestingInstance, PreparedMeshes, SearchBudget, run_lane};
 use tracing::{debug, info, warn};
 
@@ -21,7 +22,7 @@ use crate::{
             lane_search::LaneResult,
             node_content::{OtherNodes, remove_unneeded},
         },
-        process::{cpu_meter::CpuMeter, jobs::BackgroundJob},
+        process::cpu_meter::CpuMeter,
     },
     intake::ContentStore,
     ledger::{LaneId, TakenLane},

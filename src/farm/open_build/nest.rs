@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use build_file::format_count;
+use jobs::{BackgroundJob, Carried};
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -36,7 +37,6 @@ use crate::{
             printers,
             queues::{self, demand_staged},
         },
-        process::jobs::{BackgroundJob, Carried},
         publish::publish,
         receive::damaged_files,
         records::kept_build::{self, KeptBuild},

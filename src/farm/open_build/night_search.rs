@@ -4,6 +4,7 @@
 use std::{collections::BTreeSet, sync::PoisonError};
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use nester::{NestingMethod, NestingSolution, SearchBudget, improve_layouts};
 use tracing::{debug, info, warn};
 
@@ -27,7 +28,6 @@ use crate::{
         },
         process::{
             cpu_meter::CpuMeter,
-            jobs::BackgroundJob,
             thread_priority::{NIGHT_NICENESS, lower_thread_priority},
         },
         receive::damaged_files,

@@ -5,6 +5,7 @@
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
+use jobs::{BackgroundJob, JobRunner};
 use tracing::{info, warn};
 
 use crate::{
@@ -17,7 +18,6 @@ use crate::{
         },
         leases::folder_lease::FolderLease,
         nesting::write_build::queue_file_name,
-        process::jobs::{BackgroundJob, JobRunner},
         records::build_record,
     },
     ledger::{BuildId, BuildRow, BuildState, Ledger, Verified},

@@ -1,9 +1,8 @@
-//! The process around the farm: time, threads, signals, systemd, and work off the loop (`jobs`).
+//! The process around the farm: time, threads, signals and systemd.
 //!
 //! Knows no part and no build.
 
 pub(super) mod cpu_meter;
-pub(super) mod jobs;
 pub(super) mod ledger_changes;
 pub(super) mod retry_backoff;
 pub(super) mod signals;

@@ -2,6 +2,7 @@
 //! file. `ledger/builds/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result, ensure};
+use jobs::BackgroundJob;
 use tokio::runtime::Handle;
 use tracing::{info, warn};
 
@@ -11,7 +12,6 @@ use crate::{
         core::{farm::Farm, machine_state::MachineState},
         leases::folder_leases::FolderLeases,
         printers::{printers::choose_for_build, queue_alerts::report_taken_first},
-        process::jobs::BackgroundJob,
         records::staged_build::has_hash,
         scanning::machine_fit::find_misfit,
     },

@@ -2,6 +2,7 @@
 //! work continues where a crash interrupted it.
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use tracing::{info, warn};
 
 use crate::{
@@ -10,7 +11,6 @@ use crate::{
         core::{farm::Farm, machine_state::MachineState, state::NestingState},
         decisions::publish_decision::{PublishDecision, PublishFacts, decide_publishing},
         printers::{printers, queues, release_preview::awaits_release},
-        process::jobs::BackgroundJob,
         receive::forget,
         records::{
             forgettable::Forgettable,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use jobs::BackgroundJob;
 use tokio::runtime::Handle;
 use tracing::{info, warn};
 
@@ -14,7 +15,6 @@ use crate::{
         core::{farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
         printers::queue_alerts::{end_told_alerts, report_wrong_files},
-        process::jobs::BackgroundJob,
         scanning::queue_files::{QueueFileFindings, QueueFileLook, QueueFileMemory},
     },
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},

@@ -3,6 +3,7 @@
 //! `queue/withdrawal` how the file is taken back.
 
 use anyhow::{Context, Result};
+use jobs::BackgroundJob;
 use tracing::info;
 
 use super::build_move::queue_with_marker;
@@ -17,7 +18,7 @@ use crate::{
         leases::folder_leases::FolderLeases,
         operate::operate::operate,
         printers::{printers::occupation_of, queue_alerts::report_taken_first, release_preview::awaits_release},
-        process::{jobs::BackgroundJob, tick_tasks::TimedTask},
+        process::tick_tasks::TimedTask,
         records::staged_build::has_hash,
     },
     ledger::{

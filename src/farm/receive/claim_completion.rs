@@ -3,6 +3,7 @@
 //! not wait for it.
 
 use anyhow::Result;
+use jobs::{BackgroundJob, JobRunner};
 use tracing::{debug, warn};
 
 use super::{
@@ -14,7 +15,6 @@ use crate::{
         alerts::alert::AlertKind,
         core::{farm::Farm, state::CompletionState},
         files::standing_claim::StandingClaim,
-        process::jobs::{BackgroundJob, JobRunner},
         records::forgettable::Forgettable,
     },
     intake::{self, ClaimedPart, ReleaseOutcome, StoredFile},

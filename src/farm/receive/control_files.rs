@@ -1,10 +1,11 @@
 //! Control files (`FLUSH`, `PAUSE`, `RESUME`): each becomes a command, and is removed. `STATUS.txt` shows the answer.
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use tracing::warn;
 
 use crate::{
-    farm::{core::farm::Farm, process::jobs::BackgroundJob},
+    farm::core::farm::Farm,
     intake::{self, ControlFile, ControlKind},
     ledger::{CommandArgument, CommandKind, NewCommand},
 };

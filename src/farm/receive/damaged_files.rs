@@ -7,6 +7,7 @@ use std::{
 };
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use tracing::{info, warn};
 
 use super::claim_completion;
@@ -19,7 +20,6 @@ use crate::{
         },
         core::{farm::Farm, machine_state::MachineStates},
         nesting::node_content::OtherNodes,
-        process::jobs::BackgroundJob,
     },
     intake::{self, ClaimedPart, StoredFile},
     ledger::{BuildId, Ledger, PartId},

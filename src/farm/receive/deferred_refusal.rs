@@ -2,6 +2,7 @@
 //! ledger says that they are refused. After a crash in between, the command, the read or the search asks for it again.
 
 use anyhow::Result;
+use jobs::{BackgroundJob, JobRunner};
 use tracing::info;
 
 use super::{mark_note, refused_part::describe_refused_part};
@@ -14,7 +15,6 @@ use crate::{
             state::{CompletionState, DeferredRefusal},
         },
         files::error_folder,
-        process::jobs::{BackgroundJob, JobRunner},
     },
     ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause},
 };

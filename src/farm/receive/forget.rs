@@ -4,12 +4,12 @@
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
+use jobs::{BackgroundJob, Carried};
 
 use crate::{
     farm::{
         alerts::alert::AlertKind,
         core::farm::Farm,
-        process::jobs::{BackgroundJob, Carried},
         records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
     },
     intake::StoreError,

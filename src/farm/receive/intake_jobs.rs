@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use jobs::BackgroundJob;
 use tracing::{debug, info};
 
 use super::{
@@ -23,7 +24,6 @@ use crate::{
             standing_claim::StandingClaim,
         },
         leases::folder_leases::FolderLeases,
-        process::jobs::BackgroundJob,
         scanning::hot_folder_scan::ClaimedDrop,
     },
     intake::TicketError,

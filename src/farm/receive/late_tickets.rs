@@ -6,15 +6,13 @@
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
+use jobs::BackgroundJob;
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
 use super::mark_note;
 use crate::{
-    farm::{
-        core::farm::Farm, files::claim_note::ticket_row, process::jobs::BackgroundJob,
-        scanning::hot_folder_scan::HotFolderScan,
-    },
+    farm::{core::farm::Farm, files::claim_note::ticket_row, scanning::hot_folder_scan::HotFolderScan},
     intake::{self, LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
     settings::MachineProfile,

@@ -5,10 +5,11 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use jobs::BackgroundJob;
 use tracing::warn;
 
 use crate::{
-    farm::{core::farm::Farm, files::claim_note::ClaimNote, process::jobs::BackgroundJob},
+    farm::{core::farm::Farm, files::claim_note::ClaimNote},
     intake::{self, ContentStore},
     ledger::{LedgerError, PartRow, PartState},
 };

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use build_file::format_count;
+use jobs::{BackgroundJob, Carried};
 use tracing::warn;
 
 use super::{
@@ -15,7 +16,6 @@ use crate::{
     farm::{
         alerts::alert::AlertKind,
         core::{farm::Farm, machine_state::MachineState},
-        process::jobs::{BackgroundJob, Carried},
         scanning::{
             arriving_lines::ArrivingLines,
             hot_folder_scan::{ClaimedDrop, HotFolderScan, RefusedFile},

@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use jobs::LoopEvent;
 use nester::SearchBudget;
 use tokio::time::timeout;
 use tracing::{info, warn};
@@ -26,7 +27,6 @@ use crate::{
         },
         operate::commands,
         process::{
-            jobs::LoopEvent,
             ledger_changes::LedgerFingerprint,
             signals::{DaemonSignal, SignalListener},
             systemd,

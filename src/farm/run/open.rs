@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
+use jobs::JobRunner;
 use tracing::warn;
 
 use super::{machine_setup, status};
@@ -24,7 +25,6 @@ use crate::{
         nesting::{lane_problem::MESHES_DIR, node_content::COPIES_DIR},
         nodes::{adopt, folder_comparison, lease_renewal, watching},
         process::{
-            jobs::JobRunner,
             retry_backoff::RetryBackoff,
             signals::{DaemonSignal, SignalListener},
             systemd,

@@ -9,6 +9,7 @@ use std::{
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
+use jobs::BackgroundJob;
 use serde_json::json;
 
 use super::status_alerts;
@@ -27,7 +28,7 @@ use crate::{
         nodes::machine_availability,
         open_build::{due_dates, lane_job},
         printers::printers::{PrinterView, printer_lines, printer_views},
-        process::{jobs::BackgroundJob, systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
+        process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
         receive::{control_files, scan_jobs::HotFolderScanJob},
         records::lost_ledger,
     },

@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
+use jobs::BackgroundJob;
 use tracing::{info, warn};
 
 use crate::{
@@ -17,7 +18,6 @@ use crate::{
         files::claim_note,
         leases::{folder_lease::FolderLease, own_machines},
         open_build::lane_job,
-        process::jobs::BackgroundJob,
         receive::forget,
         records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
     },

@@ -22,8 +22,9 @@ fn manifests() -> Vec<Table> {
     below.chain(["Cargo.toml".to_owned()]).map(|name| toml_file(&name)).collect()
 }
 
-/// Crates that a first `cargo run` compiles, at most: a dependency is weight, and so is each of its features. PostgreSQL's driver takes eight.
-const MAX_CRATES: usize = 263;
+/// Crates of others that a first `cargo run` compiles, at most: a dependency is weight, and so is each of its features. PostgreSQL's driver
+/// takes eight.
+const MAX_CRATES: usize = 258;
 
 fn text_at(value: &toml::Value) -> String {
     value.as_str().unwrap().to_owned()
@@ -129,7 +130,9 @@ fn a_first_build_compiles_no_more_crates_than_it_must() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
-    let crates: BTreeSet<&str> = text.lines().map(|line| line.split(" (").next().unwrap()).collect();
+    // One of our own is followed by its path.
+    let of_others = text.lines().filter(|line| !line.contains("(/"));
+    let crates: BTreeSet<&str> = of_others.map(|line| line.split(" (").next().unwrap()).collect();
     assert!(crates.len() > 100 && crates.len() <= MAX_CRATES, "{} crates: look at `cargo tree -d`", crates.len());
     assert!(!crates.iter().any(|name| name.starts_with("icu_")), "idna_adapter is not 1.1: see docs/dependencies.md");
 }

@@ -198,7 +198,11 @@ impl MovingBuild {
     /// Removes the file from both folders.
     fn drop_file(&self, name: &str) -> Result<MoveStep> {
         let may_be_visible = self.build.place.move_queue_id.is_some();
-        let step = if may_be_visible && self.target.staged_state(name)? != StagedState::Staged {
+        let is_staged = self.target.staged_state(name)? == StagedState::Staged;
+        if self.source.withdrawn_path(name).exists() || may_be_visible && is_staged {
+            self.runtime.block_on(self.ledger.record_dropped_move(self.build.id))?;
+        }
+        let step = if may_be_visible && !is_staged {
             match self.target.withdraw(name)? {
                 WithdrawalOutcome::TakenBack => {
                     self.target.remove_withdrawn(name)?;

@@ -2,6 +2,8 @@
 //! again (`operate`), or because the next build is better with their copies. `ledger/words/withdrawal` says in which steps, and
 //! `queue/withdrawal` how the file is taken back.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result};
 use jobs::BackgroundJob;
 use tracing::info;
@@ -19,7 +21,7 @@ use crate::{
         operate::operate::operate,
         printers::{printers::occupation_of, queue_alerts::report_taken_first, release_preview::awaits_release},
         process::tick_tasks::TimedTask,
-        records::staged_build::has_hash,
+        records::{build_record::note_withdrawn, staged_build::has_hash},
     },
     ledger::{
         BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
@@ -75,6 +77,8 @@ struct WithdrawnBuild {
     all_queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
+    /// The archive with its record.
+    archive: PathBuf,
     is_carried_out: bool,
 }
 
@@ -85,6 +89,10 @@ impl WithdrawnBuild {
         self.leases.check_publish_folders(self.queue.folder_path())?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
         if self.is_carried_out {
+            // Before nothing else tells any more that nobody printed it.
+            if let Some(at) = self.build.place.withdrawn_at {
+                note_withdrawn(&self.archive, name, at)?;
+            }
             self.queue.remove_withdrawn(name)?;
             return Ok(WithdrawalStep::Removed);
         }
@@ -131,7 +139,8 @@ pub(crate) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
             let all_queues = machine.printers.open_queues();
             let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
             let is_carried_out = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
-            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, is_carried_out };
+            let archive = machine.profile.folders.archive.clone();
+            let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, archive, is_carried_out };
             farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
         }
     }
@@ -143,7 +152,7 @@ async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
     let id = build.id;
     // No printer of the farm sees its file: another word is carried out, but who withdraws it does not say whether it was printed.
     if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
-        farm.ledger.finish_noted_word(id).await?;
+        farm.ledger.finish_noted_word(id, false).await?;
     }
     farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
     let text = format!(
@@ -162,7 +171,7 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
         Ok(WithdrawalStep::TakenBack) => {
             // It must be there to fire at once.
             farm.ledger.open_build(&profile).await?;
-            match farm.ledger.finish_noted_word(id).await {
+            match farm.ledger.finish_noted_word(id, true).await {
                 Ok(told) => {
                     let told = told.unwrap_or_default().join(" ");
                     info!(build.id = %id, profile = %profile, "The file of build {id} is out of the queue. {told}");

@@ -7,8 +7,12 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
+use serde_json::Value;
 
-use crate::{access, intake, ledger::BuildRow};
+use crate::{
+    access, intake,
+    ledger::{BuildRow, UtcTimestamp},
+};
 
 /// Name of the record in the build's folder; a dot-file, so that people do not see it.
 const NAME: &str = ".nestd-build.json";
@@ -36,6 +40,32 @@ pub fn has_record(archive: &Path, name: &str) -> Result<bool> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
     }
+}
+
+/// Writes into the record of a build that its file was taken back out of the queue untouched: a ledger that was put back from a backup
+/// does not count it as printed then. Repeating this changes nothing.
+pub fn note_withdrawn(archive: &Path, name: &str, at: UtcTimestamp) -> Result<()> {
+    let Some(text) = read_record(archive, name)?.filter(|text| !is_withdrawn(text)) else { return Ok(()) };
+    let file = record_path(archive, name);
+    let mut record: Value = serde_json::from_str(&text).with_context(|| format!("reading {}", file.display()))?;
+    record["builds"][0]["withdrawn_at"] = at.to_string().into();
+    intake::write_file_atomically(&file, record.to_string().as_bytes())
+        .with_context(|| format!("writing {}", file.display()))
+}
+
+/// Whether a record says that the file of its build was taken back out of the queue untouched.
+pub fn is_withdrawn(record: &str) -> bool {
+    let record: Value = serde_json::from_str(record).unwrap_or_default();
+    record["builds"][0]["withdrawn_at"].is_string()
+}
+
+/// The text of the record of a build; `None` = it has none.
+pub fn read_record(archive: &Path, name: &str) -> Result<Option<String>> {
+    if !has_record(archive, name)? {
+        return Ok(None);
+    }
+    let file = record_path(archive, name);
+    Ok(Some(fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?))
 }
 
 /// Removes the record of a build that is certainly not published.

@@ -7,9 +7,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use anyhow::Context;
+
 use super::build_record;
 use crate::{
     farm::leases::{folder_check, folder_lease::LeaseError},
+    queue::{QueueFolder, StagedState},
     settings::{MachineProfile, Settings},
 };
 
@@ -153,6 +156,25 @@ fn list_queue_files(queue: &Path) -> io::Result<Vec<String>> {
     }
     names.retain(|name| !name.starts_with('.') && name.ends_with(".build.3mf"));
     Ok(names)
+}
+
+/// Whether the file of a build is still under its dot-name: its record was written, but it was not published. Of several printers, the
+/// folder of another one than `queue_id` may still hold what was staged for an earlier attempt: that says nothing.
+pub fn is_staged(profile: &MachineProfile, name: &str, queue_id: Option<&str>) -> anyhow::Result<bool> {
+    let marker = queue_id.filter(|_| profile.printers.len() > 1);
+    for queue in profile.queue_folders() {
+        if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
+            continue;
+        }
+        let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
+            true => queue.staged_state(name),
+            false => Ok(StagedState::Gone),
+        });
+        if state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 #[cfg(test)]

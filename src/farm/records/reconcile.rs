@@ -9,6 +9,8 @@ use std::{collections::HashSet, fs, path::PathBuf};
 use anyhow::{Context, Result};
 use serde_json::json;
 
+mod known_builds;
+
 use super::{
     build_record,
     folder_builds::{self, FolderExpectations},
@@ -20,7 +22,6 @@ use crate::{
     farm::files::{claim_note, error_folder},
     intake::{self, ContentStore},
     ledger::{BuildRow, BuildState, ImportOutcome, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause},
-    queue::{QueueFolder, StagedState},
     settings::{MachineProfile, Settings},
 };
 
@@ -65,7 +66,9 @@ pub async fn reconcile_ledger(
     for profile in settings.profiles.values() {
         unknown.extend(find_unknown_builds(settings, ledger, profile, known, &mut unclear).await?);
     }
-    record_published_builds(settings, ledger, &mut found).await?;
+    known_builds::record_published_builds(settings, ledger, &mut found).await?;
+    known_builds::take_in_withdrawals(settings, ledger, &mut found).await?;
+    known_builds::end_noted_words(settings, ledger, &mut found).await?;
     if !unknown.is_empty() {
         give_up_nesting_builds(settings, ledger, &unknown, &mut found).await?;
     }
@@ -73,10 +76,11 @@ pub async fn reconcile_ledger(
         match ledger.import_build_record(&build.record, build.is_published).await {
             Ok(ImportOutcome::AlreadyKnown) => {}
             Ok(ImportOutcome::Imported(id, doubts)) => {
-                found.done.push(format!(
-                    "build {id} ({} of {}) was published; its copies are taken in",
-                    build.name, build.profile
-                ));
+                let what = match build_record::is_withdrawn(&build.record) {
+                    true => "was published and taken back out of the queue untouched; its copies wait",
+                    false => "was published; its copies are taken in",
+                };
+                found.done.push(format!("build {id} ({} of {}) {what}", build.name, build.profile));
                 found.doubts.extend(doubts);
             }
             Err(error) => {
@@ -151,7 +155,7 @@ pub async fn find_unknown_builds(
         };
         let record = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
         let queue_id = staged_in(&record);
-        let is_published = !is_staged(profile, &name, queue_id.as_deref())?;
+        let is_published = !folder_builds::is_staged(profile, &name, queue_id.as_deref())?;
         unknown.push(UnknownBuild {
             name,
             profile: profile.name.clone(),
@@ -167,25 +171,6 @@ pub async fn find_unknown_builds(
 fn staged_in(record: &str) -> Option<String> {
     let record: serde_json::Value = serde_json::from_str(record).unwrap_or_default();
     record["builds"][0]["queue_id"].as_str().map(str::to_owned)
-}
-
-/// Whether the file of a build is still under its dot-name: its record was written, but it was not published. Of several printers, the
-/// folder of another one than `queue_id` may still hold what was staged for an earlier attempt: that says nothing.
-fn is_staged(profile: &MachineProfile, name: &str, queue_id: Option<&str>) -> Result<bool> {
-    let marker = queue_id.filter(|_| profile.printers.len() > 1);
-    for queue in profile.queue_folders() {
-        if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
-            continue;
-        }
-        let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
-            true => queue.staged_state(name),
-            false => Ok(StagedState::Gone),
-        });
-        if state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged {
-            return Ok(true);
-        }
-    }
-    Ok(false)
 }
 
 /// A record made from a build file that has none, for the parts in it that the ledger knows. `None` = there are none,
@@ -253,24 +238,6 @@ async fn give_up_nesting_builds(
         } else {
             ledger.fail_build(build.id, "the ledger was put back from a backup").await?;
             found.done.push(format!("build {} was being nested and is given up; its copies wait", build.id));
-        }
-    }
-    Ok(())
-}
-
-/// Records of verified builds that they were published after the backup was made: they have a record and no dot-file any more. The next
-/// start finds them in their queue, or taken, and asks nobody for a yes.
-async fn record_published_builds(settings: &Settings, ledger: &Ledger, found: &mut ReconcileReport) -> Result<()> {
-    for build in ledger.builds_in_state(BuildState::Verified).await? {
-        let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), &build.staged.file_name) else {
-            continue;
-        };
-        if build.staged.publishing_at.is_some() || !build_record::has_record(&profile.folders.archive, name)? {
-            continue;
-        }
-        if !is_staged(profile, name, build.staged.queue_id.as_deref())? {
-            ledger.begin_publishing(build.id).await?;
-            found.done.push(format!("build {} ({name} of {}) was published since", build.id, build.profile));
         }
     }
     Ok(())

@@ -274,8 +274,8 @@ pub enum LedgerError {
     },
     /// Nobody printed the build: its file was taken back untouched.
     #[error(
-        "build {build} was taken back out of the queue on {}, untouched: nobody can have printed it, and its copies are made again. If \
-         somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; \
+        "the file of build {build} was taken back out of the queue on {}, untouched: it does not count as printed, and its copies are made \
+         again. If somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; \
          `nestd show b{build}` lists its parts",
         .at.0.strftime("%Y-%m-%d %H:%M UTC")
     )]

@@ -11,12 +11,13 @@ use serde_json::{Map, Value};
 use sqlx::AssertSqlSafe;
 
 use crate::ledger::{
-    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport,
+    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, WITHDRAWN_BY_NESTD,
     base::{
         error::Result,
         sql::{self, SqlTransaction, SqlValue},
     },
     store::change::LedgerChange,
+    words::withdrawal::{TAKEN_BACK_SINCE, put_withdrawn_back},
 };
 
 /// A row as JSON: values by column name.
@@ -96,6 +97,9 @@ impl Ledger {
         for ((_, part), row) in taken.into_iter().zip(&parts) {
             take_over_copies(&mut change, part, row).await?;
             update_part_state(&mut change, part, id).await?;
+        }
+        if is_published && build.get("withdrawn_at").is_some_and(Value::is_string) {
+            put_withdrawn_back(&mut change, id, WITHDRAWN_BY_NESTD, TAKEN_BACK_SINCE).await?;
         }
         change.commit().await?;
         Ok(ImportOutcome::Imported(id, doubts))
@@ -198,6 +202,7 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
     let state = if is_published { "published" } else { "verified" };
     row.insert("state".to_owned(), state.into());
     row.insert("layout".to_owned(), Value::Null);
+    row.insert("withdrawn_at".to_owned(), Value::Null);
     // The time of publication is unknown. The time of the proof is used, because the file appeared right afterwards.
     let at = build.get("verified_at").cloned().unwrap_or_default();
     row.insert("published_at".to_owned(), if is_published { at } else { Value::Null });

@@ -35,10 +35,10 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     let now = place(&ledger, build).await;
     assert_eq!((now.taken_at, now.move_to), (None, None));
     assert_eq!(ledger.taken_back_for(build).await.unwrap(), Some(TakenBackFor::Withdrawal));
-    assert!(ledger.finish_noted_word(build).await.unwrap().is_some());
+    assert!(ledger.finish_noted_word(build, true).await.unwrap().is_some());
     assert_eq!(ledger.copies_of_withdrawal(build).await.unwrap(), 1);
     assert_eq!(ledger.taken_back_for(build).await.unwrap(), Some(TakenBackFor::Nothing));
-    assert!(ledger.finish_noted_word(build).await.unwrap().is_none());
+    assert!(ledger.finish_noted_word(build, true).await.unwrap().is_none());
     assert_eq!(to_withdraw(&ledger).await, [build], "its file is still to be removed");
     ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
     assert!(to_withdraw(&ledger).await.is_empty());
@@ -92,7 +92,7 @@ async fn the_open_build_knows_what_nestd_withdrew_for_it_until_it_fires() {
     assert_eq!(learned().await, 1);
     withdraw(&ledger, build, WITHDRAWN_BY_NESTD, "").await.unwrap();
     assert_eq!(ledger.withdrawn_for_open("paper-200").await.unwrap(), None);
-    ledger.finish_noted_word(build).await.unwrap();
+    ledger.finish_noted_word(build, true).await.unwrap();
     assert_eq!(learned().await, 0, "it is no print that failed");
     let history = ledger.read_history(&HistoryQuery::default()).await.unwrap();
     assert_eq!((history[0].state_word().as_str(), history[0].is_published()), ("withdrawn", false));
@@ -143,7 +143,7 @@ async fn assert_no_outcome_is_heard(ledger: &Ledger, build: BuildId) {
     }
     let broken_out = OperatorWord::BreakOut(build);
     let refused = ledger.carry_out(&broken_out, "ann", &BTreeSet::from([build]), true).await.unwrap_err().to_string();
-    assert!(refused.contains("untouched: nobody can have printed it") && refused.contains("nestd cancel"), "{refused}");
+    assert!(refused.contains("untouched: it does not count as printed") && refused.contains("nestd cancel"), "{refused}");
     let again = ledger.carry_out(&OperatorWord::Withdraw(build, String::new()), "ann", &BTreeSet::new(), false).await;
     assert_eq!(again.unwrap_err().to_string(), format!("build {build} is withdrawn, not published"));
     assert_eq!(ledger.find_build(build).await.unwrap().unwrap(), before);
@@ -163,7 +163,7 @@ async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_co
         };
         ledger.carry_out(&word, "ann", &BTreeSet::new(), true).await.unwrap();
         assert_eq!(build_state(&ledger, build).await, BuildState::Published);
-        ledger.finish_noted_word(build).await.unwrap().unwrap();
+        ledger.finish_noted_word(build, true).await.unwrap().unwrap();
         ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
         let row = ledger.find_build(build).await.unwrap().unwrap();
         assert_eq!((row.state, row.state_word().as_str()), (BuildState::Failed, "withdrawn"));

@@ -15,7 +15,7 @@ use super::{
     pick::end_break_out,
     put_back::printed_copies,
     requeue::issue_again,
-    withdrawal::{record_withdrawn, withdraw},
+    withdrawal::{record_untouched, record_withdrawn, withdraw},
 };
 use crate::ledger::{
     BreakOutAnswer, BuildId, BuildRow, BuildState, EventKind, InQueueError, Ledger, LedgerError, PartId, PutBackReport,
@@ -211,9 +211,9 @@ impl Ledger {
         Ok(answer)
     }
 
-    /// Carries out the word that waits for the file of a build, which was taken back and lies in no queue folder any more. `None` = none
-    /// waits. What nobody printed, and of which no other outcome was told, is withdrawn.
-    pub async fn finish_noted_word(&self, build: BuildId) -> Result<Option<Vec<String>>> {
+    /// Carries out the word that waits for the file of a build, which lies in no queue folder any more. `None` = none waits. What nobody
+    /// printed, and of which no other outcome was told, is withdrawn. `is_taken_back` = the file lay there untouched, and nestd has it.
+    pub async fn finish_noted_word(&self, build: BuildId, is_taken_back: bool) -> Result<Option<Vec<String>>> {
         let mut change = self.begin_change().await?;
         let (profile, _) = change.require_build(build).await?;
         let Some((by, word)) = noted_word(&mut change, build).await?.filter(|(_, word)| *word != BuildWord::CarriedOut)
@@ -227,6 +227,9 @@ impl Ledger {
         if change.require_build(build).await?.1 == BuildState::Published {
             record_withdrawn(&mut change, build, &by, &detail).await?;
         } else if !matches!(word, BuildWord::Withdraw(_)) {
+            if is_taken_back {
+                record_untouched(&mut change, build).await?;
+            }
             change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
         }
         change.commit().await?;

@@ -195,7 +195,7 @@ pub(super) async fn counted_copies(change: &mut LedgerChange, build: BuildId) ->
     Ok(copies.bind(build).fetch_all(change.db()).await?)
 }
 
-/// The last copies of each named part in a build.
+/// The last copies of each named part in a build. Those that are bad already, and could not be returned, are among the named ones.
 async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId, u32)]) -> Result<Vec<(PartId, u32)>> {
     let mut bad = Vec::new();
     for &(part, asked) in named {
@@ -205,11 +205,16 @@ async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId,
                 .bind(part)
                 .fetch_all(change.db())
                 .await?;
-        let placed = copies.len() as u32;
+        let known: u32 = sql::query_scalar("SELECT count(*) FROM bad_placement WHERE build_id = $1 AND part_id = $2")
+            .bind(build)
+            .bind(part)
+            .fetch_one(change.db())
+            .await?;
+        let placed = copies.len() as u32 + known;
         if placed < asked {
             return Err(LedgerError::TooFewInBuild { part, build, asked, placed });
         }
-        copies.truncate(asked as usize);
+        copies.truncate(asked.saturating_sub(known) as usize);
         bad.extend(copies.into_iter().map(|copy| (part, copy)));
     }
     Ok(bad)

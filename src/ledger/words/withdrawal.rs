@@ -17,6 +17,8 @@ use crate::ledger::{
 
 /// Who withdraws a build that nobody asked for.
 pub const WITHDRAWN_BY_NESTD: &str = "nestd";
+/// Why a build is withdrawn of which a restored ledger knows only by its record.
+pub(crate) const TAKEN_BACK_SINCE: &str = "taken back out of the queue untouched, as its record in the archive says";
 
 impl Ledger {
     /// The builds of a machine whose files are to be taken back.
@@ -47,6 +49,26 @@ impl Ledger {
         )
         .bind(build);
         set.execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The outcome of a build was told while its file was on its way, which lay in no queue then: it is about to be removed.
+    pub async fn record_dropped_move(&self, build: BuildId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        if change.require_build(build).await?.1 != BuildState::Published {
+            record_untouched(&mut change, build).await?;
+            change.commit().await?;
+        }
+        Ok(())
+    }
+
+    /// The record of a published build says that its file was taken back untouched, which a ledger that was put back does not know: its
+    /// copies wait again, and a word that waits for the file is over.
+    pub async fn take_in_withdrawal(&self, build: BuildId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        put_withdrawn_back(&mut change, build, WITHDRAWN_BY_NESTD, TAKEN_BACK_SINCE).await?;
+        let set = "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1";
+        sql::query(set).bind(build).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -96,7 +118,24 @@ pub(crate) async fn withdraw(
 ) -> Result<PutBackReport> {
     let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
     let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-    record_withdrawn(change, build, by, &format!("withdrawn from the queue by {by}{why}")).await?;
+    let report = put_withdrawn_back(change, build, by, &format!("withdrawn from the queue by {by}{why}")).await?;
+    if by == WITHDRAWN_BY_NESTD {
+        let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
+        set.bind(build).bind(profile).execute(change.db()).await?;
+    } else {
+        change.pause_profile(&profile, by, PauseCause::Person).await?;
+    }
+    Ok(report)
+}
+
+/// published -> failed: all copies of a build that nobody printed wait again, as they did before it.
+pub(crate) async fn put_withdrawn_back(
+    change: &mut LedgerChange,
+    build: BuildId,
+    by: &str,
+    note: &str,
+) -> Result<PutBackReport> {
+    record_withdrawn(change, build, by, note).await?;
     let mut report = PutBackReport::default();
     let copies = counted_copies(change, build).await?;
     change.mark_bad(build, &copies, by, true, &mut report).await?;
@@ -107,12 +146,6 @@ pub(crate) async fn withdraw(
          AND id IN (SELECT part_id FROM bad_placement WHERE build_id = $2)",
     );
     usual.bind(now).bind(build).execute(change.db()).await?;
-    if by == WITHDRAWN_BY_NESTD {
-        let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
-        set.bind(build).bind(profile).execute(change.db()).await?;
-    } else {
-        change.pause_profile(&profile, by, PauseCause::Person).await?;
-    }
     Ok(report)
 }
 
@@ -122,8 +155,22 @@ pub(super) async fn record_withdrawn(change: &mut LedgerChange, build: BuildId, 
     let told = ToldOutcome::new(PrintOutcome::Failed, note, by);
     change.move_build(build, BuildState::Failed, note).await?;
     record_told(change, build, &told).await?;
-    let now = change.now;
-    let set = sql::query("UPDATE build SET withdrawn_at = $1, seen_at = $1 WHERE id = $2");
-    set.bind(now).bind(build).execute(change.db()).await?;
+    record_untouched(change, build).await?;
     change.write_event(EventKind::Withdrawn, &profile, None, Some(build), note).await
+}
+
+/// The file of a build of which an outcome was told is out of the queue, where it had lain untouched. Where nobody told anything but
+/// that the print failed, nobody printed it: it is withdrawn, and never counts as printed. Of any other build, a file that comes back
+/// is told of.
+pub(super) async fn record_untouched(change: &mut LedgerChange, build: BuildId) -> Result<()> {
+    let now = change.now;
+    let set = sql::query(
+        "UPDATE build SET withdrawn_at = $1, seen_at = $1 WHERE id = $2 AND state = 'failed' AND taken_at IS NULL \
+         AND withdrawn_at IS NULL AND NOT EXISTS (SELECT 1 FROM outcome WHERE build_id = $2 AND outcome <> 'failed')",
+    );
+    if set.bind(now).bind(build).execute(change.db()).await? == 0 {
+        let set = "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2 AND withdrawn_at IS NULL";
+        sql::query(set).bind(now).bind(build).execute(change.db()).await?;
+    }
+    Ok(())
 }

@@ -4,3 +4,4 @@ pub(super) mod failing_ledger;
 pub(super) mod ledger_in_use;
 pub(super) mod repair;
 pub(super) mod restored;
+mod taken_back;

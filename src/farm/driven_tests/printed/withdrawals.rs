@@ -132,6 +132,48 @@ fn no_copy_of_a_build_that_was_taken_back_is_lost_and_its_file_is_told_of_where_
     farm.assert_ledger_agrees_with_folders();
 }
 
+fn tell(farm: &HandDrivenFarm, build: BuildId, outcome: PrintOutcome, anyway: bool) -> Result<(), LedgerError> {
+    let is_correction = !matches!(find(farm, build).state, BuildState::Published | BuildState::Printing);
+    let told = ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "ann@farm") };
+    farm.say(&OperatorWord::Outcome(build, told), anyway).map(drop)
+}
+
+#[test]
+fn a_build_that_was_told_failed_while_its_file_lay_untouched_never_counts_as_printed() {
+    let (mut farm, build, _) = one_build("");
+    let (file, bytes) = (farm.queued().remove(0), fs::read(&farm.queued()[0]).unwrap());
+    tell(&farm, build, PrintOutcome::Failed, true).unwrap();
+    wait_for_end(&mut farm, build);
+    let row = find(&farm, build);
+    assert!(row.place.withdrawn_at.is_some() && row.state_word() == "withdrawn", "{row:?}");
+    let refused = tell(&farm, build, PrintOutcome::Complete, true);
+    assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{refused:?}");
+    farm.wait_for_parts(PartState::Waiting, 1);
+    fs::write(&file, bytes).unwrap();
+    farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::QueueAltered).contains("withdrawn"));
+    fs::remove_file(&file).unwrap();
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
+fn what_people_told_of_a_print_before_its_file_was_taken_out_can_be_corrected_and_the_file_is_told_of_when_it_comes_back()
+ {
+    for first in [PrintOutcome::Printing, PrintOutcome::Complete] {
+        let (mut farm, build, _) = one_build("");
+        let (file, bytes) = (farm.queued().remove(0), fs::read(&farm.queued()[0]).unwrap());
+        // They leave the files of what they print in the folder.
+        tell(&farm, build, first, false).unwrap();
+        tell(&farm, build, PrintOutcome::Failed, true).unwrap();
+        wait_for_end(&mut farm, build);
+        assert_eq!((find(&farm, build).state_word().as_str(), farm.queued().len()), ("failed", 0));
+        tell(&farm, build, PrintOutcome::Complete, false).unwrap();
+        assert_eq!(farm.parts(PartState::Built).len(), 1, "{first}");
+        farm.assert_ledger_agrees_with_folders();
+        fs::write(&file, bytes).unwrap();
+        farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::QueueAltered).contains("was out of the queue"));
+    }
+}
+
 #[test]
 fn a_build_whose_printer_is_first_stays() {
     let (mut farm, build, _) = one_build("");
@@ -170,7 +212,7 @@ fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_nothing_else_is_told_
             assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{refused:?}");
         }
         if matches!(kill, DoneBeforeKill::PutBack | DoneBeforeKill::Removed) {
-            assert!(farm.ask(async |ledger| ledger.finish_noted_word(build).await.unwrap()).is_some());
+            assert!(farm.ask(async |ledger| ledger.finish_noted_word(build, true).await.unwrap()).is_some());
         }
         if kill == DoneBeforeKill::Removed {
             queue.remove_withdrawn(&file).unwrap();
@@ -248,7 +290,7 @@ fn while_the_printer_prints_for_long_a_published_build_takes_what_arrives() {
 }
 
 #[test]
-fn a_ledger_from_before_a_withdrawal_prints_nothing_twice_and_a_person_is_told() {
+fn a_ledger_from_before_a_withdrawal_prints_nothing_twice_and_tells_of_it() {
     let (mut farm, build, _) = one_build("");
     let backup = farm.write_backup("before.db");
     withdraw(&farm, build).unwrap();
@@ -257,7 +299,8 @@ fn a_ledger_from_before_a_withdrawal_prints_nothing_twice_and_a_person_is_told()
     flush_again(&mut farm, 1);
     farm.stop();
     let restored = farm.restore(&backup);
-    assert!(!restored.doubts.is_empty(), "{restored:?}");
+    let is_told = |said: &String| said.contains("taken back out of the queue untouched since");
+    assert!(restored.done.iter().any(is_told), "{restored:?}");
     farm.start();
     farm.pass_secs(60.0);
     assert_each_copy_once(&farm.queued(), 1);

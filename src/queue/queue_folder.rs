@@ -207,9 +207,9 @@ impl QueueFolder {
         Ok(self.names()?.filter(|name| file_names::build_stem(name).is_ok()).collect())
     }
 
-    /// The names of all visible files that a printer would take for a build, whoever gave them.
+    /// The names of all visible entries, whoever gave them.
     pub fn visible_names(&self) -> Result<Vec<String>, QueueError> {
-        Ok(self.names()?.filter(|name| name.ends_with(file_names::BUILD) && !name.starts_with('.')).collect())
+        Ok(self.names()?.filter(|name| !name.starts_with('.')).collect())
     }
 
     /// The names of all builds that have dot-files here, including those of other farms.

@@ -26,7 +26,6 @@ use crate::{
         records::ledger_freshness::FolderIdentities,
         scanning::{
             hot_folder_scan::RefusedFile, hot_folder_scanner::HotFolderScanner, obeyed_controls::ObeyedControls,
-            queue_files::QueueFileMemory,
         },
     },
     ledger::{BuildId, BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
@@ -90,8 +89,6 @@ pub struct MachineState {
     pub may_claim: bool,
     /// Its printers.
     pub printers: MachinePrinters,
-    /// What was read of the files in their queue folders.
-    pub queue_files: QueueFileMemory,
     /// Builds that a printer took although their copies were to be printed again, with the number of outcomes that were told before.
     pub taken_first: BTreeMap<BuildId, usize>,
     /// The build that collects waiting parts.
@@ -171,7 +168,6 @@ impl MachineState {
             },
             leases: FolderLeases::new(holder, &profile),
             printers: MachinePrinters::new(&profile, now),
-            queue_files: QueueFileMemory::default(),
             taken_first: BTreeMap::new(),
             profile,
             agreed_folders: None,

@@ -2,11 +2,11 @@
 //! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
-use std::{collections::BTreeSet, fs, path::PathBuf, time::Duration};
+use std::{path::PathBuf, time::Duration};
 
 use crate::{
-    farm::{records::staged_build::has_hash, scanning::queue_files::own_name},
-    ledger::{BuildRow, InQueueError, Ledger, LedgerError, OperatorWord, PrintOutcome, StagedFile, WordAnswer},
+    farm::scanning::queue_contents,
+    ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer},
     queue::{QueueFolder, StagedState},
     settings::Settings,
 };
@@ -15,15 +15,13 @@ use crate::{
 const LOOK_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Where the file of a build is, as far as this process can see.
-enum SeenFile {
+enum FilePlace {
     /// It is visible in the queue folder of this printer, with this marker.
     Visible(String, String),
     /// The folder where it was published is there, and the file is not; with the marker of that folder.
     Gone(String),
     /// It was taken back out of the folder where it was published.
     Withdrawn,
-    /// Its bytes lie in a queue folder under this other name.
-    Copied(String),
     Unknown,
 }
 
@@ -35,102 +33,80 @@ pub async fn operate(
     by: &str,
     anyway: bool,
 ) -> Result<WordAnswer, LedgerError> {
-    let mut out_of_queue = BTreeSet::new();
+    let mut seen = SeenFiles::new();
     for build in ledger.builds_meant(word).await? {
-        if is_out_of_queue(ledger, settings, &build, word).await? {
-            out_of_queue.insert(build.id);
-        }
+        let (id, file) = (build.id, see_file(ledger, settings, build, word).await?);
+        seen.extend(file.map(|file| (id, file)));
     }
-    ledger.carry_out(word, by, &out_of_queue, anyway).await
+    ledger.carry_out(word, by, &seen, anyway).await
 }
 
-/// Whether the file of a published build is certainly in no queue folder, and comes into none.
-async fn is_out_of_queue(
+/// What is certain of the file of a published build.
+async fn see_file(
     ledger: &Ledger,
     settings: &Settings,
-    build: &BuildRow,
+    build: BuildRow,
     word: &OperatorWord,
-) -> Result<bool, LedgerError> {
+) -> Result<Option<SeenFile>, LedgerError> {
+    let (copy, seen) = look_for_file(settings, &build).await;
+    if let FilePlace::Visible(printer, queue_id) = &seen {
+        ledger.record_back_in_queue(build.id, printer, queue_id).await?;
+    }
+    if let Some(name) = copy {
+        return Ok(Some(SeenFile::Copied { name, is_alone: !matches!(seen, FilePlace::Visible(..)) }));
+    }
     let place = &build.place;
-    Ok(match look_for_file(settings, build).await {
-        SeenFile::Visible(printer, queue_id) => {
-            ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
-            false
-        }
-        SeenFile::Copied(name) if prints_again(word) => {
-            return Err(LedgerError::InQueue(InQueueError::Copied { build: build.id, name }));
-        }
-        SeenFile::Copied(_) => false,
+    let is_out = match seen {
+        FilePlace::Visible(..) => false,
         _ if place.move_queue_id.is_some() => false,
-        SeenFile::Gone(queue_id) => {
+        FilePlace::Gone(queue_id) => {
             ledger.record_taken(build.id, &queue_id).await?;
             true
         }
         // A move ends without a file once an outcome is told.
-        SeenFile::Withdrawn => place.move_to.is_some() && matches!(word, OperatorWord::Outcome(..)),
-        SeenFile::Unknown => {
+        FilePlace::Withdrawn => place.move_to.is_some() && matches!(word, OperatorWord::Outcome(..)),
+        FilePlace::Unknown => {
             place.taken_at.is_some() || place.withdrawn_at.is_some() || build.staged.queue_id.is_none()
         }
-    })
+    };
+    Ok(is_out.then_some(SeenFile::OutOfQueue))
 }
 
-/// Whether a word says by itself that copies are to be printed again.
-fn prints_again(word: &OperatorWord) -> bool {
-    match word {
-        OperatorWord::Outcome(_, told) => told.outcome == PrintOutcome::Failed || !told.bad.is_empty(),
-        OperatorWord::Reprint(_) | OperatorWord::Requeue(_) | OperatorWord::Withdraw(..) => true,
-        OperatorWord::BreakOut(_) => false,
-    }
-}
-
-async fn look_for_file(settings: &Settings, build: &BuildRow) -> SeenFile {
+/// The name, other than its own, under which the file of a build lies in a queue folder of its machine; and where its own is.
+async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>, FilePlace) {
     let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), build.staged.file_name.clone()) else {
-        return SeenFile::Unknown;
+        return (None, FilePlace::Unknown);
     };
     let folders: Vec<(String, PathBuf)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
-    let staged = build.staged.clone();
-    let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, &staged));
+    let own = build.staged.queue_id.clone();
+    let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, own.as_deref()));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
         Ok(Ok(seen)) => seen,
-        _ => SeenFile::Unknown,
+        _ => (None, FilePlace::Unknown),
     }
 }
 
-fn look_into(folders: &[(String, PathBuf)], name: &str, staged: &StagedFile) -> SeenFile {
-    let own = staged.queue_id.as_deref();
-    let mut seen = SeenFile::Unknown;
+fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> (Option<String>, FilePlace) {
+    let mut seen = FilePlace::Unknown;
     let queues: Vec<(&String, QueueFolder)> =
         folders.iter().filter_map(|(printer, folder)| Some((printer, QueueFolder::find(folder)?))).collect();
-    if let Some(other) = queues.iter().find_map(|(_, queue)| find_copy(queue, name, staged)) {
-        return SeenFile::Copied(other);
-    }
+    let copy = queues.iter().find_map(|(_, queue)| queue_contents::find_copy(queue, name));
     for (printer, queue) in queues {
         let is_withdrawn = queue.withdrawn_path(name).exists();
         match queue.staged_state(name) {
-            Ok(StagedState::Published) => return SeenFile::Visible(printer.clone(), queue.marker_id().to_owned()),
+            Ok(StagedState::Published) => {
+                return (copy, FilePlace::Visible(printer.clone(), queue.marker_id().to_owned()));
+            }
             // The marker once more: the folder may have been unmounted in between.
             Ok(_) if Some(queue.marker_id()) == own && queue.check_marker().is_ok() => {
                 seen = match is_withdrawn {
-                    true => SeenFile::Withdrawn,
-                    false => SeenFile::Gone(queue.marker_id().to_owned()),
+                    true => FilePlace::Withdrawn,
+                    false => FilePlace::Gone(queue.marker_id().to_owned()),
                 };
             }
             _ => {}
         }
     }
-    seen
-}
-
-/// The name, other than its own, under which a build file lies in a queue folder: its bytes, or what was made of them.
-fn find_copy(queue: &QueueFolder, name: &str, staged: &StagedFile) -> Option<String> {
-    let (bytes, hash) = (staged.file_bytes?, staged.file_hash.as_deref()?);
-    let names = fs::read_dir(queue.folder_path()).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    names.filter(|other| other != name && !other.starts_with('.')).find(|other| {
-        let path = queue.published_path(other);
-        let Ok(seen) = fs::symlink_metadata(&path) else { return false };
-        let is_same = || seen.len() == bytes && has_hash(&path, hash).unwrap_or(false);
-        let is_made_of_it = || other.to_lowercase().ends_with(".3mf") && own_name(&path).as_deref() == Some(name);
-        seen.is_file() && (is_same() || is_made_of_it())
-    })
+    (copy, seen)
 }

@@ -15,7 +15,7 @@ use crate::{
         core::{farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
         printers::queue_alerts::{end_told_alerts, report_wrong_files},
-        scanning::queue_files::{QueueFileFindings, QueueFileLook, QueueFileMemory},
+        scanning::queue_files::{QueueFileFindings, QueueFileLook},
     },
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
     queue::{QueueFolder, StagedState},
@@ -78,7 +78,6 @@ pub(crate) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
         let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {
             profile: machine.profile.clone(),
-            memory: machine.queue_files.clone(),
             queues: machine.printers.open_queues(),
             leases: machine.leases.clone(),
             ledger: farm.ledger.clone(),
@@ -121,7 +120,6 @@ fn report_removed_printers(
 /// The open queue folders of a machine, by the names of its printers.
 struct QueueLook {
     profile: Arc<MachineProfile>,
-    memory: QueueFileMemory,
     queues: Vec<(String, QueueFolder)>,
     leases: FolderLeases,
     ledger: Ledger,
@@ -173,7 +171,6 @@ impl QueueLook {
         let look = QueueFileLook {
             profile: &self.profile,
             queues: &self.queues,
-            memory: &self.memory,
             find_build: &|name| Ok(self.runtime.block_on(self.ledger.find_build_of_file(name))?),
             has_bad_copies: &|build| Ok(self.runtime.block_on(self.ledger.has_bad_copies(build.id))?),
         };

@@ -22,6 +22,7 @@ use crate::{
         printers::{printers::occupation_of, queue_alerts::report_taken_first, release_preview::awaits_release},
         process::tick_tasks::TimedTask,
         records::{build_record::note_withdrawn, staged_build::has_hash},
+        scanning::queue_contents,
     },
     ledger::{
         BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
@@ -211,7 +212,7 @@ fn look_again_at(farm: &mut Farm, build: &BuildRow) {
     if let (Some(queue), Some(name)) =
         (queue_with_marker(machine, build.staged.queue_id.as_deref()), build.staged.file_name.as_deref())
     {
-        machine.queue_files.forget(&queue.published_path(name));
+        queue_contents::forget(&queue.published_path(name));
     }
     let now = farm.now();
     farm.schedule.tasks.make_due(TimedTask::CheckFolders, now);

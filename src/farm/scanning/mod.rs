@@ -5,5 +5,6 @@ pub(super) mod hot_folder_scan;
 pub(super) mod hot_folder_scanner;
 pub(super) mod machine_fit;
 pub(super) mod obeyed_controls;
+pub(super) mod queue_contents;
 pub(super) mod queue_files;
 pub(super) mod ready_files;

@@ -1,71 +1,22 @@
 //! The build files that lie visible in the queue folders of a machine, and whether they should. The entries of the folders are the list,
-//! and the ledger is asked by name, so that a look costs no more with a long history. What a file holds is read once, and again only
-//! when its stamp has changed.
+//! and the ledger is asked by name, so that a look costs no more with a long history.
 
-use std::{
-    collections::BTreeMap,
-    fs, io,
-    os::unix::fs::MetadataExt,
-    path::{Path, PathBuf},
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::{fs, path::Path};
 
 use anyhow::Result;
-use build_file::{HeadingMetadata, ReadLimits};
 
-use super::machine_fit::find_misfit;
+use super::{
+    machine_fit::find_misfit,
+    queue_contents::{self, ContentReader},
+};
 use crate::{
-    intake,
     ledger::{BuildRow, BuildState},
     queue::QueueFolder,
     settings::MachineProfile,
 };
 
-/// Maximum number of files of which one look reads the content: after a start, the others are for the next looks.
+/// Maximum number of files of which one look reads the content.
 const MAX_READ_PER_LOOK: usize = 8;
-
-/// What changes when a file is written, replaced or put back: size, times in ns, inode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FileStamp {
-    bytes: u64,
-    modified: (i64, i64),
-    changed: (i64, i64),
-    inode: u64,
-}
-
-/// What was read of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum FileContent {
-    /// BLAKE3 of all of it.
-    Hash(String),
-    /// The name that the build file had whose heading it has; `None` = it is none of a farm.
-    OwnName(Option<String>),
-}
-
-/// What was read of the files in the queue folders of a machine, by their paths.
-#[derive(Debug, Clone, Default)]
-pub struct QueueFileMemory(Arc<Mutex<BTreeMap<PathBuf, (FileStamp, FileContent)>>>);
-
-impl QueueFileMemory {
-    /// The file is read again at the next look.
-    pub(crate) fn forget(&self, file: &Path) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(file);
-    }
-
-    fn keep_only(&self, files: &[PathBuf]) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|file, _| files.contains(file));
-    }
-
-    /// What a file with this stamp holds, if it was read before.
-    fn find(&self, file: &Path, stamp: FileStamp) -> Option<FileContent> {
-        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        known.get(file).filter(|(then, _)| *then == stamp).map(|(_, content)| content.clone())
-    }
-
-    fn keep(&self, file: &Path, stamp: FileStamp, content: FileContent) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(file.to_owned(), (stamp, content));
-    }
-}
 
 /// What a look found.
 #[derive(Debug, Default)]
@@ -82,8 +33,6 @@ pub(crate) struct QueueFileLook<'a> {
     pub(crate) profile: &'a MachineProfile,
     /// Its open queue folders, by the names of its printers.
     pub(crate) queues: &'a [(String, QueueFolder)],
-    /// What earlier looks have read.
-    pub(crate) memory: &'a QueueFileMemory,
     /// Finds the build of a machine that has a file of this name.
     pub(crate) find_build: &'a dyn Fn(&str) -> Result<Option<BuildRow>>,
     /// Whether copies of a build were told bad.
@@ -91,17 +40,17 @@ pub(crate) struct QueueFileLook<'a> {
 }
 
 impl QueueFileLook<'_> {
-    /// Looks at every visible build file.
+    /// Looks at every visible file.
     pub(crate) fn look(&self) -> Result<QueueFileFindings> {
-        let (mut found, mut seen, mut reads) = (QueueFileFindings::default(), Vec::new(), MAX_READ_PER_LOOK);
+        let (mut found, mut reader) = (QueueFileFindings::default(), ContentReader::new(MAX_READ_PER_LOOK));
         for (printer, queue) in self.queues {
             // A folder that is away keeps nobody from looking into the others.
-            for name in queue.visible_names().unwrap_or_default() {
-                self.look_at((printer, queue), &name, &mut reads, &mut found)?;
-                seen.push(queue.published_path(&name));
+            let Ok(names) = queue.visible_names() else { continue };
+            for name in &names {
+                self.look_at((printer, queue), name, &mut reader, &mut found)?;
             }
+            queue_contents::forget_others(queue, &names);
         }
-        self.memory.keep_only(&seen);
         found.wrong.sort();
         Ok(found)
     }
@@ -110,13 +59,13 @@ impl QueueFileLook<'_> {
         &self,
         (printer, queue): (&String, &QueueFolder),
         name: &str,
-        reads: &mut usize,
+        reader: &mut ContentReader,
         found: &mut QueueFileFindings,
     ) -> Result<()> {
-        let (path, row) = (queue.published_path(name), (self.find_build)(name)?);
+        let path = queue.published_path(name);
+        let row = if name.ends_with(".build.3mf") { (self.find_build)(name)? } else { None };
         // After the row was read: what lies there now was not taken back before that.
         let Ok(seen) = fs::symlink_metadata(&path) else { return Ok(()) };
-        let stamp = stamp_of(&seen);
         let wrong = match row {
             Some(build) if build.place.move_to.is_some() || build.place.withdraw_by.is_some() => None,
             Some(build) if build.profile != self.profile.name => Some(match build.state {
@@ -131,7 +80,7 @@ impl QueueFileLook<'_> {
                 ),
             }),
             Some(build) if build.state == BuildState::Published => {
-                let is_proved = seen.is_file() && self.is_proved(&build, &path, stamp, reads);
+                let is_proved = seen.is_file() && self.is_proved(&build, &path, &seen, reader);
                 let wrong = self.find_fault_of_published(&build, queue, is_proved);
                 if wrong.is_none() && build.place.taken_at.is_some() {
                     found.back.push((build, printer.clone(), queue.marker_id().to_owned()));
@@ -139,16 +88,10 @@ impl QueueFileLook<'_> {
                 wrong
             }
             Some(build) => self.find_fault_of_told(&build)?,
-            None => self.find_original(&path, stamp, reads)?.map(|build| {
-                let own = build.staged.file_name.as_deref().unwrap_or_default();
-                let is_wanted = build.state == BuildState::Published && build.profile == self.profile.name;
-                let or_rename = if is_wanted { ", or give it that name back" } else { "" };
-                format!(
-                    "holds the copies of build {} ({}), whose file is {own}: take it out{or_rename}",
-                    build.id,
-                    build.state_word()
-                )
-            }),
+            None => match reader.own_name(&path, &seen) {
+                Some(own) => (self.find_build)(&own)?.map(|build| self.describe_copy(&build, &own)),
+                None => None,
+            },
         };
         found.wrong.extend(wrong.map(|wrong| format!("{name} at {printer} {wrong}")));
         Ok(())
@@ -190,61 +133,23 @@ impl QueueFileLook<'_> {
         })
     }
 
+    /// What is wrong with a file that holds the copies of a build under another name.
+    fn describe_copy(&self, build: &BuildRow, own: &str) -> String {
+        let is_wanted = build.state == BuildState::Published && build.profile == self.profile.name;
+        let is_alone = self.queues.iter().all(|(_, queue)| !queue.published_path(own).exists());
+        let or_rename = if is_wanted && is_alone { ", or give it that name back" } else { "" };
+        let (id, state) = (build.id, build.state_word());
+        format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}")
+    }
+
     /// Whether a file is the proved one, as far as it was read.
-    fn is_proved(&self, build: &BuildRow, path: &Path, stamp: FileStamp, reads: &mut usize) -> bool {
-        if build.staged.file_bytes.is_some_and(|bytes| bytes != stamp.bytes) {
+    fn is_proved(&self, build: &BuildRow, path: &Path, seen: &fs::Metadata, reader: &mut ContentReader) -> bool {
+        if build.staged.file_bytes.is_some_and(|bytes| bytes != seen.len()) {
             return false;
         }
-        let read = || Ok(FileContent::Hash(intake::hash_file(path)?));
-        match (
-            self.read_once(path, stamp, reads, |known| matches!(known, FileContent::Hash(_)), read),
-            &build.staged.file_hash,
-        ) {
-            (Some(FileContent::Hash(found)), Some(proved)) => found == *proved,
+        match (reader.hash(path, seen), &build.staged.file_hash) {
+            (Some(found), Some(proved)) => found == *proved,
             _ => true,
         }
-    }
-
-    /// The build whose file was copied or renamed to this one.
-    fn find_original(&self, path: &Path, stamp: FileStamp, reads: &mut usize) -> Result<Option<BuildRow>> {
-        let read = || Ok(FileContent::OwnName(own_name(path)));
-        match self.read_once(path, stamp, reads, |known| matches!(known, FileContent::OwnName(_)), read) {
-            Some(FileContent::OwnName(Some(name))) => (self.find_build)(&name),
-            _ => Ok(None),
-        }
-    }
-
-    /// What a file holds; `None` = it cannot be read, or is for the next look.
-    fn read_once(
-        &self,
-        path: &Path,
-        stamp: FileStamp,
-        reads: &mut usize,
-        is_wanted: impl Fn(&FileContent) -> bool,
-        read: impl FnOnce() -> io::Result<FileContent>,
-    ) -> Option<FileContent> {
-        if let Some(known) = self.memory.find(path, stamp).filter(is_wanted) {
-            return Some(known);
-        }
-        *reads = reads.checked_sub(1)?;
-        let content = read().ok()?;
-        self.memory.keep(path, stamp, content.clone());
-        Some(content)
-    }
-}
-
-/// The name that a build file of a farm had when it was published, as its heading says; `None` = it is none.
-pub(crate) fn own_name(file: &Path) -> Option<String> {
-    let HeadingMetadata { created, profile, build_id, .. } =
-        build_file::read_build_heading(file, &ReadLimits::default()).ok()?;
-    Some(build_file::build_file_name(created?.parse().ok()?, &profile?, build_id?.parse().ok()?))
-}
-
-fn stamp_of(seen: &fs::Metadata) -> FileStamp {
-    FileStamp {
-        bytes: seen.len(),
-        modified: (seen.mtime(), seen.mtime_nsec()),
-        changed: (seen.ctime(), seen.ctime_nsec()),
-        inode: seen.ino(),
     }
 }

@@ -33,13 +33,15 @@ pub enum InQueueError {
     /// Its bytes lie in a queue folder under another name, where nobody can take them back.
     #[error(
         "the file of build {build} lies in the queue under another name, as {name}, and could be printed from there. Take {name} out of the \
-         queue, or give it its own name back; then say it again"
+         queue{}; then say it again", if *.is_alone { ", or give it its own name back" } else { "" }
     )]
     Copied {
         /// The build.
         build: BuildId,
         /// The name.
         name: String,
+        /// Whether its own name is free.
+        is_alone: bool,
     },
     /// Its file is between two printers.
     #[error("the file of build {0} is on its way to another printer: say it again when it is there")]

@@ -1,11 +1,9 @@
 //! Builds that are taken back out of the queue, and how many builds are ahead of a printer.
 
-use std::collections::BTreeSet;
-
 use super::{printers::published_at, *};
 use crate::ledger::{
-    BuildsAhead, InQueueError, MoveEnd, OperatorWord, PrintOutcome, TakenBackFor, ToldOutcome, WITHDRAWN_BY_NESTD,
-    WithdrawalEnd, WordAnswer, base::error::Result,
+    BuildsAhead, InQueueError, MoveEnd, OperatorWord, PrintOutcome, SeenFile, SeenFiles, TakenBackFor, ToldOutcome,
+    WITHDRAWN_BY_NESTD, WithdrawalEnd, WordAnswer, base::error::Result,
 };
 
 async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
@@ -13,7 +11,7 @@ async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
 }
 
 async fn withdraw(ledger: &Ledger, build: BuildId, by: &str, why: &str) -> Result<WordAnswer> {
-    ledger.carry_out(&OperatorWord::Withdraw(build, why.to_owned()), by, &BTreeSet::new(), false).await
+    ledger.carry_out(&OperatorWord::Withdraw(build, why.to_owned()), by, &SeenFiles::new(), false).await
 }
 
 async fn to_withdraw(ledger: &Ledger) -> Vec<BuildId> {
@@ -65,7 +63,7 @@ async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
     ledger.record_taken(taken, "queue").await.unwrap();
     ledger.begin_move(moves, "right").await.unwrap();
     let word = OperatorWord::Withdraw(taken, String::new());
-    let refused = ledger.carry_out(&word, "a@b", &BTreeSet::from([taken]), false).await;
+    let refused = ledger.carry_out(&word, "a@b", &SeenFiles::from([(taken, SeenFile::OutOfQueue)]), false).await;
     assert!(matches!(refused, Err(LedgerError::NotInQueue(_))), "{refused:?}");
     let refused = withdraw(&ledger, moves, "a@b", "").await;
     assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::OnItsWay(_)))), "{refused:?}");
@@ -73,7 +71,7 @@ async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
     withdraw(&ledger, moves, "a@b", "").await.unwrap();
     // One word at a time.
     let told = OperatorWord::Outcome(moves, ToldOutcome::new(PrintOutcome::Complete, "", "a@b"));
-    let refused = ledger.carry_out(&told, "a@b", &BTreeSet::new(), true).await;
+    let refused = ledger.carry_out(&told, "a@b", &SeenFiles::new(), true).await;
     assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{refused:?}");
     // The printer is first.
     withdraw(&ledger, raced, "a@b", "").await.unwrap();
@@ -137,14 +135,21 @@ async fn assert_no_outcome_is_heard(ledger: &Ledger, build: BuildId) {
         for is_correction in [true, false] {
             let told = ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "ann") };
             let word = OperatorWord::Outcome(build, told);
-            let refused = ledger.carry_out(&word, "ann", &BTreeSet::from([build]), true).await;
+            let refused = ledger.carry_out(&word, "ann", &SeenFiles::from([(build, SeenFile::OutOfQueue)]), true).await;
             assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{outcome} {is_correction}: {refused:?}");
         }
     }
     let broken_out = OperatorWord::BreakOut(build);
-    let refused = ledger.carry_out(&broken_out, "ann", &BTreeSet::from([build]), true).await.unwrap_err().to_string();
-    assert!(refused.contains("untouched: it does not count as printed") && refused.contains("nestd cancel"), "{refused}");
-    let again = ledger.carry_out(&OperatorWord::Withdraw(build, String::new()), "ann", &BTreeSet::new(), false).await;
+    let refused = ledger
+        .carry_out(&broken_out, "ann", &SeenFiles::from([(build, SeenFile::OutOfQueue)]), true)
+        .await
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("untouched: it does not count as printed") && refused.contains("nestd cancel"),
+        "{refused}"
+    );
+    let again = ledger.carry_out(&OperatorWord::Withdraw(build, String::new()), "ann", &SeenFiles::new(), false).await;
     assert_eq!(again.unwrap_err().to_string(), format!("build {build} is withdrawn, not published"));
     assert_eq!(ledger.find_build(build).await.unwrap().unwrap(), before);
     assert!(ledger.placements_of_build(build).await.unwrap().iter().all(|placed| placed.is_bad));
@@ -161,7 +166,7 @@ async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_co
         } else {
             OperatorWord::Reprint(crate::ledger::ReprintTarget::Build(build))
         };
-        ledger.carry_out(&word, "ann", &BTreeSet::new(), true).await.unwrap();
+        ledger.carry_out(&word, "ann", &SeenFiles::new(), true).await.unwrap();
         assert_eq!(build_state(&ledger, build).await, BuildState::Published);
         ledger.finish_noted_word(build, true).await.unwrap().unwrap();
         ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();

@@ -48,6 +48,23 @@ pub struct WordAnswer {
     pub noted: Vec<BuildId>,
 }
 
+/// Where the file of a build is that a word is about, as far as whoever says it could see. Where nothing is known, it may lie in a queue.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SeenFile {
+    /// In no queue folder, and it comes into none.
+    OutOfQueue,
+    /// In a queue folder under another name.
+    Copied {
+        /// The name.
+        name: String,
+        /// Whether its own name is free.
+        is_alone: bool,
+    },
+}
+
+/// What was seen of the files of builds.
+pub type SeenFiles = BTreeMap<BuildId, SeenFile>;
+
 /// How a person insists, as the command line, pages and programs do.
 const HOW_TO_INSIST: &str = "`--anyway`, \"anyway\" on the page and in the API";
 
@@ -147,17 +164,10 @@ impl Ledger {
         Ok(builds)
     }
 
-    /// Carries a word out. `out_of_queue` are the builds whose files lie in no queue folder; of all others they may. `anyway` = the
-    /// person insists.
-    pub async fn carry_out(
-        &self,
-        word: &OperatorWord,
-        by: &str,
-        out_of_queue: &BTreeSet<BuildId>,
-        anyway: bool,
-    ) -> Result<WordAnswer> {
+    /// Carries a word out, as far as `seen` allows it. `anyway` = the person insists.
+    pub async fn carry_out(&self, word: &OperatorWord, by: &str, seen: &SeenFiles, anyway: bool) -> Result<WordAnswer> {
         let (build, word) = match word {
-            OperatorWord::Reprint(target) => return self.reprint(target, by, out_of_queue, anyway).await,
+            OperatorWord::Reprint(target) => return self.reprint(target, by, seen, anyway).await,
             OperatorWord::Outcome(build, told) => (*build, BuildWord::Outcome(told.clone())),
             OperatorWord::Requeue(build) => (*build, BuildWord::Requeue),
             OperatorWord::BreakOut(build) => (*build, BuildWord::BreakOut),
@@ -169,10 +179,11 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         ensure_no_word_noted(&mut change, build).await?;
         let effect = word.apply(&mut change, build, by).await?;
-        if is_withdrawal && out_of_queue.contains(&build) {
+        let is_out = effect.makes_bad && is_out_of_queue(seen, build)?;
+        if is_withdrawal && is_out {
             return Err(LedgerError::NotInQueue(build));
         }
-        if !effect.makes_bad || out_of_queue.contains(&build) {
+        if is_out || !effect.makes_bad {
             change.commit().await?;
             return Ok(WordAnswer { sentences: effect.sentences, noted: Vec::new() });
         }
@@ -185,13 +196,7 @@ impl Ledger {
         Ok(answer)
     }
 
-    async fn reprint(
-        &self,
-        target: &ReprintTarget,
-        by: &str,
-        out_of_queue: &BTreeSet<BuildId>,
-        anyway: bool,
-    ) -> Result<WordAnswer> {
+    async fn reprint(&self, target: &ReprintTarget, by: &str, seen: &SeenFiles, anyway: bool) -> Result<WordAnswer> {
         let mut change = self.begin_change().await?;
         let mut chosen: BTreeMap<BuildId, Vec<(PartId, u32)>> = BTreeMap::new();
         for (build, part, copy) in printed_copies(&mut change, target).await? {
@@ -200,7 +205,7 @@ impl Ledger {
         let (mut answer, mut report) = (WordAnswer::default(), PutBackReport::default());
         for (build, copies) in chosen {
             ensure_no_word_noted(&mut change, build).await?;
-            if out_of_queue.contains(&build) {
+            if is_out_of_queue(seen, build)? {
                 change.mark_bad(build, &copies, by, true, &mut report).await?;
             } else {
                 note_word(&mut change, build, &BuildWord::Reprint(copies), (by, anyway), &mut answer).await?;
@@ -270,6 +275,15 @@ impl Ledger {
              WHERE b.id = $1 AND l.is_owed AND l.told_at = b.withdrawn_at",
         );
         Ok(query.bind(build).fetch_one(self.reader()?).await?)
+    }
+}
+
+/// Whether the file of a build is certainly in no queue. Under another name, nobody can take it back.
+fn is_out_of_queue(seen: &SeenFiles, build: BuildId) -> Result<bool> {
+    match seen.get(&build).cloned() {
+        Some(SeenFile::OutOfQueue) => Ok(true),
+        Some(SeenFile::Copied { name, is_alone }) => Err(InQueueError::Copied { build, name, is_alone }.into()),
+        None => Ok(false),
     }
 }
 

@@ -71,8 +71,8 @@ pub enum AlertKind {
     QueueReplaced,
     /// What lies in a queue folder must not be printed as it is.
     QueueAltered,
-    /// A printer took a build whose copies were to be printed again.
-    TakenFirst,
+    /// A build whose copies were to be printed again could not be taken out of the queue.
+    NotTakenBack,
     /// Parts wait for a machine that is not configured.
     MachineGone,
     /// Parts, tickets and order lists do not match, and wait.
@@ -154,7 +154,7 @@ impl AlertKind {
         Self::PublishingFails,
         Self::QueueReplaced,
         Self::QueueAltered,
-        Self::TakenFirst,
+        Self::NotTakenBack,
         Self::MachineGone,
         Self::Incomplete,
         Self::Refused,
@@ -208,7 +208,7 @@ impl AlertKind {
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::QueueAltered => "A file in a queue folder must not be printed as it is",
-            Self::TakenFirst => "A printer took a build whose copies were to be printed again",
+            Self::NotTakenBack => "A build whose copies were to be printed again could not be taken out of the queue",
             Self::MachineGone => "Parts wait for a machine that is not configured",
             Self::Incomplete => "Parts, tickets and order lists do not fit together, and wait",
             Self::Refused => "Refused files lie in the error folder",
@@ -235,7 +235,8 @@ impl AlertKind {
                  nestd; another ledger that is there now is kept aside."
             }
             Self::LedgerLocked => {
-                "Wait until that process has finished its change, or end it; nestd then goes on by itself. Nothing is lost meanwhile."
+                "Wait until that process has finished its change, or end it; nestd then goes on by itself. Nothing is lost meanwhile. A start waits \
+                 for it, too."
             }
             Self::LedgerUnreachable => {
                 "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
@@ -298,8 +299,8 @@ impl AlertKind {
             }
             Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
             Self::BuildFailed => {
-                "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \
-                 `nestd cancel PART`."
+                "See the reason, mend it, then `nestd resume PROFILE`: its parts wait, but for those that were refused since. A part that is \
+                 the reason goes with `nestd cancel PART`."
             }
             Self::PrintFailed => {
                 "Its copies wait again, unless that was declined: `nestd show BUILD` names them. When the machine is ready, \
@@ -324,7 +325,7 @@ impl AlertKind {
                 "Do what is said of each file before somebody prints it. Where it was printed all the same, tell the outcome of its build \
                  (`nestd outcome`)."
             }
-            Self::TakenFirst => "Look what the printer makes of it, and tell that (`nestd outcome`): it ends this.",
+            Self::NotTakenBack => "Look whether it was printed, or is, and tell that (`nestd outcome`): it ends this.",
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
                  them. Lines that a program ordered are cancelled with DELETE (docs/api.md)."

@@ -28,7 +28,7 @@ use crate::{
             hot_folder_scan::RefusedFile, hot_folder_scanner::HotFolderScanner, obeyed_controls::ObeyedControls,
         },
     },
-    ledger::{BuildId, BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
+    ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
     settings::MachineProfile,
 };
 
@@ -89,8 +89,6 @@ pub struct MachineState {
     pub may_claim: bool,
     /// Its printers.
     pub printers: MachinePrinters,
-    /// Builds that a printer took although their copies were to be printed again, with the number of outcomes that were told before.
-    pub taken_first: BTreeMap<BuildId, usize>,
     /// The build that collects waiting parts.
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
@@ -168,7 +166,6 @@ impl MachineState {
             },
             leases: FolderLeases::new(holder, &profile),
             printers: MachinePrinters::new(&profile, now),
-            taken_first: BTreeMap::new(),
             profile,
             agreed_folders: None,
             may_claim: false,

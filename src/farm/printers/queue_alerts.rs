@@ -1,12 +1,6 @@
-//! The alerts about what lies in the queue folders of a machine and must not be printed as it is, and about what was taken
-//! out of them although its copies were to be printed again.
+//! The alert about what lies in the queue folders of a machine and must not be printed as it is.
 
-use anyhow::Result;
-
-use crate::{
-    farm::{alerts::alert::AlertKind, core::farm::Farm},
-    ledger::BuildRow,
-};
+use crate::farm::{alerts::alert::AlertKind, core::farm::Farm};
 
 /// Maximum number of files named.
 const MAX_NAMED: usize = 8;
@@ -24,26 +18,4 @@ pub(crate) fn report_wrong_files(farm: &mut Farm, profile: &str, wrong: &[String
             farm.alerts.raise(AlertKind::QueueAltered, profile, "queue files", &format!("{named}{more}"));
         }
     }
-}
-
-/// A printer took a build whose copies were to be printed again: only a person can tell what became of it.
-pub(crate) async fn report_taken_first(farm: &mut Farm, build: &BuildRow, text: &str) -> Result<()> {
-    let outcomes = farm.ledger.outcomes_of_build(build.id).await?.len();
-    let Some(machine) = farm.machines.get_mut(&build.profile) else { return Ok(()) };
-    machine.taken_first.insert(build.id, outcomes);
-    farm.alerts.raise(AlertKind::TakenFirst, &build.profile, &format!("build {}", build.id), text);
-    Ok(())
-}
-
-/// The alerts of [`report_taken_first`] end when somebody has told an outcome since.
-pub(crate) async fn end_told_alerts(farm: &mut Farm) -> Result<()> {
-    for (name, machine) in &mut farm.machines {
-        for (build, outcomes) in machine.taken_first.clone() {
-            if farm.ledger.outcomes_of_build(build).await?.len() > outcomes {
-                machine.taken_first.remove(&build);
-                farm.alerts.clear(AlertKind::TakenFirst, name, &format!("build {build}"));
-            }
-        }
-    }
-    Ok(())
 }

@@ -11,7 +11,7 @@ use crate::{
         alerts::alert::AlertKind,
         core::{farm::Farm, machine_state::MachineState},
         leases::folder_leases::FolderLeases,
-        printers::{printers::choose_for_build, queue_alerts::report_taken_first},
+        printers::printers::choose_for_build,
         records::staged_build::has_hash,
         scanning::machine_fit::find_misfit,
     },
@@ -326,7 +326,7 @@ async fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) ->
         "build {id} was told to be {state} while it went to the printer {printer}, which has taken it: look whether {printer} \
          prints it, and tell the outcome once more, with --correct"
     );
-    report_taken_first(farm, build, &text).await
+    Ok(farm.ledger.record_dropped_word(id, &text).await?)
 }
 
 fn report_move_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) {

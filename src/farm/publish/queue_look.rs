@@ -14,7 +14,7 @@ use crate::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
         core::{farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
-        printers::queue_alerts::{end_told_alerts, report_wrong_files},
+        printers::queue_alerts::report_wrong_files,
         scanning::queue_files::{QueueFileFindings, QueueFileLook},
     },
     ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
@@ -73,7 +73,6 @@ impl BackgroundJob<Farm> for QueueLookJob {
 
 /// Starts jobs that look into the queue folders.
 pub(crate) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
-    end_told_alerts(farm).await?;
     for (name, machine) in &farm.machines {
         let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {

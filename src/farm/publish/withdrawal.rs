@@ -19,7 +19,7 @@ use crate::{
         },
         leases::folder_leases::FolderLeases,
         operate::operate::operate,
-        printers::{printers::occupation_of, queue_alerts::report_taken_first, release_preview::awaits_release},
+        printers::{printers::occupation_of, release_preview::awaits_release},
         process::tick_tasks::TimedTask,
         records::{build_record::note_withdrawn, staged_build::has_hash},
         scanning::queue_contents,
@@ -182,15 +182,11 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             }
         }
         Ok(WithdrawalStep::Altered) => {
-            farm.ledger.end_withdrawal(id, WithdrawalEnd::Altered).await?;
+            drop_word(farm, id, WithdrawalEnd::Altered).await?;
             look_again_at(farm, &build);
         }
         Ok(WithdrawalStep::Taken) => {
-            // A word was said of a file that lay untouched: of one that its printer has, it may not be true.
-            if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
-                report_word_dropped(farm, &build).await?;
-            }
-            farm.ledger.end_withdrawal(id, WithdrawalEnd::Taken).await?;
+            drop_word(farm, id, WithdrawalEnd::Taken).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
         Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
@@ -224,14 +220,24 @@ fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failur
     Ok(())
 }
 
-/// What was said of a build whose file lay in the queue is not done: its printer was faster.
-async fn report_word_dropped(farm: &mut Farm, build: &BuildRow) -> Result<()> {
-    let id = build.id;
-    let text = format!(
-        "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but its printer took it first: \
-         nothing was changed. Say it once more when it is known how build {id} is printed"
-    );
-    report_taken_first(farm, build, &text).await
+/// What was said of a build whose file lay in the queue is not done: it was said of a file that lay there untouched, and of one that its
+/// printer has it may not be true.
+async fn drop_word(farm: &mut Farm, id: BuildId, end: WithdrawalEnd) -> Result<()> {
+    if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+        let (why, then) = match end {
+            WithdrawalEnd::Altered => (
+                "what lies in the queue under its name is not the file that was proved",
+                "Take that out of the queue, look whether it was printed, and say it once more",
+            ),
+            _ => ("its printer took it first", "Say it once more when it is known how it is printed"),
+        };
+        let text = format!(
+            "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but {why}: nothing was \
+             changed. {then}"
+        );
+        farm.ledger.record_dropped_word(id, &text).await?;
+    }
+    Ok(farm.ledger.end_withdrawal(id, end).await?)
 }
 
 /// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.

@@ -66,7 +66,7 @@ pub(super) async fn update_ledger_alerts(
     Ok(())
 }
 
-/// Raises the alerts on failed prints and on parts that wait for a yes, one of each kind for each machine.
+/// Raises the alerts on failed prints, on words that were dropped and on parts that wait for a yes, one of each kind for each machine.
 async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
     let failed = ledger.unseen_failures().await?;
     let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
@@ -76,8 +76,11 @@ async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut Ale
         (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
     });
     let asked: Vec<(&str, String)> = asked.collect();
+    let dropped = ledger.dropped_words().await?;
+    let dropped: Vec<(&str, String)> = dropped.iter().map(|(of, why)| (of.as_str(), why.clone())).collect();
+    let kinds = [(AlertKind::PrintFailed, &failed), (AlertKind::NotTakenBack, &dropped), (AlertKind::Question, &asked)];
     for name in names {
-        for (kind, all) in [(AlertKind::PrintFailed, &failed), (AlertKind::Question, &asked)] {
+        for (kind, all) in kinds {
             let own: Vec<String> = all.iter().filter(|(of, _)| of == name).map(|(_, text)| text.clone()).collect();
             match own.is_empty() {
                 true => alerts.clear(kind, name, ""),

@@ -158,6 +158,8 @@ pub(super) async fn record_told(change: &mut LedgerChange, build: BuildId, told:
     .bind(told.is_correction)
     .execute(change.db())
     .await?;
+    let looked = sql::query("UPDATE build SET word_dropped = NULL WHERE id = $1").bind(build);
+    looked.execute(change.db()).await?;
     Ok(())
 }
 

@@ -62,6 +62,21 @@ impl Ledger {
         Ok(())
     }
 
+    /// What was said of a build is not done, for its file could not be taken out of the queue: `why`, and what a person must look at. That
+    /// is told until an outcome of the build is.
+    pub async fn record_dropped_word(&self, build: BuildId, why: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let set = sql::query("UPDATE build SET word_dropped = $1 WHERE id = $2").bind(why).bind(build);
+        set.execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// What was said of builds and was not done: the machine of each, and why; the oldest build first.
+    pub async fn dropped_words(&self) -> Result<Vec<(String, String)>> {
+        let query = "SELECT profile, word_dropped FROM build WHERE word_dropped IS NOT NULL ORDER BY id";
+        Ok(sql::query_as(query).fetch_all(self.reader()?).await?)
+    }
+
     /// The record of a published build says that its file was taken back untouched, which a ledger that was put back does not know: its
     /// copies wait again, and a word that waits for the file is over.
     pub async fn take_in_withdrawal(&self, build: BuildId) -> Result<()> {

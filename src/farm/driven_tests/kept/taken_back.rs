@@ -143,7 +143,7 @@ fn a_word_that_waited_for_the_file_when_the_backup_was_made_has_nothing_printed_
         assert!(told.done.iter().chain(&told.doubts).any(|said| said.contains(&about)), "{word:?}: {told:?}");
         farm.start();
         farm.pass_secs(5.0);
-        assert!(!farm.has_alert(AlertKind::TakenFirst), "{word:?}: {}", farm.alert_text(AlertKind::NotTakenBack));
+        assert!(!farm.has_alert(AlertKind::NotTakenBack), "{word:?}: {}", farm.alert_text(AlertKind::NotTakenBack));
         for is_said_again in [false, true] {
             if is_said_again {
                 let _ = farm.say(&word, true);

@@ -9,7 +9,7 @@ use crate::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
     },
-    ledger::{BuildRow, BuildState, CommandKind, PartState, PrintOutcome, ToldOutcome},
+    ledger::{BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartState, PrintOutcome, ToldOutcome},
     queue::QueueFolder,
 };
 
@@ -158,8 +158,9 @@ fn a_person_learns_that_the_other_printer_took_a_build_whose_failure_was_told() 
         fs::remove_file(right.published_path(&file)).unwrap();
         start_after_failure(&mut farm, &build);
         wait_for_end_of_move(&mut farm, &build);
-        let is_told = |farm: &HandDrivenFarm| farm.alert_text(AlertKind::TakenFirst).contains("which has taken it");
-        assert!(is_told(&farm) && !farm.has_alert(AlertKind::PublishingFails), "{}", farm.status_text());
+        let is_told = |farm: &HandDrivenFarm| farm.alert_text(AlertKind::NotTakenBack).contains("which has taken it");
+        farm.pass_until("it is told", is_told);
+        assert!(!farm.has_alert(AlertKind::PublishingFails), "{}", farm.status_text());
         let now = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
         assert!(now.place.printer.as_deref() == Some("right") && now.place.taken_at.is_some(), "{:?}", now.place);
         farm.pass_secs(5.0);
@@ -231,4 +232,24 @@ fn a_move_from_a_printer_that_is_configured_no_more_ends_when_the_outcome_is_tol
     tell_failed(&farm, &build);
     wait_for_end_of_move(&mut farm, &build);
     farm.pass_until("it is settled", |farm| !farm.has_alert(AlertKind::PublishingFails));
+}
+
+#[test]
+fn a_build_whose_failure_was_told_while_its_file_had_no_printer_to_go_to_never_counts_as_printed() {
+    let (mut farm, build, file) = one_build();
+    farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
+    open_queue(&farm, "left").withdraw(&file).unwrap();
+    take_down(&farm, "left");
+    take_down(&farm, "right");
+    farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::PublishingFails));
+    let told = |outcome, is_correction| {
+        let told = ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "a@test") };
+        OperatorWord::Outcome(build.id, told)
+    };
+    farm.say(&told(PrintOutcome::Failed, false), false).unwrap();
+    wait_for_end_of_move(&mut farm, &build);
+    let refused = farm.say(&told(PrintOutcome::Complete, true), true);
+    assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{refused:?}");
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.assert_ledger_agrees_with_folders();
 }

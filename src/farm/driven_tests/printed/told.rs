@@ -124,9 +124,26 @@ fn a_file_that_was_emptied_replaced_or_is_a_folder_is_not_taken_back() {
         farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
         farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
         farm.pass_until("the withdrawal has ended", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        assert!(!farm.has_alert(AlertKind::NotTakenBack), "who withdraws it only wants the file");
+        farm.say(&outcome(&build, PrintOutcome::Failed, 0), true).unwrap();
+        farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        farm.pass_until("that is told", |farm| farm.has_alert(AlertKind::NotTakenBack));
+        let told = farm.alert_text(AlertKind::NotTakenBack);
+        assert!(told.contains("is not the file that was proved") && told.contains("once more"), "{harm}: {told}");
         let row = find(&farm, build.id);
         assert_eq!((row.state, row.place.withdrawn_at), (BuildState::Published, None), "{harm}");
         assert!(file.exists() && farm.parts(PartState::Waiting).is_empty(), "{harm}");
+        // The remedy that is named.
+        if harm == "folder" {
+            fs::remove_dir(&file).unwrap()
+        } else {
+            fs::remove_file(&file).unwrap()
+        }
+        farm.say(&outcome(&build, PrintOutcome::Failed, 0), false).unwrap();
+        farm.pass_until("it is over", |farm| {
+            !farm.has_alert(AlertKind::NotTakenBack) && !farm.has_alert(AlertKind::QueueAltered)
+        });
+        farm.wait_for_parts(PartState::Waiting, 1);
     }
 }
 
@@ -175,37 +192,46 @@ fn a_word_about_a_file_that_its_printer_takes_before_it_is_taken_out_changes_not
         assert_eq!(farm.say(&word, true).unwrap().noted, [build.id]);
         fs::remove_file(&farm.queued()[0]).unwrap();
         farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        farm.pass_until("that is told", |farm| farm.has_alert(AlertKind::NotTakenBack));
         assert_eq!(find(&farm, build.id).state, BuildState::Published, "{word:?}");
         assert!(farm.parts(PartState::Waiting).is_empty(), "what the printer has is not printed again: {word:?}");
-        let told = farm.alert_text(AlertKind::TakenFirst);
+        let told = farm.alert_text(AlertKind::NotTakenBack);
         assert!(told.contains("its printer took it first"), "{told}");
         assert!(!farm.has_alert(AlertKind::PublishingFails), "{told}");
         farm.assert_ledger_agrees_with_folders();
+        farm.stop();
+        farm.start();
         farm.pass_secs(5.0);
-        assert!(farm.has_alert(AlertKind::TakenFirst));
+        assert_eq!(farm.alert_text(AlertKind::NotTakenBack), told, "until somebody has looked");
         farm.say(&outcome(&build, PrintOutcome::Complete, 0), true).unwrap();
-        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::TakenFirst));
+        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::NotTakenBack));
     }
 }
 
 #[test]
-fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name() {
-    for is_moved in [true, false] {
-        for number in [0, 1, 2, 4, 5] {
-            let (farm, build) = three_copies();
-            let (word, _) = words(&farm, &build).swap_remove(number);
-            let (file, other) = (farm.queued().remove(0), farm.folder("queue").join("hans.build.3mf"));
-            fs::copy(&file, &other).unwrap();
-            if is_moved {
-                fs::remove_file(&file).unwrap();
-            }
-            for anyway in [false, true] {
-                let refused = farm.say(&word, anyway).unwrap_err().to_string();
-                assert!(refused.contains("under another name, as hans.build.3mf"), "{word:?}: {refused}");
-            }
-            assert_eq!(find(&farm, build.id).state, BuildState::Published);
-            fs::remove_file(&other).unwrap();
-            farm.say(&word, true).unwrap();
+fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name_which_an_alert_names() {
+    let names = ["hans.build.3mf", "job.3mf", "JOB.3MF", "job"];
+    for (number, is_moved) in (0..6).flat_map(|number| [(number, true), (number, false)]) {
+        let (mut farm, build) = three_copies();
+        let (word, _) = words(&farm, &build).swap_remove(number);
+        let name = names[number % names.len()];
+        let (file, other) = (farm.queued().remove(0), farm.folder("queue").join(name));
+        fs::copy(&file, &other).unwrap();
+        if is_moved {
+            fs::remove_file(&file).unwrap();
         }
+        for anyway in [false, true] {
+            let refused = farm.say(&word, anyway).unwrap_err().to_string();
+            assert!(refused.contains(&format!("under another name, as {name}")), "{word:?}: {refused}");
+            // Its own name is free only where its file does not lie there.
+            assert_eq!(refused.contains("its own name back"), is_moved, "{refused}");
+        }
+        assert_eq!(find(&farm, build.id).state, BuildState::Published);
+        farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::QueueAltered).contains(name));
+        let told = farm.alert_text(AlertKind::QueueAltered);
+        assert_eq!(told.contains("that name back"), is_moved, "{told}");
+        fs::remove_file(&other).unwrap();
+        farm.say(&word, true).unwrap();
+        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::QueueAltered));
     }
 }

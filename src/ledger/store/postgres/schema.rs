@@ -32,7 +32,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 16] = [
+const MIGRATIONS: [ServerMigration; 17] = [
     migration(19, "ledger", include_str!("../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../migrations/postgres/0021_lease.sql")),
@@ -82,6 +82,10 @@ const MIGRATIONS: [ServerMigration; 16] = [
         "words on queued builds",
         include_str!("../../../../migrations/postgres/0036_words_on_queued_builds.sql"),
     ),
+    ServerMigration {
+        is_additive: true,
+        ..migration(38, "dropped words", include_str!("../../../../migrations/postgres/0038_dropped_words.sql"))
+    },
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

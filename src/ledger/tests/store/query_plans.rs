@@ -61,6 +61,7 @@ fn walks<'a>(plan: &'a [String], aliases: &[(String, String)]) -> Vec<&'a String
             "part_by_replacement",
             "build_unseen",
             "build_moving",
+            "build_word_dropped",
         ]
         .iter()
         .any(|index| rest.ends_with(index));

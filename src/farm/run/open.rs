@@ -178,8 +178,8 @@ impl OpenedState {
     }
 }
 
-/// Whether the cause of a failed start may end by itself: a full disk, a share that hangs.
-fn is_transient(failure: &anyhow::Error) -> bool {
+/// Whether the cause of a failed start may end by itself: a full disk, a share that hangs, a process that holds the ledger.
+pub(crate) fn is_transient(failure: &anyhow::Error) -> bool {
     // If another daemon serves a folder, this one does not wait: whoever started it must know.
     let is_served = |cause: &LeaseError| matches!(cause, LeaseError::HeldByOther { .. });
     if failure.chain().any(|cause| cause.downcast_ref().is_some_and(is_served)) {

@@ -52,7 +52,9 @@ impl SqliteStore {
         location::reject_network_location(path)?;
         let options = connect_options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
         let store = Self::connect(path, options).await?;
-        schema::bring_up_to_date(path, &store.writer).await?;
+        schema::bring_up_to_date(path, &store.writer)
+            .await
+            .map_err(|error| name_holder(path, &store.lock_wait, error))?;
         Ok(store)
     }
 
@@ -200,12 +202,7 @@ impl SqliteStore {
             }
             begun => begun,
         }
-        .map_err(|error| match sqlite_code(&error) {
-            Some(SQLITE_BUSY) => {
-                LedgerError::Locked { by: describe_holder(self.lock_wait.note(&self.path, true).as_ref()) }
-            }
-            _ => error.into(),
-        })?;
+        .map_err(|error| name_holder(&self.path, &self.lock_wait, error.into()))?;
         let loss = self.last_change.find_loss(&mut *transaction).await?;
         self.refuse_overwritten(loss)?;
         health::remove_checksum(&self.path)
@@ -242,9 +239,19 @@ async fn connect_one(path: &Path, options: SqliteConnectOptions) -> Result<Sqlit
     }
 }
 
+/// An error that says only that the lock was not free in time says who holds it.
+fn name_holder(path: &Path, wait: &LockWait, error: LedgerError) -> LedgerError {
+    match &error {
+        LedgerError::Sql(cause) if sqlite_code(cause) == Some(SQLITE_BUSY) => {
+            LedgerError::Locked { by: describe_holder(wait.note(path, true).as_ref()) }
+        }
+        _ => error,
+    }
+}
+
 fn open_error(path: &Path, error: sqlx::Error) -> LedgerError {
     let what = error.to_string();
-    match LedgerError::from(error) {
+    match name_holder(path, &LockWait::default(), error.into()) {
         LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
         LedgerError::Sql(error) => LedgerError::Open { path: path.to_owned(), error },
         other => other,

@@ -7,6 +7,7 @@ use crate::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
         records::lost_ledger::ledger_alert,
+        run::open::is_transient,
     },
     ledger::{CommandKind, CommandState, Ledger, LedgerError, NewCommand, PartState, ServiceState},
 };
@@ -174,6 +175,26 @@ fn a_process_that_holds_the_ledger_is_named_and_the_farm_goes_on_when_it_lets_go
     held.let_go();
     farm.wait_for_parts(PartState::Waiting, 2);
     assert!(!farm.has_alert(AlertKind::LedgerLocked));
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(1);
+    farm.pass_secs(1.0);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_start_waits_for_a_process_that_holds_the_ledger_and_names_it() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+    let held = HeldLedger::of(&farm);
+    let failure = farm.start_failure();
+    assert!(is_transient(&failure), "it does not end, and is not started again and again: {failure:#}");
+    let (kind, detail) = ledger_alert(&failure).unwrap();
+    assert_eq!(kind, AlertKind::LedgerLocked, "{failure:#}");
+    assert!(detail.contains(&format!("process {}", std::process::id())), "{detail}");
+    held.let_go();
+    farm.start();
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(1);
     farm.pass_secs(1.0);

@@ -56,7 +56,7 @@ pub use planning::{
     DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,
     QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order, read_plan, read_quoted_files,
 };
-pub use printers::printers::{PrinterView, printer_views};
+pub use printers::printers::{PrinterView, fate_of_queued, printer_views};
 pub use printers::release_preview::{LatePreview, ReleasePreview, awaits_release, preview_release};
 pub use records::cake::{
     CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, locate_build_file,

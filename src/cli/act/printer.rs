@@ -12,7 +12,7 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{PrinterView, printer_views},
+    farm::{PrinterView, fate_of_queued, printer_views},
     ledger::Ledger,
     settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
@@ -96,14 +96,7 @@ async fn set_printer_use(
     }
     let profile = machine_of_printer(settings, name)?;
     ledger.take_printer_down(name, &profile.name, &by, reason).await?;
-    let down = ledger.down_printers().await?;
-    let is_up = |other: &&str| !down.iter().any(|down| down.profile == profile.name && down.printer == **other);
-    let others = profile.printers.iter().map(|printer| printer.name.as_str()).filter(|other| *other != name);
-    let others: Vec<&str> = others.filter(is_up).collect();
-    let next = match others.is_empty() {
-        true => format!("The builds of {} wait until a printer of it is up.", profile.name),
-        false => format!("What it has not taken goes to {}.", others.join(" or ")),
-    };
+    let next = fate_of_queued(ledger, profile, name).await?;
     Ok(format!("The printer {name} is down: it is given no builds. {next}"))
 }
 

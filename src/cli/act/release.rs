@@ -45,7 +45,7 @@ pub fn run(common: &CommonArgs, args: &ReleaseArgs) -> Result<CommandExit> {
         let now = settings.profiles.get(&build.profile);
         let made = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now);
         let preview = preview_release(ledger, now.unwrap_or(&made), &build, Timestamp::now()).await?;
-        let released = match args.preview {
+        let released = match args.preview || preview.made_again_for.is_some() {
             true => None,
             false => Some(ledger.release_build(id, build.staged.file_hash.as_deref(), &user_at_host()).await?),
         };

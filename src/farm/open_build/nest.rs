@@ -40,6 +40,7 @@ use crate::{
         publish::publish,
         receive::damaged_files,
         records::kept_build::{self, KeptBuild},
+        scanning::machine_fit::find_misfit,
     },
     intake,
     ledger::{
@@ -268,12 +269,24 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
         farm.ledger.release_copies(build, &written.unplaced, "found no place").await?;
     }
     farm.ledger.verify_build(build, &written.verified, &written.placed).await?;
+    report_changed_machine(farm, build).await?;
     if !written.locked.is_empty() {
         warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
         let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
         farm.ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
     }
     publish::publish_verified_builds(farm).await
+}
+
+/// A build that is issued once more was to be as it was: where its machine has changed so that it does not fit any more, it is not.
+async fn report_changed_machine(farm: &Farm, build: BuildId) -> Result<()> {
+    let Some(row) = farm.ledger.find_build(build).await? else { return Ok(()) };
+    let (Some(printed), Some(machine)) = (row.search.repeats, farm.machines.get(&row.profile)) else { return Ok(()) };
+    let before = farm.ledger.find_build(printed).await?;
+    let Some(why) = before.and_then(|before| find_misfit(&machine.profile, &before)) else { return Ok(()) };
+    let detail = format!("not as build {printed} was, for {why}");
+    warn!(build.id = %build, profile = %row.profile, "Build {build} is {detail}.");
+    Ok(farm.ledger.write_event(EventKind::Requeued, &row.profile, None, Some(build), &detail).await?)
 }
 
 async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {

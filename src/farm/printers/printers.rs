@@ -17,6 +17,7 @@ use crate::{
             printer_outlook::PrinterOutlook,
             queue_depth::queue_room,
         },
+        scanning::machine_fit::find_misfit,
     },
     ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp, WaitingPart},
     settings::{FarmZone, MachineProfile, PrinterRules},
@@ -75,6 +76,29 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
         }
     };
     Ok(profile.printers.iter().map(view).collect())
+}
+
+/// What becomes of the builds that lie at a printer that is down, in sentences.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn fate_of_queued(ledger: &Ledger, profile: &MachineProfile, printer: &str) -> Result<String> {
+    let down = ledger.down_printers().await?;
+    let is_up = |other: &&str| !down.iter().any(|down| down.profile == profile.name && down.printer == **other);
+    let others = profile.printers.iter().map(|rules| rules.name.as_str()).filter(|other| *other != printer);
+    let others: Vec<&str> = others.filter(is_up).collect();
+    if others.is_empty() {
+        return Ok(format!("The builds of {} wait until a printer of it is up.", profile.name));
+    }
+    let mut sentences = vec![format!("What it has not taken goes to {}.", others.join(" or "))];
+    for build in ledger.builds_to_move(&profile.name).await? {
+        if build.place.printer.as_deref() == Some(printer)
+            && let Some(why) = find_misfit(profile, &build)
+        {
+            sentences.push(format!("Build {0} goes to no other one, for {why}: `nestd withdraw {0}`.", build.id));
+        }
+    }
+    Ok(sentences.join(" "))
 }
 
 /// The printer of a machine that a build is for: the one that was written down, else the first.

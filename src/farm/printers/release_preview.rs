@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::printers::{occupation_of, rules_of_build};
 use crate::{
-    farm::decisions::printer_choice::printer_loads,
+    farm::{decisions::printer_choice::printer_loads, scanning::machine_fit::find_misfit},
     ledger::{BuildId, BuildRow, BuildState, Ledger, OccupyingBuild, PartRow, UtcTimestamp},
     settings::{FarmZone, MachineProfile},
 };
@@ -44,6 +44,8 @@ pub struct ReleasePreview {
     pub waiting_copies: u32,
     /// Parts in it that are due before it could be unpacked.
     pub late: Vec<LatePreview>,
+    /// Why it is made again instead, and its figures do not hold; `None` = it is published as it is.
+    pub made_again_for: Option<String>,
 }
 
 /// A part that would be late.
@@ -59,13 +61,14 @@ pub struct LatePreview {
     pub due_text: String,
 }
 
-/// Whether a proved build waits for a person's yes.
+/// Whether a proved build waits for a person's yes. One that does not fit its machine any more is made again first.
 pub fn awaits_release(profile: &MachineProfile, build: &BuildRow) -> bool {
     let share = build.measures.height_mm.unwrap_or_default() / profile.space.volume_mm.z;
     build.state == BuildState::Verified
         && build.place.released_at.is_none()
         && build.staged.publishing_at.is_none()
         && profile.printing.needs_release(share)
+        && find_misfit(profile, build).is_none()
 }
 
 /// The preview of a build that is not published yet.
@@ -103,6 +106,7 @@ pub async fn preview_release(
         ends_at: ends.map(UtcTimestamp),
         waiting_copies: status.iter().find(|row| row.profile == profile.name).map_or(0, |row| row.waiting_copies),
         late,
+        made_again_for: find_misfit(profile, build),
     })
 }
 
@@ -132,6 +136,9 @@ impl ReleasePreview {
 
     /// All of it in sentences.
     pub fn sentences(&self, zone: &FarmZone) -> Vec<String> {
+        if let Some(why) = &self.made_again_for {
+            return vec![format!("Build {} is made again, for {why}.", self.build)];
+        }
         let time = |at: UtcTimestamp| zone.format_minute(at.0);
         let mut sentences = vec![format!("Build {}: {}.", self.build, self.brief_text())];
         sentences.push(match (self.begins_at, self.ends_at) {

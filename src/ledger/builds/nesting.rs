@@ -75,11 +75,14 @@ impl Ledger {
             .await?;
         delete_placements(&mut change, build, &copies, "the build failed").await?;
         change.move_build(build, BuildState::Failed, reason).await?;
-        // The forecast height does not apply any more.
-        sql::query("UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL WHERE id = $1")
-            .bind(build)
-            .execute(change.db())
-            .await?;
+        // What was forecast, or proved for a machine that has changed since, does not apply any more.
+        sql::query(
+            "UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL, lower_bound_mm = NULL, layers = NULL, \
+             clearance_proved_mm = NULL WHERE id = $1",
+        )
+        .bind(build)
+        .execute(change.db())
+        .await?;
         change.commit().await
     }
 }

@@ -7,13 +7,15 @@ use glam::DVec3;
 use super::printers::{published, queue, take_down, visible};
 use crate::{
     farm::{
-        AlertKind,
+        AlertKind, awaits_release,
         driven_tests::{
             HandDrivenFarm, PROFILE, QUICK, block,
             hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
         },
+        fate_of_queued, preview_release,
     },
     ledger::{BuildRow, BuildState, CommandKind, OperatorWord, PartState},
+    settings::load_settings,
 };
 
 const APPROVED: &str = "orientation = \"fixed\"\nwall_margin_mm = 0\napprove = \"always\"\n";
@@ -82,6 +84,21 @@ fn a_proved_build_that_does_not_fit_its_machine_any_more_is_made_again_and_not_p
 }
 
 #[test]
+fn a_proved_build_that_is_about_to_be_made_again_waits_for_no_yes_and_shows_no_figures() {
+    let (farm, build) = two_blocks(APPROVED);
+    assert!(awaits_release(&farm.profiles()[PROFILE], &build));
+    edit_machine(&farm, APPROVED, "[120, 120, 120]", "[60, 60, 120]");
+    let config = farm.root().join("config/nestd.toml");
+    let smaller = load_settings(Some(&config), Some(farm.root())).unwrap().profiles[PROFILE].clone();
+    assert!(!awaits_release(&smaller, &build));
+    let now = farm.date();
+    let preview = farm.ask(async |ledger| preview_release(ledger, &smaller, &build, now).await.unwrap());
+    let said = preview.sentences(&smaller.time_zone).join(" ");
+    assert!(said.starts_with(&format!("Build {} is made again, for the machine has changed", build.id)), "{said}");
+    assert!(!said.contains("mm high"), "{said}");
+}
+
+#[test]
 fn a_released_build_under_which_the_machine_changes_while_its_printer_is_down_is_not_published() {
     let changes = [
         ("clearance_mm = 2.0", "clearance_mm = 9.0", "parts are to be 9 mm apart"),
@@ -141,6 +158,7 @@ fn a_part_that_has_no_place_in_the_smaller_machine_waits_again_and_a_person_is_t
     assert!(farm.queued().is_empty() && proved(&farm).is_empty());
     let row = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
     assert_eq!(row.state, BuildState::Failed);
+    assert_eq!((row.measures.height_mm, row.measures.layers, row.measures.lower_bound_mm), (None, None, None));
     farm.pass_secs(2.0);
     assert!(farm.status_text().contains("PAUSED"), "{}", farm.status_text());
     farm.assert_ledger_agrees_with_folders();
@@ -157,7 +175,11 @@ fn a_build_that_is_issued_once_more_is_proved_for_the_machine_as_it_is_now() {
     edit_machine(&farm, APPROVED, "[120, 120, 120]", "[60, 60, 120]");
     farm.reload();
     farm.pass_until("it is proved anew", |farm| !proved(farm).is_empty());
-    release(&farm, &proved(&farm)[0]);
+    let again = proved(&farm).remove(0);
+    let events = farm.ask(async |ledger| ledger.events_of_build(again.id).await.unwrap());
+    let told = format!("not as build {} was, for the machine has changed", build.id);
+    assert!(events.iter().any(|event| event.detail.contains(&told)), "{events:#?}");
+    release(&farm, &again);
     let file = farm.wait_for_queued(1).remove(0);
     assert!(extent_mm(&file).cmple(DVec3::new(60.0, 60.0, 120.0)).all(), "{}", extent_mm(&file));
     farm.assert_ledger_agrees_with_folders();
@@ -182,6 +204,9 @@ fn a_build_in_a_queue_that_does_not_fit_any_more_is_told_goes_to_no_other_printe
     let told = farm.alert_text(AlertKind::QueueAltered);
     assert!(told.contains("60 x 60 x 120 mm") && told.contains(&format!("`nestd withdraw {}`", build.id)), "{told}");
     take_down(&farm, "left");
+    let profile = farm.profiles()[PROFILE].clone();
+    let fate = farm.ask(async |ledger| fate_of_queued(ledger, &profile, "left").await.unwrap());
+    assert!(fate.contains(&format!("Build {} goes to no other one, for the machine has changed", build.id)), "{fate}");
     farm.pass_secs(30.0);
     assert_eq!(visible(&farm), [1, 0], "it does not go to the other printer");
     let status = farm.folder("inbox").join("STATUS.txt");

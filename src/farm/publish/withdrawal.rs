@@ -182,16 +182,20 @@ async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<Withdrawa
             }
         }
         Ok(WithdrawalStep::Altered) => {
-            drop_word(farm, id, WithdrawalEnd::Altered).await?;
+            let why = "what lies in the queue under its name is not the file that was proved";
+            let then = "Take that out of the queue, look whether it was printed, and say it once more";
+            drop_word(farm, id, WithdrawalEnd::Altered, (why, then)).await?;
             look_again_at(farm, &build);
         }
         Ok(WithdrawalStep::Taken) => {
-            drop_word(farm, id, WithdrawalEnd::Taken).await?;
+            let then = "Say it once more when it is known how it is printed";
+            drop_word(farm, id, WithdrawalEnd::Taken, ("its printer took it first", then)).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
         Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
         Ok(WithdrawalStep::Elsewhere(place)) => {
-            farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            let why = format!("it lies at {}, and not where it was published", place.printer);
+            drop_word(farm, id, WithdrawalEnd::Removed, (&why, "Say it once more")).await?;
             farm.ledger.correct_place(id, &place).await?;
             info!(build.id = %id, profile = %profile, "Build {id} was found at {} and is not taken back: withdraw it once more.", place.printer);
         }
@@ -220,17 +224,10 @@ fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failur
     Ok(())
 }
 
-/// What was said of a build whose file lay in the queue is not done: it was said of a file that lay there untouched, and of one that its
-/// printer has it may not be true.
-async fn drop_word(farm: &mut Farm, id: BuildId, end: WithdrawalEnd) -> Result<()> {
+/// What was said of a build is not done: it was said of a file that lay untouched where it was published, and of another one it may not be
+/// true. `why` it was not taken back, and what a person does `then`.
+async fn drop_word(farm: &Farm, id: BuildId, end: WithdrawalEnd, (why, then): (&str, &str)) -> Result<()> {
     if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
-        let (why, then) = match end {
-            WithdrawalEnd::Altered => (
-                "what lies in the queue under its name is not the file that was proved",
-                "Take that out of the queue, look whether it was printed, and say it once more",
-            ),
-            _ => ("its printer took it first", "Say it once more when it is known how it is printed"),
-        };
         let text = format!(
             "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but {why}: nothing was \
              changed. {then}"

@@ -318,8 +318,8 @@ async fn import_placement(
             let sentence = format!("copy {copy} of part {part} is in build {holder} already, and in build {build} too");
             return Ok(ImportedCopy::Conflict(sentence));
         };
-        let by = format!("the record of build {build}");
-        change.mark_bad(holder, &[(part, number)], &by, true, &mut PutBackReport::default()).await?;
+        let by = LedgerChange::TOLD_BY_RECORD;
+        change.mark_bad(holder, &[(part, number)], by, true, &mut PutBackReport::default()).await?;
         imported = ImportedCopy::Again(holder);
     }
     row.insert("part_id".to_owned(), part.0.into());

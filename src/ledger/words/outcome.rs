@@ -158,9 +158,7 @@ pub(super) async fn record_told(change: &mut LedgerChange, build: BuildId, told:
     .bind(told.is_correction)
     .execute(change.db())
     .await?;
-    let looked = sql::query("UPDATE build SET word_dropped = NULL WHERE id = $1").bind(build);
-    looked.execute(change.db()).await?;
-    Ok(())
+    change.forget_dropped_word(build).await
 }
 
 /// Moves a build to the state of its outcome. A withdrawn build has none: its copies would count as printed, and be lost.
@@ -197,7 +195,7 @@ pub(super) async fn counted_copies(change: &mut LedgerChange, build: BuildId) ->
     Ok(copies.bind(build).fetch_all(change.db()).await?)
 }
 
-/// The last copies of each named part in a build. Those that are bad already, and could not be returned, are among the named ones.
+/// The last copies of each named part in a build. Those that a restored ledger knows to have been printed again are among them.
 async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId, u32)]) -> Result<Vec<(PartId, u32)>> {
     let mut bad = Vec::new();
     for &(part, asked) in named {
@@ -207,9 +205,11 @@ async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId,
                 .bind(part)
                 .fetch_all(change.db())
                 .await?;
-        let known: u32 = sql::query_scalar("SELECT count(*) FROM bad_placement WHERE build_id = $1 AND part_id = $2")
+        let known = "SELECT count(*) FROM bad_placement WHERE build_id = $1 AND part_id = $2 AND told_by = $3";
+        let known: u32 = sql::query_scalar(known)
             .bind(build)
             .bind(part)
+            .bind(LedgerChange::TOLD_BY_RECORD)
             .fetch_one(change.db())
             .await?;
         let placed = copies.len() as u32 + known;

@@ -161,6 +161,9 @@ pub(crate) async fn printed_copies(
 }
 
 impl LedgerChange {
+    /// Who tells that copies are bad that a later build was made of, as its record in the archive says after a restore.
+    pub const TOLD_BY_RECORD: &str = "the record of a later build";
+
     /// Records that copies in a published build are bad. `is_owed` = they are to be printed again.
     pub async fn mark_bad(
         &mut self,
@@ -171,6 +174,7 @@ impl LedgerChange {
         report: &mut PutBackReport,
     ) -> Result<()> {
         let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
+        self.forget_dropped_word(build).await?;
         for (id, copies) in group_by_part(copies) {
             let part = self.require_part(id).await?;
             let is_owed = is_owed && part.state != PartState::Rejected;
@@ -197,6 +201,13 @@ impl LedgerChange {
             }
         }
         self.update_orders_of(parts).await
+    }
+
+    /// Somebody has said how a build was printed: a word about it that was dropped is told no more.
+    pub(super) async fn forget_dropped_word(&mut self, build: BuildId) -> Result<()> {
+        let set = sql::query("UPDATE build SET word_dropped = NULL WHERE id = $1 AND word_dropped IS NOT NULL");
+        set.bind(build).execute(self.db()).await?;
+        Ok(())
     }
 
     async fn move_to_bad(

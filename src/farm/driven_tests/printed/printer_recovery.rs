@@ -9,7 +9,9 @@ use crate::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
     },
-    ledger::{BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartState, PrintOutcome, ToldOutcome},
+    ledger::{
+        BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, ToldOutcome,
+    },
     queue::QueueFolder,
 };
 
@@ -252,4 +254,22 @@ fn a_build_whose_failure_was_told_while_its_file_had_no_printer_to_go_to_never_c
     assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{refused:?}");
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
+fn a_word_about_a_file_that_lies_at_another_printer_is_told_and_holds_when_it_is_said_once_more() {
+    for outcome in [PrintOutcome::Failed, PrintOutcome::Interrupted] {
+        let (mut farm, build, file) = one_build();
+        let bad = if outcome == PrintOutcome::Failed { Vec::new() } else { vec![(PartId(1), 1)] };
+        let word = OperatorWord::Outcome(build.id, ToldOutcome { bad, ..ToldOutcome::new(outcome, "", "a@test") });
+        farm.say(&word, true).unwrap();
+        fs::rename(queue(&farm, "left").join(&file), queue(&farm, "right").join(&file)).unwrap();
+        farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::NotTakenBack).contains("it lies at right"));
+        assert_eq!((visible(&farm), farm.parts(PartState::Waiting).len()), ([0, 1], 0));
+        farm.say(&word, true).unwrap();
+        farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::NotTakenBack));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        assert_eq!(visible(&farm), [0, 0]);
+        farm.assert_ledger_agrees_with_folders();
+    }
 }

@@ -51,12 +51,12 @@ fn with_comment(mut bytes: Vec<u8>) -> Vec<u8> {
 
 #[test]
 fn a_copy_with_other_bytes_is_told_whatever_became_of_its_build() {
-    for ends in ["failed", "complete", "published"] {
+    for ends in ["withdrawn", "complete", "published"] {
         let (mut farm, build, file) = one_build();
         let (bytes, copy) = (with_comment(fs::read(&file).unwrap()), file.with_file_name("Kopie.build.3mf"));
         fs::write(&copy, &bytes).unwrap();
         let failed = told(&build, PrintOutcome::Failed);
-        if ends == "failed" {
+        if ends == "withdrawn" {
             let refused = farm.say(&failed, true);
             assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::Copied { .. }))), "{refused:?}");
             fs::remove_file(&copy).unwrap();

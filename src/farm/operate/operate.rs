@@ -15,7 +15,7 @@ use crate::{
 const LOOK_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Where the file of a build is, as far as this process can see.
-enum FilePlace {
+enum QueuePlace {
     /// It is visible in the queue folder of this printer, with this marker.
     Visible(String, String),
     /// The folder where it was published is there, and the file is not; with the marker of that folder.
@@ -49,23 +49,23 @@ async fn see_file(
     word: &OperatorWord,
 ) -> Result<Option<SeenFile>, LedgerError> {
     let (copy, seen) = look_for_file(settings, &build).await;
-    if let FilePlace::Visible(printer, queue_id) = &seen {
+    if let QueuePlace::Visible(printer, queue_id) = &seen {
         ledger.record_back_in_queue(build.id, printer, queue_id).await?;
     }
     if let Some(name) = copy {
-        return Ok(Some(SeenFile::Copied { name, is_alone: !matches!(seen, FilePlace::Visible(..)) }));
+        return Ok(Some(SeenFile::Copied { name, is_alone: !matches!(seen, QueuePlace::Visible(..)) }));
     }
     let place = &build.place;
     let is_out = match seen {
-        FilePlace::Visible(..) => false,
+        QueuePlace::Visible(..) => false,
         _ if place.move_queue_id.is_some() => false,
-        FilePlace::Gone(queue_id) => {
+        QueuePlace::Gone(queue_id) => {
             ledger.record_taken(build.id, &queue_id).await?;
             true
         }
         // A move ends without a file once an outcome is told.
-        FilePlace::Withdrawn => place.move_to.is_some() && matches!(word, OperatorWord::Outcome(..)),
-        FilePlace::Unknown => {
+        QueuePlace::Withdrawn => place.move_to.is_some() && matches!(word, OperatorWord::Outcome(..)),
+        QueuePlace::Unknown => {
             place.taken_at.is_some() || place.withdrawn_at.is_some() || build.staged.queue_id.is_none()
         }
     };
@@ -73,9 +73,9 @@ async fn see_file(
 }
 
 /// The name, other than its own, under which the file of a build lies in a queue folder of its machine; and where its own is.
-async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>, FilePlace) {
+async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>, QueuePlace) {
     let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), build.staged.file_name.clone()) else {
-        return (None, FilePlace::Unknown);
+        return (None, QueuePlace::Unknown);
     };
     let folders: Vec<(String, PathBuf)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
@@ -83,12 +83,12 @@ async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>
     let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, own.as_deref()));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
         Ok(Ok(seen)) => seen,
-        _ => (None, FilePlace::Unknown),
+        _ => (None, QueuePlace::Unknown),
     }
 }
 
-fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> (Option<String>, FilePlace) {
-    let mut seen = FilePlace::Unknown;
+fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> (Option<String>, QueuePlace) {
+    let mut seen = QueuePlace::Unknown;
     let queues: Vec<(&String, QueueFolder)> =
         folders.iter().filter_map(|(printer, folder)| Some((printer, QueueFolder::find(folder)?))).collect();
     let copy = queues.iter().find_map(|(_, queue)| queue_contents::find_copy(queue, name));
@@ -96,13 +96,13 @@ fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> (O
         let is_withdrawn = queue.withdrawn_path(name).exists();
         match queue.staged_state(name) {
             Ok(StagedState::Published) => {
-                return (copy, FilePlace::Visible(printer.clone(), queue.marker_id().to_owned()));
+                return (copy, QueuePlace::Visible(printer.clone(), queue.marker_id().to_owned()));
             }
             // The marker once more: the folder may have been unmounted in between.
             Ok(_) if Some(queue.marker_id()) == own && queue.check_marker().is_ok() => {
                 seen = match is_withdrawn {
-                    true => FilePlace::Withdrawn,
-                    false => FilePlace::Gone(queue.marker_id().to_owned()),
+                    true => QueuePlace::Withdrawn,
+                    false => QueuePlace::Gone(queue.marker_id().to_owned()),
                 };
             }
             _ => {}

@@ -2,7 +2,6 @@
 //! exactly once, whoever is killed and whenever a printer takes its file.
 
 use std::{
-    collections::BTreeSet,
     fs,
     path::PathBuf,
     time::{Duration, Instant},
@@ -10,7 +9,7 @@ use std::{
 
 use nestd::{
     farm::InvariantExpectations,
-    ledger::{BuildState, OperatorWord, PartState},
+    ledger::{BuildState, OperatorWord, PartState, SeenFiles},
 };
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
@@ -178,7 +177,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
                 // Its printer may have taken it.
                 let word = OperatorWord::Withdraw(build.id, String::new());
                 drop(
-                    farm.query_ledger(async |ledger| ledger.carry_out(&word, "a@test", &BTreeSet::new(), false).await),
+                    farm.query_ledger(async |ledger| ledger.carry_out(&word, "a@test", &SeenFiles::new(), false).await),
                 );
             }
         }

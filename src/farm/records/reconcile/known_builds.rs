@@ -5,7 +5,7 @@ use anyhow::Result;
 
 use crate::{
     farm::records::{build_record, folder_builds, reconcile_report::ReconcileReport},
-    ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WithdrawalEnd},
+    ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WITHDRAWN_BY_NESTD, WithdrawalEnd},
     queue::{QueueFolder, StagedState},
     settings::{MachineProfile, Settings},
 };
@@ -69,6 +69,10 @@ pub(super) async fn end_noted_words(settings: &Settings, ledger: &Ledger, found:
                 continue;
             }
             ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            // Its record would say so if nestd had taken it back: its printer did.
+            if by == WITHDRAWN_BY_NESTD {
+                continue;
+            }
             found.doubts.push(format!(
                 "before the backup was made, {by} said that copies of build {id} are to be printed again, and its file was to be taken out \
                  of the queue first. It is in no queue folder of {name} now: its printer took it, or nestd did, and then did as {by} said. \

@@ -56,7 +56,6 @@ pub async fn fresh_file() -> TestLedger {
 /// A heartbeat of the one node of a farm, without machines.
 pub fn heartbeat() -> NodeHeartbeat {
     NodeHeartbeat {
-        lanes: 0,
         name: "host".to_owned(),
         address: String::new(),
         pid: 4711,

@@ -12,7 +12,6 @@ pub use base::refusal_cause::RefusalCause;
 pub use base::server_error::ServerError;
 pub use base::state::{BuildState, IllegalMove, PartState};
 pub use base::time::UtcTimestamp;
-pub use builds::lane::{LaneId, LaneProgress, LaneRow, LaneSearchRow, TakenLane};
 pub use builds::move_build::{FoundPlace, MoveEnd};
 pub use builds::night_search::{NightSearchRow, NightState};
 pub use builds::placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};

@@ -168,7 +168,7 @@ fn off_switches_a_trigger_off_and_a_value_switches_it_on() {
 
 #[test]
 fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
-    let farm = "scan_sec = 10\nthreads = \"many\"\n\n[limits]\nmax_bytes = 0\n[defaults]\nsettle_secs = -1\n";
+    let farm = "scan_sec = 10\nthreads = \"many\"\n\n[limits]\nmax_bytes = 0\n[defaults]\nsettle_secs = -1\n[node]\nlanes = 2\n";
     let machine = format!("{CUBE}clearance_mm = -2\nunit = \"cubit\"\n[trigger]\nat = [\"25:00\"]\ncopys = 3\n");
     let config = TestConfig::new(
         farm,
@@ -183,6 +183,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
             "nestd.toml:2: threads: invalid type: string \"many\"; give a whole number, 0 or more",
             "nestd.toml:5: limits.max_bytes = 0 makes no sense; give a number from 1 to 18446744073709551615",
             "nestd.toml:7: settle_secs = -1 makes no sense; give a number from 0 to 86400",
+            "nestd.toml:9: unknown option \"node.lanes\"; known here: \"name\", \"address\"",
             "profiles/a.toml:2: clearance_mm = -2 makes no sense; give a number from 0 to 100",
             "profiles/a.toml:3: unit cannot be \"cubit\"; use one of",
             "profiles/a.toml:5: trigger.at: \"25:00\" is not a time of day; write hours and minutes",

@@ -206,8 +206,6 @@ pub const FIRES: FieldDefinition = FieldDefinition::text("Fires");
 pub const NODE: FieldDefinition = FieldDefinition::text("Node");
 /// Name of a server.
 pub const HOST: FieldDefinition = FieldDefinition::text("Host");
-/// Number of lanes of final searches that a node searches at once.
-pub const LANES: FieldDefinition = FieldDefinition::whole("Lanes");
 /// Last heartbeat of a node.
 pub const LAST_SIGN: FieldDefinition = FieldDefinition::time("Last sign");
 /// Address of the dashboard of a node.

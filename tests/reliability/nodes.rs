@@ -1,7 +1,7 @@
 //! Three nodes with machines and one without as one farm on a PostgreSQL server, all as processes: parts are dropped, flushed and moved
-//! between the nodes, and builds are searched on several of them, while nodes are killed, stopped for longer than a lease, ended in
+//! between the nodes, while nodes are killed, stopped for longer than a lease, ended in
 //! order, have their machines adopted or their connections cut, and the server is restarted, crashes, or is replaced by a standby that lacks
-//! the last changes. One node and the worker have clocks that are wrong by hours, where libfaketime is installed. At the end each dropped
+//! the last changes. One node with machines and the one without have clocks that are wrong by hours, where libfaketime is installed. At the end each dropped
 //! part must be printed in exactly the copies that were asked for: the build files tell, not the ledger.
 
 mod farm_node;
@@ -32,7 +32,7 @@ use super::{
     section_result::SectionResult,
     support::farm_files::{block, drop_file, list_build_files, stl},
 };
-use farm_node::{FarmNode, can_set_clocks, configured_node, configured_worker, machine_name, machine_text};
+use farm_node::{FarmNode, MACHINE, can_set_clocks, configured_node, configured_spare, machine_name};
 
 const NODES: usize = 3;
 /// Parts and faults of a long run; a short run ends when its time is over.
@@ -57,8 +57,8 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
 /// The nodes, and what the test knows.
 struct NodesFarm {
     nodes: Vec<FarmNode>,
-    /// A node without machines, which searches for the others.
-    worker: FarmNode,
+    /// A node without machines, which keeps second copies.
+    spare: FarmNode,
     server: PostgresCluster,
     rng: ChaCha8Rng,
     seed: u64,
@@ -82,8 +82,8 @@ impl NodesFarm {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         let database = runtime.block_on(server.make_database(None));
         let mut nodes: Vec<FarmNode> = (0..NODES).map(|number| configured_node(number, &server, &database)).collect();
-        let mut worker = configured_worker(&server, &database);
-        for node in nodes.iter_mut().chain([&mut worker]) {
+        let mut spare = configured_spare(&server, &database);
+        for node in nodes.iter_mut().chain([&mut spare]) {
             node.start();
             let is_open = || node.farm.log().contains("The farm is open");
             super::support::wait_until("the node has its machine", 60.0, is_open);
@@ -94,15 +94,13 @@ impl NodesFarm {
                 .map(|kind| format!("{kind} = {:?}\n", nodes[number].farm.folder(kind)))
                 .concat();
             for other in (0..NODES).filter(|&other| other != number) {
-                nodes[other]
-                    .farm
-                    .write_profile(&machine_name(number), &format!("{}[folders]\n{folders}", machine_text(number)));
+                nodes[other].farm.write_profile(&machine_name(number), &format!("{MACHINE}[folders]\n{folders}"));
             }
         }
         nodes.iter().for_each(|node| node.farm.reload());
         Self {
             nodes,
-            worker,
+            spare,
             server,
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,

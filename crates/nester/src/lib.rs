@@ -34,7 +34,6 @@ pub use problem::components::SearchComponents;
 pub use problem::config::{InterlockRule, NestingConfig, NestingMethod};
 pub use problem::fit_check::{FitFailure, find_fitting_rotation};
 pub use problem::instance::{InstanceError, NestingInstance, NestingItem};
-pub use problem::instance_serde::NamedMeshInstance;
 pub use problem::layer_cap::{DEFAULT_LAYER_MM, LayerAreaCap};
 #[cfg(feature = "paper")]
 pub use problem::paper_config::PaperConfig;
@@ -46,9 +45,7 @@ pub use proof::{
     ClearanceViolation, Disassembly, LayoutProof, LayoutProver, PlacedSolid, find_removal_order, obeys_orientation,
     prove_layout, prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
 };
-pub use search::compression::DescentPace;
 pub use search::improvement::{ImprovedLayouts, improve_layouts};
-pub use search::lanes::{LaneEnd, LanePlan, LaneTask, finish_lanes, run_lane};
 pub use search::nester::{nest, nest_with_cache};
 pub use separation::disassembly::removal_gap_mm;
 pub use shapes::cache::PreparedMeshCache;

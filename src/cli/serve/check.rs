@@ -67,10 +67,9 @@ pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
 
 fn check_all(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) -> Result<()> {
     let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-    let served = match (machines.is_empty(), settings.node.lanes) {
-        (false, _) => machines.join(", "),
-        (true, 0) => "no machines, and node.lanes is off: this node does nothing".to_owned(),
-        (true, lanes) => format!("no machines: this node searches for the others, {lanes} lanes at once"),
+    let served = match machines.is_empty() {
+        false => machines.join(", "),
+        true => "no machines: this node shows its pages, and keeps second copies of files".to_owned(),
     };
     report.add_ok("configuration", format!("{}: {served}", settings.file.display()));
     report.add_ok("root", settings.root.display().to_string());

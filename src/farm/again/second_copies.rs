@@ -85,7 +85,7 @@ fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes
     let files = second_copies(state_dir);
     let kept = files.list_contents()?;
     let needed: BTreeSet<&str> = contents.iter().map(|(hash, _)| hash.as_str()).collect();
-    remove_unneeded(&files, KEEP_COPIES, u64::MAX, |hash| needed.contains(hash))?;
+    remove_unneeded(&files, KEEP_COPIES, |hash| needed.contains(hash))?;
     let mut copied = 0;
     let is_missing = |(hash, of): &&(String, String)| !node.is_empty() && of == node && !kept.contains_key(hash);
     for (hash, _) in contents.iter().filter(is_missing) {
@@ -104,7 +104,6 @@ mod tests {
         NodeRow {
             name: name.to_owned(),
             address: address.to_owned(),
-            lanes: 0,
             pid: 1,
             host: String::new(),
             version: String::new(),

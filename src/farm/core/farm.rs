@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use jiff::Timestamp;
 use jobs::JobRunner;
-use nester::SearchBudget;
 
 use super::{
     machine_state::MachineStates,
@@ -114,7 +113,6 @@ impl Farm {
         if !self.lifecycle.is_halted {
             self.lifecycle.is_halted = true;
             self.nesting.final_searches.values().for_each(|search| search.budget.cancel());
-            self.nesting.lanes.values().for_each(SearchBudget::cancel);
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();

@@ -4,10 +4,6 @@
 use std::{
     collections::{HashMap, HashSet},
     path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
     time::Instant,
 };
 
@@ -19,7 +15,7 @@ use crate::{
         alerts::alert_registry::ServiceBridge,
         files::standing_claim::StandingClaim,
         leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
-        nesting::{lane_problem::SharedLaneProblem, nesting_search::SharedBestLayout},
+        nesting::nesting_search::SharedBestLayout,
         process::{
             ledger_changes::LedgerChangeDetector, retry_backoff::RetryBackoff, tick_tasks::TaskTimes,
             time_source::TimeSource, wall_clock::WallClockMonitor,
@@ -27,7 +23,7 @@ use crate::{
         records::forgettable::ForgettingState,
     },
     intake::InboxWatcher,
-    ledger::{BuildId, CommandRow, LaneId, PartId, PartRow, RefusalCause},
+    ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause},
     settings::{Settings, SettingsError},
 };
 
@@ -77,15 +73,6 @@ pub(crate) struct RunningFinalSearch {
     pub(crate) budget: SearchBudget,
     /// The best layout so far.
     pub(crate) best_layout: SharedBestLayout,
-    /// Whether it is made in lanes now, so that this node's threads are free for them.
-    pub(crate) is_in_lanes: Arc<AtomicBool>,
-}
-
-impl RunningFinalSearch {
-    /// Whether it is made in lanes now.
-    pub(crate) fn is_in_lanes(&self) -> bool {
-        self.is_in_lanes.load(Ordering::Relaxed)
-    }
 }
 
 /// State of fired builds, until they are published.
@@ -95,14 +82,6 @@ pub(crate) struct NestingState {
     pub(crate) slots: usize,
     /// Builds fired by this process that have not been started.
     pub(crate) just_fired: HashSet<BuildId>,
-    /// The lanes that this node searches.
-    pub(crate) lanes: HashMap<LaneId, SearchBudget>,
-    /// Searches, by number, of which this node could not search a lane.
-    pub(crate) refused_searches: Vec<i64>,
-    /// What this node has found in lanes and could not tell yet, with the epoch of the lane.
-    pub(crate) untold_lanes: HashMap<LaneId, (i64, String)>,
-    /// What the lanes of this node have in common.
-    pub(crate) lane_problem: SharedLaneProblem,
     /// Running final searches.
     pub(crate) final_searches: HashMap<BuildId, RunningFinalSearch>,
     /// Number of failed attempts to make each build in this run, and the last reason.

@@ -1,9 +1,7 @@
-//! A search of the farm: its problem, its lanes, its result written and proved.
+//! A search of the farm: its problem, its result written and proved.
 //!
 //! Works off the loop and touches no state of the farm.
 
-pub(super) mod lane_problem;
-pub(super) mod lane_search;
 pub(super) mod nest_decision;
 pub(super) mod nesting_search;
 pub(super) mod node_content;

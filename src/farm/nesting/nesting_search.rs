@@ -8,7 +8,6 @@ use std::{
 use anyhow::Result;
 use nester::{NestingSolution, SearchBudget};
 
-use super::lane_search::{LaneSearch, NestingProblem};
 use crate::{
     farm::{
         decisions::layout::{BatchLayout, LayoutPlacement, NestingBatch, NestingPart},
@@ -74,8 +73,8 @@ impl NestingResult {
 }
 
 impl NestingRequest {
-    /// Runs the search, with `lanes` on several nodes; returns when the budget is spent or cancelled.
-    pub fn run_search(&self, meshes: &MeshSource, lanes: Option<&LaneSearch>) -> Result<NestingResult> {
+    /// Runs the search; returns when the budget is spent or cancelled.
+    pub fn run_search(&self, meshes: &MeshSource) -> Result<NestingResult> {
         let batch = self.load_batch(meshes)?;
         let instance = batch.create_instance(&self.profile)?;
         let mut config = self.profile.search.nest.clone();
@@ -88,29 +87,13 @@ impl NestingRequest {
             *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(batch.layout_from_solution(&instance, solution));
         };
-        let prepared = &meshes.prepared;
-        let (solution, lane_cpu_secs) = match lanes {
-            None => (nester::nest_with_cache(&instance, &config, &start, prepared, &meter, &mut listener), 0.0),
-            Some(lanes) => {
-                let problem =
-                    NestingProblem { instance: &instance, config: &config, prepared, start: &start, stop: &meter };
-                let found = lanes.run(&problem, &self.budget, &mut listener)?;
-                (found.solution, found.lane_cpu_secs)
-            }
-        };
+        let solution = nester::nest_with_cache(&instance, &config, &start, &meshes.prepared, &meter, &mut listener);
         let layout = batch.layout_from_solution(&instance, &solution);
         *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =
             nester::lower_bound_mm(&batch.placed_only(&layout).create_instance(&self.profile).unwrap_or(instance));
         let (batch, wall_secs) = (batch.merge_parts(), self.budget.elapsed_secs());
-        Ok(NestingResult {
-            batch,
-            layout,
-            lower_bound_mm,
-            cpu_secs: meter.spent_secs() + lane_cpu_secs,
-            wall_secs,
-            curve,
-        })
+        Ok(NestingResult { batch, layout, lower_bound_mm, cpu_secs: meter.spent_secs(), wall_secs, curve })
     }
 
     /// The parts with their meshes.

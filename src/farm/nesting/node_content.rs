@@ -14,7 +14,6 @@ use ureq::{
     tls::{RootCerts, TlsConfig},
 };
 
-use super::lane_problem::mesh_files;
 use crate::{
     access,
     farm::records::build_record::archive_folder,
@@ -36,27 +35,14 @@ pub(crate) fn second_copies(state_dir: &Path) -> ContentStore {
     ContentStore::from_dir(state_dir.join(COPIES_DIR))
 }
 
-/// Removes the files that are not needed and were stored longer ago than `keep`, and the oldest of those that together have more than
-/// `most_bytes`.
+/// Removes the files that are not needed and were stored longer ago than `keep`.
 ///
 /// # Errors
 /// The folder cannot be read or changed.
-pub(crate) fn remove_unneeded(
-    files: &ContentStore,
-    keep: Duration,
-    most_bytes: u64,
-    is_needed: impl Fn(&str) -> bool,
-) -> Result<()> {
-    let mut unneeded = Vec::new();
+pub(crate) fn remove_unneeded(files: &ContentStore, keep: Duration, is_needed: impl Fn(&str) -> bool) -> Result<()> {
     for hash in files.list_contents()?.into_keys().filter(|hash| !is_needed(hash)) {
-        let meta = files.file_path(&hash)?.metadata()?;
-        unneeded.push((meta.modified()?, meta.len(), hash));
-    }
-    unneeded.sort_unstable_by_key(|(stored_at, ..)| std::cmp::Reverse(*stored_at));
-    let mut bytes_of_younger = 0;
-    for (stored_at, bytes, hash) in unneeded {
-        bytes_of_younger += bytes;
-        if bytes_of_younger > most_bytes || stored_at.elapsed().is_ok_and(|age| age > keep) {
+        let stored_at = files.file_path(&hash)?.metadata()?.modified()?;
+        if stored_at.elapsed().is_ok_and(|age| age > keep) {
             files.remove_content(&hash)?;
         }
     }
@@ -170,22 +156,19 @@ impl OtherNodes {
     }
 }
 
-/// A file with this content that this node keeps, in its store, for searches or other nodes, or in an archive of its machines; `None` =
-/// none.
+/// A file with this content that this node keeps, in its store, as a second copy, or in an archive of its machines; `None` = none.
 ///
 /// # Errors
 /// The ledger cannot be read.
 pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str) -> Result<Option<PathBuf>> {
     let store = ContentStore::from_dir(settings.state_dir.join("store"));
     let Ok(stored) = store.file_path(hash) else { return Ok(None) };
-    let others = [mesh_files(&settings.state_dir), second_copies(&settings.state_dir)];
+    let copies = second_copies(&settings.state_dir);
     let archives = archive_folders(ledger, hash, |profile| settings.profiles.get(profile)).await?;
     let hash = hash.to_owned();
     let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
         Ok(()) => Some(stored),
-        Err(_) if let Some(files) = others.iter().find(|files| files.verify_hash(&hash).is_ok()) => {
-            files.file_path(&hash).ok()
-        }
+        Err(_) if copies.verify_hash(&hash).is_ok() => copies.file_path(&hash).ok(),
         Err(_) => archives.iter().find_map(|folder| find_original(folder, &hash)),
     });
     Ok(looked.await?)
@@ -217,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oldest_files_go_first_and_needed_ones_stay() {
+    fn old_files_go_and_needed_ones_stay() {
         let folder = tempfile::tempdir().unwrap();
         let files = ContentStore::open(folder.path()).unwrap();
         let hour = Duration::from_secs(3600);
@@ -229,15 +212,9 @@ mod tests {
             file.set_modified(std::time::SystemTime::now() - hour * hours_ago).unwrap();
             hash
         };
-        let [needed, old, second, first] =
-            [("n", 99), ("o", 30), ("s", 2), ("f", 1)].map(|(name, ago)| store(name, ago));
+        let [needed, old, young] = [("n", 99), ("o", 30), ("y", 2)].map(|(name, ago)| store(name, ago));
+        remove_unneeded(&files, hour * 24, |hash| hash == needed).unwrap();
         let is_kept = |hash: &String| files.list_contents().unwrap().contains_key(hash);
-        let remove = |most_bytes| remove_unneeded(&files, hour * 24, most_bytes, |hash| hash == needed).unwrap();
-        remove(u64::MAX);
-        assert_eq!([&needed, &old, &second, &first].map(is_kept), [true, false, true, true]);
-        remove(150);
-        assert_eq!([&needed, &second, &first].map(is_kept), [true, false, true]);
-        remove(0);
-        assert_eq!([&needed, &first].map(is_kept), [true, false]);
+        assert_eq!([&needed, &old, &young].map(is_kept), [true, false, true]);
     }
 }

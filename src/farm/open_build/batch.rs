@@ -237,7 +237,7 @@ async fn start_layout_search(
     let profile = name.to_owned();
     farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
         lower_thread_priority(ARRIVAL_NICENESS);
-        request.run_search(&meshes, None)
+        request.run_search(&meshes)
     });
     Ok(())
 }

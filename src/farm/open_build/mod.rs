@@ -2,6 +2,5 @@
 
 pub(super) mod batch;
 pub(super) mod due_dates;
-pub(super) mod lane_job;
 pub(super) mod nest;
 pub(super) mod night_search;

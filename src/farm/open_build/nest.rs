@@ -3,7 +3,7 @@
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
-    sync::{Arc, atomic::AtomicBool},
+    sync::Arc,
 };
 
 use anyhow::{Context, Result, ensure};
@@ -28,7 +28,6 @@ use crate::{
         files::mesh_source::MeshSource,
         leases::folder_lease::FolderLease,
         nesting::{
-            lane_search::LaneSearch,
             nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
             nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
             write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
@@ -187,9 +186,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    let (config, is_in_lanes) = (&profile.search.nest, Arc::new(AtomicBool::new(false)));
-    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (config, secs), &is_in_lanes).await;
-    let running = RunningFinalSearch { budget, best_layout: request.best_layout.clone(), is_in_lanes };
+    let running = RunningFinalSearch { budget, best_layout: request.best_layout.clone() };
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     let kept = find_kept_build(farm, &write.build).await?;
@@ -207,7 +204,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
                 warn!("The kept build file cannot be used: {failure:#}.");
             }
         }
-        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes, lanes.as_ref()).map(Box::new)
+        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
     });
     Ok(())
 }
@@ -335,8 +332,6 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
     let failure = nesting.failures.entry(build).or_default();
     *failure = (failure.0 + 1, why.to_owned());
     nesting.backoff.record_failure(build);
-    // The next attempt finds other layouts.
-    ledger.end_lane_search(build).await?;
     let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
     Ok(ledger.write_event(EventKind::AttemptFailed, &profile, None, Some(build), why).await?)
 }
@@ -353,9 +348,8 @@ fn nest_write_and_prove(
     write: &BuildWriteRequest,
     archive: &mut FolderLease,
     meshes: &MeshSource,
-    lanes: Option<&LaneSearch>,
 ) -> Result<WrittenBuild> {
-    let mut nested = request.run_search(meshes, lanes)?;
+    let mut nested = request.run_search(meshes)?;
     // A build that is issued once more stays as it is.
     if write.build.search.repeats.is_none() {
         nested.set_look_alikes_apart(&write.profile)?;

@@ -180,10 +180,9 @@ pub(crate) async fn search_waiting_builds(farm: &mut Farm) -> Result<()> {
     Ok(())
 }
 
-/// Number of further searches that may run now. Lanes for other builds use all threads of this node.
+/// Number of further searches that may run now.
 fn free_threads(farm: &Farm) -> usize {
     farm.nesting.slots.saturating_sub(count_searches(farm) + running_nights(farm).count())
-        * usize::from(farm.nesting.lanes.is_empty())
 }
 
 fn running_nights(farm: &Farm) -> impl Iterator<Item = &MachineState> {
@@ -192,8 +191,7 @@ fn running_nights(farm: &Farm) -> impl Iterator<Item = &MachineState> {
 
 /// Stops searches where others need their threads.
 fn stop_surplus(farm: &Farm) {
-    let others = if farm.nesting.lanes.is_empty() { count_searches(farm) } else { farm.nesting.slots };
-    let may_run = farm.nesting.slots.saturating_sub(others);
+    let may_run = farm.nesting.slots.saturating_sub(count_searches(farm));
     running_nights(farm).skip(may_run).for_each(|machine| machine.open.night.stop());
 }
 

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use jobs::LoopEvent;
-use nester::SearchBudget;
 use tokio::time::timeout;
 use tracing::{info, warn};
 
@@ -22,7 +21,7 @@ use crate::{
         },
         nodes::{folder_comparison, lease_renewal, watching},
         open_build::{
-            batch, lane_job, nest,
+            batch, nest,
             night_search::{self, NightSearchJob},
         },
         operate::commands,
@@ -143,8 +142,6 @@ pub(crate) async fn run_tick(farm: &mut Farm) {
     lease_renewal::renew_leases(farm, is_due);
     farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
     scan_jobs::start_scans(farm);
-    // Lanes of other nodes' builds are no news to this one.
-    farm.run_step("lanes", lane_job::search_lanes).await;
     if may_have_work(farm).await {
         run_ledger_steps(farm).await;
     }
@@ -226,7 +223,6 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     farm.lifecycle.is_stopping = true;
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     farm.nesting.final_searches.values().for_each(|search| search.budget.cancel());
-    farm.nesting.lanes.values().for_each(SearchBudget::cancel);
     farm.machines.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
     farm.machines.values().for_each(|machine| machine.open.night.stop());
     let _ = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await;

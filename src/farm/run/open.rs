@@ -22,7 +22,7 @@ use crate::{
         },
         files::{mesh_cache::MeshCache, mesh_source::MeshSource},
         leases::{folder_lease::LeaseError, lease_holder::LeaseHolder, state_lock::StateDirLock},
-        nesting::{lane_problem::MESHES_DIR, node_content::COPIES_DIR},
+        nesting::node_content::COPIES_DIR,
         nodes::{adopt, folder_comparison, lease_renewal, watching},
         process::{
             retry_backoff::RetryBackoff,
@@ -170,9 +170,7 @@ impl OpenedState {
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = ContentStore::open(settings.state_dir.join("store"))?;
         if ledger.file().is_none() {
-            for folder in [MESHES_DIR, COPIES_DIR] {
-                ContentStore::open(settings.state_dir.join(folder))?;
-            }
+            ContentStore::open(settings.state_dir.join(COPIES_DIR))?;
         }
         Ok(Self { lock, holder, ledger, store })
     }

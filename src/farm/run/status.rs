@@ -26,7 +26,7 @@ use crate::{
             fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text,
         },
         nodes::machine_availability,
-        open_build::{due_dates, lane_job},
+        open_build::due_dates,
         printers::printers::{PrinterView, printer_lines, printer_views},
         process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
         receive::{control_files, scan_jobs::HotFolderScanJob},
@@ -206,7 +206,6 @@ pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
         host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         started_at: farm.lifecycle.started_at,
-        lanes: u32::try_from(lane_job::offered_lanes(farm)).unwrap_or(u32::MAX),
         status: farm.display.status_line.clone(),
         machines: machine_availability::observed_machines(farm),
     }

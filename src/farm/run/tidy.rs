@@ -17,7 +17,6 @@ use crate::{
         core::farm::Farm,
         files::claim_note,
         leases::{folder_lease::FolderLease, own_machines},
-        open_build::lane_job,
         receive::forget,
         records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
     },
@@ -75,11 +74,7 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
         .collect();
     let (settings, ledger, store) = (farm.settings.clone(), farm.ledger.clone(), farm.meshes.store.clone());
     let runtime = tokio::runtime::Handle::current();
-    let forgets_meshes = ledger.file().is_none() && !lane_job::needs_meshes(farm);
     farm.jobs.start(ArchivePurgeJob, move || {
-        if forgets_meshes {
-            lane_job::forget_old_meshes(&settings);
-        }
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }

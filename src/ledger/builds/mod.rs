@@ -1,7 +1,6 @@
 //! Builds from their first layout to the queue.
 
 pub(super) mod build;
-pub(super) mod lane;
 pub(super) mod move_build;
 pub(super) mod nesting;
 pub(super) mod night_search;

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(crate) const TABLES: [CopiedTable; 21] = [
+pub(crate) const TABLES: [CopiedTable; 19] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -47,8 +47,6 @@ pub(crate) const TABLES: [CopiedTable; 21] = [
     keyed("receiver", None),
     keyed("replacement", Some("part_id")),
     keyed("customer_order", None),
-    keyed("lane_search", None),
-    keyed("lane", None),
     keyed("night_search", None),
     keyed("printer_down", None),
     keyed("request_key", None),

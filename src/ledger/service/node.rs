@@ -50,8 +50,6 @@ pub struct NodeHeartbeat {
     pub started_at: Timestamp,
     /// One line on what it does.
     pub status: String,
-    /// Lanes that it searches at once for the nodes of the farm.
-    pub lanes: u32,
     /// The machines that the daemon serves.
     pub machines: Vec<ObservedMachine>,
 }
@@ -63,8 +61,6 @@ pub struct NodeRow {
     pub name: String,
     /// Where other nodes reach its pages; "" = they cannot.
     pub address: String,
-    /// Lanes that it searches at once for the nodes of the farm.
-    pub lanes: u32,
     /// Process; 0 = it was stopped.
     pub pid: u32,
     /// Server.
@@ -87,7 +83,6 @@ impl FromSqlRow for NodeRow {
         Ok(Self {
             name: row.column("name")?,
             address: row.column("address")?,
-            lanes: row.column("lanes")?,
             pid: row.column("pid")?,
             host: row.column("host")?,
             version: row.column("version")?,
@@ -134,11 +129,10 @@ impl Ledger {
             all.execute(change.db()).await?;
         }
         sql::query(
-            "INSERT INTO node (name, pid, host, version, started_at, beat_at, status, address, lanes) \
-             VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) ON CONFLICT (name) DO UPDATE SET pid = excluded.pid, \
+            "INSERT INTO node (name, pid, host, version, started_at, beat_at, status, address) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7, $8) ON CONFLICT (name) DO UPDATE SET pid = excluded.pid, \
              host = excluded.host, version = excluded.version, started_at = excluded.started_at, \
-             beat_at = excluded.beat_at, status = excluded.status, address = excluded.address, \
-             lanes = excluded.lanes",
+             beat_at = excluded.beat_at, status = excluded.status, address = excluded.address",
         )
         .bind(&heartbeat.name)
         .bind(heartbeat.pid)
@@ -148,7 +142,6 @@ impl Ledger {
         .bind(now)
         .bind(&heartbeat.status)
         .bind(&heartbeat.address)
-        .bind(heartbeat.lanes)
         .execute(change.db())
         .await?;
         Ok(())
@@ -168,7 +161,7 @@ impl Ledger {
     /// The nodes of this farm, by name: of a file the one that serves it, or that ended without an orderly shutdown.
     pub async fn list_nodes(&self) -> Result<Vec<NodeRow>> {
         let query = sql::query_as(
-            "SELECT name, pid, host, version, started_at, beat_at, status, address, lanes FROM node ORDER BY name",
+            "SELECT name, pid, host, version, started_at, beat_at, status, address FROM node ORDER BY name",
         );
         let mut rows: Vec<NodeRow> = query.fetch_all(self.reader()?).await?;
         // A heartbeat in the future was written before the clock was set back. The next one follows within seconds.

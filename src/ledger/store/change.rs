@@ -216,8 +216,6 @@ impl LedgerChange {
         .bind(id)
         .execute(self.db())
         .await?;
-        // What its lanes search has an end, or is searched anew.
-        sql::query("DELETE FROM lane_search WHERE build_id = $1").bind(id).execute(self.db()).await?;
         sql::query("DELETE FROM night_search WHERE build_id = $1").bind(id).execute(self.db()).await?;
         self.write_event(next, &profile, None, Some(id), detail).await?;
         Ok(profile)

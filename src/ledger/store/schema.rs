@@ -44,6 +44,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (36, "words on queued builds", include_str!("../../../migrations/0036_words_on_queued_builds.sql")),
     (37, "overwritten ledgers", include_str!("../../../migrations/0037_overwritten_ledgers.sql")),
     (38, "dropped words", include_str!("../../../migrations/0038_dropped_words.sql")),
+    (39, "no lanes", include_str!("../../../migrations/0039_no_lanes.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

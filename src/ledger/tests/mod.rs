@@ -1,6 +1,5 @@
 //! Tests of the ledger, on real SQLite files.
 
-mod lanes;
 mod lifecycle;
 mod night_search;
 mod nodes;

@@ -84,12 +84,11 @@ pub(crate) const HOST: &str = "host";
 pub(crate) struct NodeInputs {
     pub name: String,
     pub address: OptionalValue<String>,
-    pub lanes: OptionalValue<usize>,
 }
 
 impl Default for NodeInputs {
     fn default() -> Self {
-        Self { name: HOST.to_owned(), address: OptionalValue::OFF, lanes: OptionalValue(Some(0)) }
+        Self { name: HOST.to_owned(), address: OptionalValue::OFF }
     }
 }
 

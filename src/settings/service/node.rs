@@ -7,8 +7,6 @@ use crate::settings::reading::validator::ConfigValidator;
 
 /// Most letters of a name.
 const MAX_LETTERS: usize = 64;
-/// Most lanes of a node.
-const MAX_LANES: usize = 1024;
 
 /// A node: a daemon among those that share one ledger on a server.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,12 +15,10 @@ pub struct NodeSettings {
     pub name: String,
     /// Where the other nodes reach its dashboard, without a slash at the end; `None` = they cannot.
     pub address: Option<String>,
-    /// Lanes that it searches at once for the nodes of the farm.
-    pub lanes: usize,
 }
 
-/// Validates the options of the node, whose searches may use `threads`.
-pub(crate) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut ConfigValidator) -> NodeSettings {
+/// Validates the options of the node.
+pub(crate) fn validate_node(inputs: &NodeInputs, validator: &mut ConfigValidator) -> NodeSettings {
     let is_fit = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
     let name = match inputs.name.as_str() {
         HOST => {
@@ -45,13 +41,7 @@ pub(crate) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut
             "write http://HOST:PORT, where HOST is a name that the other nodes know",
         );
     }
-    let lanes = match inputs.lanes.0 {
-        None => 0,
-        Some(0) => threads,
-        Some(lanes) => lanes,
-    };
-    validator.require_within("node.lanes", lanes, 0..=MAX_LANES);
-    NodeSettings { name, address, lanes }
+    NodeSettings { name, address }
 }
 
 fn is_address(address: &str) -> bool {

@@ -117,7 +117,7 @@ fn read_settings(
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
     let resources = ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes };
-    let node = crate::settings::service::node::validate_node(&inputs.node, resources.thread_count(), &mut validator);
+    let node = crate::settings::service::node::validate_node(&inputs.node, &mut validator);
     let web = crate::settings::service::web::validate_web(&inputs.web, &mut validator);
     let metrics = crate::settings::service::metrics::validate_metrics(&inputs.metrics, &mut validator);
     let notify = crate::settings::service::notify::validate_notify(&inputs.notify, &mut validator);
@@ -181,7 +181,7 @@ fn machine_folder(farm_file: &Path) -> PathBuf {
     farm_file.parent().unwrap_or(Path::new("")).join(PROFILES_DIR)
 }
 
-/// A farm has machines. Of the nodes that share a ledger on a server, some may have none: they search for the others.
+/// A farm has machines. Of the nodes that share a ledger on a server, some may have none: theirs may just go to another one.
 fn missing_machine(farm_file: &Path) -> ConfigProblem {
     ConfigProblem {
         file: machine_folder(farm_file),

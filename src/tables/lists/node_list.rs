@@ -26,7 +26,6 @@ pub const NODE_COLUMNS: &[TableColumn<FarmNode>] = &[
     TableColumn::new("state", fields::STATE, |row| row.state_text().into()),
     TableColumn::new("host", fields::HOST, |row| (&row.node.host).into()),
     TableColumn::new("version", fields::VERSION, |row| (&row.node.version).into()),
-    TableColumn::new("lanes", fields::LANES, |row| row.node.lanes.into()),
     TableColumn::new("beat_at", fields::LAST_SIGN, |row| row.node.beat_at.into()),
     TableColumn::new("address", fields::ADDRESS, |row| (&row.node.address).into()),
     TableColumn::new("machines", fields::MACHINES, |row| row.machines.join(", ").into()),

@@ -78,7 +78,7 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
                 }
                 (count(status.waiting_parts, "part waits", "parts wait")) "." }
         }
-        @if settings.profiles.is_empty() { p { "No machine is configured: this node searches for the builds of others." } }
+        @if settings.profiles.is_empty() { p { "No machine is configured on this node." } }
     };
     Ok(html_page("Farm", "/", Some("drop.js"), &content))
 }

@@ -62,69 +62,6 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
     assert_eq!(told.matches("stopped").count(), 3, "{told}");
 }
 
-/// A node whose builds are searched for so long that other nodes help.
-fn patient_owner(url: &str) -> TestNode {
-    let owner = TestNode::new(1, url);
-    owner.farm.write_profile(&owner.machine(), &QUICK.replace("final_secs = 0.5", "final_secs = 12.0"));
-    owner
-}
-
-/// A node without machines that runs.
-fn started_worker(number: u32, url: &str) -> TestNode {
-    let mut worker = TestNode::new(number, url);
-    fs::remove_file(worker.farm.root().join(format!("config/profiles/{}.toml", worker.machine()))).unwrap();
-    // The daemon makes none where it has no machine.
-    fs::create_dir_all(worker.farm.folder("inbox")).unwrap();
-    worker.start();
-    worker
-}
-
-#[test]
-fn a_search_in_lanes_goes_on_after_its_owner_was_killed() {
-    let server = PostgresCluster::start();
-    let url = new_database(&server);
-    let (mut owner, mut worker) = (patient_owner(&url), started_worker(2, &url));
-    owner.start();
-    owner.farm.drop_part("a_x30.stl", &block(20.0, 14.0, 10.0));
-    owner.farm.wait_for_parts(PartState::Waiting, 1);
-    owner.farm.nestd_ok(&["flush", &owner.machine()]);
-    worker.says("Searching lane");
-    owner.farm.kill();
-    owner.start();
-    owner.says("goes on with its lanes");
-    owner.farm.wait_for_queued(1);
-    owner.farm.wait_for_parts(PartState::Built, 1);
-    super::support::farm_files::assert_each_copy_once(&owner.farm.queued(), 30);
-    worker.farm.stop();
-    owner.farm.stop();
-}
-
-#[test]
-fn a_node_without_machines_searches_for_the_others_and_may_die_of_it() {
-    let server = PostgresCluster::start();
-    let url = new_database(&server);
-    let mut owner = patient_owner(&url);
-    let mut workers = [2, 3].map(|number| started_worker(number, &url));
-    owner.start();
-    let nodes = owner.farm.nestd_ok(&["nodes"]);
-    assert_eq!(nodes.matches("runs").count(), 3, "{nodes}");
-    owner.farm.drop_part("a_x30.stl", &block(20.0, 14.0, 10.0));
-    owner.farm.wait_for_parts(PartState::Waiting, 1);
-    owner.farm.nestd_ok(&["flush", &owner.machine()]);
-    owner.says("is searched in");
-    workers[0].says("Searching lane");
-    workers[1].says("Searching lane");
-    workers[0].farm.kill();
-    owner.farm.wait_for_queued(1);
-    owner.farm.wait_for_parts(PartState::Built, 1);
-    super::support::farm_files::assert_each_copy_once(&owner.farm.queued(), 30);
-    let told = owner.command(&["check", "--deep"]).output().unwrap();
-    let told = String::from_utf8_lossy(&told.stdout).into_owned();
-    assert!(told.contains("I1 to I5 hold"), "{told}");
-    workers[1].farm.stop();
-    owner.farm.stop();
-}
-
 #[test]
 fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     let server = PostgresCluster::start();

@@ -11,7 +11,7 @@ use super::{
 };
 
 /// The file of a machine.
-const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+pub const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 12\n";
 const FARM: &str = "scan_secs = 0.3\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
 /// The factor by which a lease is shorter than in production.
@@ -21,9 +21,6 @@ const HURRY: &str = "10";
 const STATE_BYTES: u64 = 64 << 20;
 /// Debian's library that gives a process another time of day.
 const FAKETIME: &str = "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1";
-
-/// The machine whose builds several nodes search for.
-const SLOW_MACHINE: usize = 1;
 
 /// A node, with its machine while nobody adopts that.
 pub struct FarmNode {
@@ -78,25 +75,20 @@ pub fn machine_name(number: usize) -> String {
     format!("machine-{number}")
 }
 
-/// The file of a machine. The builds of one are searched for so long that other nodes help.
-pub fn machine_text(number: usize) -> String {
-    if number == SLOW_MACHINE { MACHINE.replace("final_secs = 0.05", "final_secs = 6.0") } else { MACHINE.to_owned() }
-}
-
 /// A node with its own machine.
 pub fn configured_node(number: usize, server: &PostgresCluster, database: &str) -> FarmNode {
-    let farm = TestFarm::with_machine(&machine_name(number), &machine_text(number));
+    let farm = TestFarm::with_machine(&machine_name(number), MACHINE);
     let clock_error = if number == 2 { Some("+7h") } else { None };
     FarmNode { clock_error, ..configure_node(farm, format!("node-{number}"), server, database) }
 }
 
 /// A node without machines.
-pub fn configured_worker(server: &PostgresCluster, database: &str) -> FarmNode {
+pub fn configured_spare(server: &PostgresCluster, database: &str) -> FarmNode {
     let farm = TestFarm::with_machine("none", "");
     fs::remove_file(farm.root().join("config/profiles/none.toml")).unwrap();
     // The daemon makes none where it has no machine.
     fs::create_dir_all(farm.folder("inbox")).unwrap();
-    FarmNode { clock_error: Some("-5h"), ..configure_node(farm, "worker".to_owned(), server, database) }
+    FarmNode { clock_error: Some("-5h"), ..configure_node(farm, "spare".to_owned(), server, database) }
 }
 
 fn configure_node(farm: TestFarm, name: String, server: &PostgresCluster, database: &str) -> FarmNode {

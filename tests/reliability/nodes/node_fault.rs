@@ -33,8 +33,8 @@ enum NodeFault {
     /// The connection to the server is slow, says nothing, or breaks, for up to longer than a lease.
     LinkFails,
     /// The node without machines is killed, or stopped for longer than a lease.
-    WorkerKilled,
-    WorkerSlept,
+    SpareKilled,
+    SpareSlept,
     ServerRestarted,
     ServerCrashed,
     /// A standby that lacks the last changes takes the place of the server.
@@ -48,7 +48,7 @@ impl NodesFarm {
     pub(super) fn inject_fault(&mut self) {
         use NodeFault::{
             Adopted, AdoptedBack, DiskFull, EndedInOrder, Killed, LinkFails, MovedInOrder, ServerCrashed,
-            ServerRestarted, Slept, StandbyPromoted, WorkerKilled, WorkerSlept,
+            ServerRestarted, Slept, SpareKilled, SpareSlept, StandbyPromoted,
         };
         let faults = [
             Killed,
@@ -63,8 +63,8 @@ impl NodesFarm {
             LinkFails,
             LinkFails,
             LinkFails,
-            WorkerKilled,
-            WorkerSlept,
+            SpareKilled,
+            SpareSlept,
             ServerRestarted,
             ServerCrashed,
             StandbyPromoted,
@@ -113,15 +113,15 @@ impl NodesFarm {
                 std::thread::sleep(short * 4);
                 self.nodes[number].link.set(LinkState::Clear);
             }
-            WorkerKilled => {
-                self.worker.farm.kill();
+            SpareKilled => {
+                self.spare.farm.kill();
                 std::thread::sleep(short);
-                self.worker.start();
+                self.spare.start();
             }
-            WorkerSlept => {
-                signal(self.worker.farm.pid(), Signal::STOP);
+            SpareSlept => {
+                signal(self.spare.farm.pid(), Signal::STOP);
                 std::thread::sleep(Duration::from_secs(3) + short);
-                signal(self.worker.farm.pid(), Signal::CONT);
+                signal(self.spare.farm.pid(), Signal::CONT);
             }
             ServerRestarted => {
                 self.server.stop_server();
@@ -210,7 +210,7 @@ impl NodesFarm {
     /// Starts again what has ended by itself, or has lost its right and does nothing more. Where the ledger has lost changes, a person
     /// has it repaired before.
     pub(super) fn start_ended_nodes(&mut self) {
-        for node in self.nodes.iter_mut().chain([&mut self.worker]) {
+        for node in self.nodes.iter_mut().chain([&mut self.spare]) {
             let is_behind = node.sees_lost_changes();
             if node.farm.has_ended() || node.is_halted() || is_behind {
                 node.farm.kill();

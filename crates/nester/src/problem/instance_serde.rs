@@ -39,14 +39,13 @@ struct WrittenItem {
     clearance_mm: Option<f64>,
 }
 
-impl<M> WrittenInstance<M> {
-    /// The serialized form with each distinct mesh as `write` gives it.
-    fn of<'a>(instance: &'a NestingInstance, mut write: impl FnMut(&'a Arc<Mesh>) -> M) -> Self {
-        let mut meshes: Vec<M> = Vec::new();
+impl<'a> From<&'a NestingInstance> for WrittenInstance<&'a Mesh> {
+    fn from(instance: &'a NestingInstance) -> Self {
+        let mut meshes: Vec<&Mesh> = Vec::new();
         let mut known: HashMap<*const Mesh, usize> = HashMap::new();
         let item = |item: &'a NestingItem| WrittenItem {
             mesh: *known.entry(Arc::as_ptr(&item.mesh)).or_insert_with(|| {
-                meshes.push(write(&item.mesh));
+                meshes.push(&item.mesh);
                 meshes.len() - 1
             }),
             name: item.name.clone(),
@@ -65,16 +64,16 @@ impl<M> WrittenInstance<M> {
             pinned: instance.pinned().to_vec(),
         }
     }
+}
 
-    /// The instance, with the meshes that `read` makes of those of the serialized form.
-    fn into_instance<E: From<InstanceError>>(
-        self,
-        read: impl FnMut(M) -> Result<Arc<Mesh>, E>,
-    ) -> Result<NestingInstance, E> {
-        let meshes: Vec<Arc<Mesh>> = self.meshes.into_iter().map(read).collect::<Result<_, _>>()?;
+impl TryFrom<WrittenInstance<Mesh>> for NestingInstance {
+    type Error = InstanceError;
+
+    fn try_from(written: WrittenInstance<Mesh>) -> Result<Self, InstanceError> {
+        let meshes: Vec<Arc<Mesh>> = written.meshes.into_iter().map(Arc::new).collect();
         let item = |(at, item): (usize, WrittenItem)| {
             let missing = InstanceError::NoMesh { item: at, mesh: item.mesh, meshes: meshes.len() };
-            Ok::<_, InstanceError>(NestingItem {
+            Ok(NestingItem {
                 mesh: meshes.get(item.mesh).ok_or(missing)?.clone(),
                 name: item.name,
                 copies: item.copies,
@@ -82,70 +81,24 @@ impl<M> WrittenInstance<M> {
                 clearance_mm: item.clearance_mm,
             })
         };
-        let items = self.items.into_iter().enumerate().map(item).collect::<Result<_, _>>()?;
-        let instance = NestingInstance::new(self.volume, self.clearance_mm, items)?
-            .with_clearance_z_extra(self.clearance_z_extra_mm)?
-            .with_layer_cap(self.layer_cap)?
-            .with_keep_out(&self.keep_out)?;
-        Ok(instance.with_pinned(self.pinned))
+        let items = written.items.into_iter().enumerate().map(item).collect::<Result<_, _>>()?;
+        let instance = Self::new(written.volume, written.clearance_mm, items)?
+            .with_clearance_z_extra(written.clearance_z_extra_mm)?
+            .with_layer_cap(written.layer_cap)?
+            .with_keep_out(&written.keep_out)?;
+        Ok(instance.with_pinned(written.pinned))
     }
 }
 
 impl Serialize for NestingInstance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        WrittenInstance::of(self, |mesh| &**mesh).serialize(serializer)
+        WrittenInstance::from(self).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for NestingInstance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let written = WrittenInstance::<Mesh>::deserialize(deserializer)?;
-        let instance: Result<Self, InstanceError> = written.into_instance(|mesh| Ok(Arc::new(mesh)));
-        instance.map_err(D::Error::custom)
-    }
-}
-
-/// The serialized form of an instance that names its meshes, which are kept elsewhere.
-///
-/// ```
-/// use std::{collections::HashMap, sync::Arc};
-/// use glam::DVec3;
-/// use nester::{BuildVolume, InstanceError, NamedMeshInstance, NestingInstance, NestingItem};
-///
-/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
-/// let volume = BuildVolume { size_mm: DVec3::splat(60.0) };
-/// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip, 6)])?;
-/// let mut kept = HashMap::new();
-/// let named = NamedMeshInstance::new(&instance, |mesh| {
-///     kept.insert("clip.mesh".to_owned(), mesh.clone());
-///     "clip.mesh".to_owned()
-/// });
-/// let text = serde_json::to_string(&named).unwrap();
-///
-/// let named: NamedMeshInstance = serde_json::from_str(&text).unwrap();
-/// let back = named.load_meshes(|name| Ok::<_, InstanceError>(kept[name].clone()))?;
-/// assert_eq!(back.copy_count(), 6);
-/// # Ok::<(), InstanceError>(())
-/// ```
-#[derive(Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct NamedMeshInstance(WrittenInstance<String>);
-
-impl NamedMeshInstance {
-    /// The instance with each distinct mesh as `name` calls it.
-    pub fn new(instance: &NestingInstance, name: impl FnMut(&Arc<Mesh>) -> String) -> Self {
-        Self(WrittenInstance::of(instance, name))
-    }
-
-    /// The instance with the meshes that `load` gives for their names.
-    ///
-    /// # Errors
-    /// A mesh cannot be loaded, or the instance is none.
-    pub fn load_meshes<E: From<InstanceError>>(
-        self,
-        mut load: impl FnMut(&str) -> Result<Arc<Mesh>, E>,
-    ) -> Result<NestingInstance, E> {
-        self.0.into_instance(|name| load(&name))
+        WrittenInstance::<Mesh>::deserialize(deserializer)?.try_into().map_err(D::Error::custom)
     }
 }
 

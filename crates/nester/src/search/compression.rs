@@ -3,7 +3,6 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
@@ -31,13 +30,12 @@ const SCATTER_MAX_PARTS: usize = 60;
 const SCATTER_AFTER: u64 = 3;
 
 /// What a descent has learnt about how far the height limit may fall at once. It goes on in the next round of a lane.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DescentPace {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DescentPace {
     /// Relative step of the height limit.
-    pub step: f64,
+    step: f64,
     /// Height limits that were not reached since the last lower layout.
-    pub failures: u64,
+    pub(crate) failures: u64,
 }
 
 impl Default for DescentPace {

@@ -4,17 +4,50 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
 use super::{
-    lanes::{RoundShares, continued_rank, lane_seed},
+    compression::DescentPace,
     tournament::{DescentEnd, DescentStart, run_descent, run_tournament},
 };
 use crate::{
-    DescentPace, LanePlan, LaneTask, lower_bound_mm,
+    lower_bound_mm,
     prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
     start::nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
 };
 
+/// Rounds of a search in several lanes. Between two of them the lanes exchange their layouts.
+const ROUNDS: u32 = 4;
 /// Evaluations after which a lane gives way to the next one where there are fewer threads than lanes.
 const TURN_EVALUATIONS: u64 = 200;
+
+/// Shares of the budget that divide a search into rounds.
+#[derive(Debug, Clone, Copy)]
+struct RoundShares {
+    /// Share at which the first round begins.
+    begun: f64,
+    /// Share at which this round ends.
+    until: f64,
+    /// Share at which the last round ends.
+    whole: f64,
+}
+
+impl RoundShares {
+    /// A share of the budget as the share of all rounds, 0 to 1.
+    fn of_rounds(&self, share: f64) -> f64 {
+        let begun = self.begun / self.whole;
+        (share / self.whole - begun) / (1.0 - begun).max(1e-9)
+    }
+}
+
+/// The seed of a round of a lane. The first round of the first lane has the seed of the search.
+pub(super) fn lane_seed(seed: u64, round: u32, lane: u32) -> u64 {
+    let of_lane = u64::from(lane).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    seed.wrapping_add(of_lane).wrapping_add(u64::from(round).wrapping_mul(0xbf58_476d_1ce4_e5b9))
+}
+
+/// The rank, from 0, of the end whose layout a lane continues with in the next round: the better half of the ends is
+/// continued twice.
+fn continued_rank(lane: u32, lanes: u32) -> usize {
+    (lane % lanes.div_ceil(2)) as usize
+}
 
 impl NestingRun<'_> {
     /// Lowers the height limit of the best layouts in rounds of lanes, until the share `until` of the budget is used up.
@@ -25,7 +58,7 @@ impl NestingRun<'_> {
         }
         let (floor_mm, starts) = (self.floor_mm(task), self.starting_layouts());
         let lanes = u32::try_from(self.config.lane_count()).unwrap_or(u32::MAX);
-        let rounds = if lanes == 1 { 1 } else { LanePlan::USUAL_ROUNDS };
+        let rounds = if lanes == 1 { 1 } else { ROUNDS };
         // The first layouts are shared out: each lane prefers another one.
         let first = |lane: u32| (rotated(&starts, lane), DescentPace::default());
         let mut goes_on: Vec<(Vec<Vec<PlacedItem>>, DescentPace)> = (0..lanes).map(first).collect();
@@ -43,23 +76,6 @@ impl NestingRun<'_> {
             let continued = |lane: u32| &ends[continued_rank(lane, lanes)];
             goes_on = (0..lanes).map(continued).map(|end| (vec![end.items.clone()], end.pace)).collect();
         }
-    }
-
-    /// One round of one lane of a search over many lanes: continues with the best layout, or in the first round with the
-    /// first layout that this lane prefers. Returns the pace to go on with.
-    pub(super) fn compress_in_lane(
-        &mut self,
-        prepared: &PreparedInstance,
-        task: &LaneTask,
-        shares: RoundShares,
-    ) -> DescentPace {
-        if !self.can_compress() || self.stop.spent_share_at(self.evaluations) >= shares.until {
-            return task.pace;
-        }
-        let layouts = rotated(&self.starting_layouts(), task.lane);
-        let (floor_mm, seed, pace) = (self.floor_mm(prepared), self.config.seed, task.pace);
-        let start = DescentStart { prepared, layouts: &layouts, floor_mm, seed, pace };
-        self.run_round(&[start], shares, task.rounds).remove(0).pace
     }
 
     fn can_compress(&self) -> bool {
@@ -213,6 +229,12 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
+
+    #[test]
+    fn the_better_half_of_the_lanes_goes_on_twice() {
+        let from = |lanes: u32| (0..lanes).map(|lane| continued_rank(lane, lanes)).collect::<Vec<_>>();
+        assert_eq!((from(1), from(4), from(5)), (vec![0], vec![0, 1, 0, 1], vec![0, 1, 2, 0, 1]));
+    }
 
     #[test]
     fn no_more_lanes_run_at_once_than_may() {

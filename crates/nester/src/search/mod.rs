@@ -5,6 +5,5 @@
 pub(super) mod compression;
 pub(super) mod improvement;
 pub(super) mod lane_rounds;
-pub(super) mod lanes;
 pub(super) mod nester;
 pub(super) mod tournament;

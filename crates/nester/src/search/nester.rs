@@ -7,8 +7,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 #[cfg(feature = "paper")]
 use crate::paper::nest_paper;
 use crate::{
-    DescentPace, ItemPlacement, LaneTask, NestingConfig, NestingInstance, NestingMethod, NestingSolution,
-    PreparedMeshes, ProgressListener, StopCondition,
+    ItemPlacement, NestingConfig, NestingInstance, NestingMethod, NestingSolution, PreparedMeshes, ProgressListener,
+    StopCondition,
     finish::tie_break::{is_better_layout, pack_toward_origin},
     prepare::prepared_instance::{PreparedInstance, solution_from_items},
     separation::interlock_check::split_separable,
@@ -20,7 +20,6 @@ use crate::{
         nesting_run::{COARSE_NODES, COARSE_POINTS, NestingRun},
         precedence::InsertionEffort,
         recipe::PlacementRecipe,
-        retained::retained_items,
     },
 };
 
@@ -82,6 +81,8 @@ pub fn nest_with_cache(
 const TIE_BREAK_SHARE: f64 = 0.02;
 /// Share of the budget after which a search that cannot place all copies only decides which of them are in.
 const PRECEDENCE_FROM: f64 = 0.85;
+/// Share of the budget for packing more closely what is in, where first layouts do not place all copies.
+const OVERFULL_SHARE: f64 = 0.6;
 /// From this number of copies on, boxes are stacked in one order only.
 const MANY_COPIES: usize = 300;
 /// Approximate number of nodes of all distance grids together, at two bytes each.
@@ -101,40 +102,15 @@ impl NestingRun<'_> {
 
     /// Searches for the best layout. Returns the prepared instance, unless the budget ended before it was prepared.
     pub(crate) fn search_layout(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
-        let task = self.begin_search(start, 1.0)?;
+        let task = self.begin_search(start)?;
         let is_overfull = self.best_items.len() < task.copies.len();
         self.compress_layouts(&task, if is_overfull { PRECEDENCE_FROM } else { 1.0 - TIE_BREAK_SHARE });
         self.finish_layout(&task);
         Some(task)
     }
 
-    /// Runs a round of a lane: everything but what comes after the height. In the first round, builds what first layouts
-    /// are wanted; later, the copies that are in stay in, and no other copy is inserted. Returns the pace to go on with.
-    pub(super) fn search_lane_round(&mut self, lane_task: &LaneTask) -> DescentPace {
-        let mut shares = lane_task.round_shares();
-        let task = if lane_task.round == 0 {
-            let task = self.begin_search(&lane_task.start, shares.until);
-            shares.begun = self.stop.spent_share_at(self.evaluations);
-            task
-        } else {
-            self.prepare_instance(Arc::new(self.outline_instance())).map(|task| {
-                self.offer_layout(retained_items(&task, self.instance, &lane_task.start));
-                self.with_finer_proxies(task, 0.0)
-            })
-        };
-        task.map_or(lane_task.pace, |task| self.compress_in_lane(&task, lane_task, shares))
-    }
-
-    /// What comes after the last round of all lanes.
-    pub(super) fn finish_search(&mut self, start: &[ItemPlacement]) {
-        let Some(task) = self.prepare_instance(Arc::new(self.outline_instance())) else { return };
-        self.offer_layout(retained_items(&task, self.instance, start));
-        self.finish_layout(&task);
-    }
-
-    /// Prepares the instance and builds first layouts. If they do not place all copies, decides which ones are in, within
-    /// the share `until` of the budget.
-    fn begin_search(&mut self, start: &[ItemPlacement], until: f64) -> Option<PreparedInstance> {
+    /// Prepares the instance and builds first layouts. If they do not place all copies, decides which ones are in.
+    fn begin_search(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
         let outlined = Arc::new(self.outline_instance());
         if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&outlined);
@@ -155,7 +131,7 @@ impl NestingRun<'_> {
         let task = self.with_finer_proxies(task, prepared);
         if self.best_items.len() < task.copies.len() {
             // Copies that did not fit may fit after the others are packed more closely.
-            self.compress_layouts(&task, 0.6 * until);
+            self.compress_layouts(&task, OVERFULL_SHARE);
             self.retry_unplaced(&task);
         }
         self.enforce_precedence(&task, InsertionEffort::Gap);

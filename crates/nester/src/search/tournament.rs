@@ -100,7 +100,7 @@ pub(crate) fn run_tournament(
 
 #[cfg(test)]
 mod tests {
-    use super::{super::lanes::lane_seed, *};
+    use super::{super::lane_rounds::lane_seed, *};
 
     #[test]
     fn every_descent_of_every_round_of_every_lane_has_a_seed_of_its_own() {

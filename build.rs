@@ -1,16 +1,11 @@
 //! Notes from which commit a release is built, for `nestd --version`. `NESTD_COMMIT` says it where there is no repository. A program
 //! of the development profile does not know it: it would be compiled again after each commit.
 
-use std::{os::unix::fs::MetadataExt, path::Path, process::Command};
+use std::{path::Path, process::Command};
 
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned()).filter(|text| !text.is_empty())
-}
-
-fn has_second_file_system() -> bool {
-    let device = |folder: &Path| std::fs::metadata(folder).map(|folder| folder.dev()).ok();
-    device(Path::new("/dev/shm")).is_some_and(|memory| device(&std::env::temp_dir()) != Some(memory))
 }
 
 fn main() {
@@ -27,10 +22,5 @@ fn main() {
     }
     let of_repository = || git(&["log", "-1", "--format=%h, %cs", "--abbrev=10"]).filter(|_| is_ours);
     let commit = given.or_else(of_repository).map(|commit| format!(" ({commit})")).unwrap_or_default();
-    // Tests of the library that need a second file system are ignored where there is none: an attribute says so before they run.
-    println!("cargo:rustc-check-cfg=cfg(no_second_file_system)");
-    if !has_second_file_system() {
-        println!("cargo:rustc-cfg=no_second_file_system");
-    }
     println!("cargo:rustc-env=NESTD_VERSION={}{commit}", env!("CARGO_PKG_VERSION"));
 }

@@ -4,14 +4,13 @@
 //! cluster that waits for the disk at each commit, as SQLite does.
 #![allow(clippy::print_stdout)] // a bench prints its measurements
 
-#[path = "../src/ledger/store/postgres/cluster.rs"]
-mod postgres_cluster;
+use ledger_fixtures::postgres_cluster;
 
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use clap::Parser;
-use nestd::ledger::{EventKind, Ledger, LedgerAddress, NewPartRow, NewTerms, RequiredTilts};
+use ledger::{EventKind, Ledger, LedgerAddress, NewPartRow, NewTerms, RequiredTilts};
 use nester::OrientationRule;
 use sqlx::Connection;
 
@@ -81,7 +80,7 @@ async fn measure(database: &str, place: &str, args: &LedgerBench) -> Result<()> 
     Ok(())
 }
 
-async fn time(work: impl AsyncFnOnce() -> Result<(), nestd::ledger::LedgerError>) -> Result<Duration> {
+async fn time(work: impl AsyncFnOnce() -> Result<(), ledger::LedgerError>) -> Result<Duration> {
     let began = Instant::now();
     work().await?;
     Ok(began.elapsed())

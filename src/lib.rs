@@ -10,21 +10,17 @@
 //! 7  tables                   what both show: each field's label, unit and print, each table's columns
 //! 6  farm  metrics  outbox    the service: one file per step of a part's life, one event loop | its numbers | its messages
 //! 5  settings                 TOML fragments -> validated Settings
-//! 4  ledger  intake  queue    SQL | hot folder | printer queue folder
+//! 4  queue                    printer queue folder
 //! 3  build                    machine + parts -> instance; solution -> a proved build file
-//! 2  access                   mode and group of files
 //! ```
 //!
-//! Separate crates form the floors below: `solids` (meshes, poses, distances), `nester` (the packing search),
-//! `build_file` (STL and 3MF in, build files and pictures out), `sample_parts` (the project's own parts) and `jobs` (work
-//! beside an event loop).
+//! Separate crates stand between and below: `ledger` (SQL) and `intake` (the hot folder) beside `queue`; `access` (mode and group of
+//! files), `nester` (the packing search) and `build_file` (STL and 3MF in, build files and pictures out) below `build`; `sample_parts`
+//! (the project's own parts), `solids` (meshes, poses, distances) and `jobs` (work beside an event loop) at the bottom.
 
-pub mod access;
 pub mod build;
 pub mod cli;
 pub mod farm;
-pub mod intake;
-pub mod ledger;
 pub mod metrics;
 pub mod outbox;
 pub mod queue;

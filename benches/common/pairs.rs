@@ -7,11 +7,12 @@ use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
 };
-use sample_parts::{SampleWorkload, workload_parts};
-use solids::{
-    ClearanceTree, Mesh, Pose,
+use sample_parts::{
+    SampleWorkload,
     fixtures::{tight_pose, unit},
+    workload_parts,
 };
+use solids::{ClearanceTree, Mesh, Pose};
 
 /// The distance of the parts of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

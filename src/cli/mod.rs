@@ -202,7 +202,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Flush { profile } => act::command::run(common, &DaemonCommand::Flush(profile.clone())),
         CliCommand::Pause { profile } => act::command::run(common, &DaemonCommand::Pause(profile.clone())),
         CliCommand::Resume { profile } => act::command::run(common, &DaemonCommand::Resume(profile.clone())),
-        CliCommand::Retry { part } => act::command::run(common, &DaemonCommand::Retry(crate::ledger::PartId(*part))),
+        CliCommand::Retry { part } => act::command::run(common, &DaemonCommand::Retry(ledger::PartId(*part))),
         CliCommand::Cancel { targets } => act::edit::run_cancel(common, targets),
         CliCommand::Edit(args) => act::edit::run(common, args),
         CliCommand::Move { targets, to } => act::edit::run_move(common, targets, to),

@@ -3,6 +3,8 @@
 use std::time::Duration;
 
 use jiff::Timestamp;
+use ledger::{CommandKind, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts};
+use ledger_fixtures::*;
 use nester::TiltLimit;
 
 use super::{
@@ -14,13 +16,7 @@ use super::{
         show_text, table,
     },
 };
-use crate::{
-    ledger::{
-        CommandKind, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts, fixtures::*,
-    },
-    settings::FarmZone,
-    tables::TimeView,
-};
+use crate::{settings::FarmZone, tables::TimeView};
 
 fn kept_view() -> TimeView {
     TimeView::kept(&FarmZone::default())
@@ -73,9 +69,8 @@ async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
     let (text, exit) = command::send_command(&ledger, &DaemonCommand::Scan, Duration::ZERO).await.unwrap();
     assert!(text.starts_with("scan is noted, but the daemon has not answered yet") && text.contains("`nestd status`"));
     assert_eq!(exit, CommandExit::Failure);
-    let unknown = command::send_command(&ledger, &DaemonCommand::Retry(crate::ledger::PartId(99)), Duration::ZERO)
-        .await
-        .unwrap_err();
+    let unknown =
+        command::send_command(&ledger, &DaemonCommand::Retry(ledger::PartId(99)), Duration::ZERO).await.unwrap_err();
     assert_eq!(unknown.to_string(), "there is no part 99");
 }
 
@@ -86,7 +81,7 @@ async fn status_shows_every_machine_and_what_it_does() {
     published(&ledger, &[(a, 0)]).await;
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
-    ledger.pause_profile("sold", "ann@farm", crate::ledger::PauseCause::Person).await.unwrap();
+    ledger.pause_profile("sold", "ann@farm", ledger::PauseCause::Person).await.unwrap();
     let stopped = status::read_status(&ledger, "host", &["fuse-1", "paper-200"], false).await.unwrap().to_text(
         Timestamp::now(),
         &FarmZone::default(),
@@ -170,10 +165,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let id = ledger.record_claim(&claim).await.unwrap().id;
     ledger.accept_solids(id, &[solid(0, 3)]).await.unwrap();
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;
-    ledger
-        .record_outcome(build, &crate::ledger::ToldOutcome::new(PrintOutcome::Complete, "fine", "ann@farm"))
-        .await
-        .unwrap();
+    ledger.record_outcome(build, &ledger::ToldOutcome::new(PrintOutcome::Complete, "fine", "ann@farm")).await.unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
     let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
     let text = show_text::lookup_text(&found, &kept_view(), usize::MAX);

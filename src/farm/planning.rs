@@ -22,13 +22,14 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 pub use date_outlook::RiskCause;
+use ledger::Ledger;
 pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart};
 pub use order_quote::{DueAnswer, OrderQuote, QUOTE_SEARCH_TIME, QuoteQuestion, quote_order};
 pub use plan_reading::read_plan;
 pub use quote_insertion::QuoteMeshes;
 pub use quoted_part::{QuoteError, QuotedFile, read_quoted_files};
 
-use crate::{ledger::Ledger, settings::MachineProfile};
+use crate::settings::MachineProfile;
 
 /// The plan of a machine: its builds under way and to come, if nothing more arrives.
 ///

@@ -1,11 +1,8 @@
 //! Finds orders, parts, customers, builds and machines by part of a name, or by number, for people.
 
+use intake::fold_name;
+use ledger::{BuildId, Ledger, LedgerError, NamePattern, NamedBuildRow, NamedPartRow, OrderRow, PartId};
 use std::collections::{BTreeMap, BTreeSet};
-
-use crate::{
-    intake::fold_name,
-    ledger::{BuildId, Ledger, LedgerError, NamePattern, NamedBuildRow, NamedPartRow, OrderRow, PartId},
-};
 
 /// Rows of a kind that are counted; beyond them a search only says that there are more.
 pub const MAX_COUNTED: usize = 1000;

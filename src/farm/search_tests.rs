@@ -1,14 +1,14 @@
 //! Tests of the search, each on every database that this machine has.
 
 use super::*;
-use crate::ledger::fixtures::{asked, fresh_file, new_part, published, solid};
-use crate::ledger::{NewPartRow, PartState};
+use ledger::{NewPartRow, PartState};
+use ledger_fixtures::{asked, fresh_file, new_part, published, solid};
 
 /// The ledgers to search: a file, and a database on a server.
 async fn ledgers() -> Vec<(Ledger, Box<dyn std::any::Any>)> {
     let file = fresh_file().await;
     let mut all: Vec<(Ledger, Box<dyn std::any::Any>)> = vec![((*file).clone(), Box::new(file))];
-    all.push((crate::ledger::fixtures::fresh_on_server().await, Box::new(())));
+    all.push((ledger_fixtures::fresh_on_server().await, Box::new(())));
     all.truncate(2);
     all
 }

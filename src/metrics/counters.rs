@@ -1,15 +1,13 @@
 //! Counters over all time, and histograms of what was measured for each build.
 
+use ledger::{BuildCount, FarmTotals, MeasuredBuild, RefusalCause};
 use prometheus_client::{
     metrics::{counter::Counter, family::Family, histogram::Histogram},
     registry::Registry,
 };
 
 use super::gauges::{FloatGauge, LabelPairs};
-use crate::{
-    ledger::{BuildCount, FarmTotals, MeasuredBuild, RefusalCause},
-    settings::Settings,
-};
+use crate::settings::Settings;
 
 /// Upper bounds of the buckets of build heights, m.
 const HEIGHTS_M: [f64; 9] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6];

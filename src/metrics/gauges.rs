@@ -1,16 +1,14 @@
 //! Gauges: what waits, what is in work, and whether machines, folders and the daemon work.
 
 use anyhow::Result;
+use ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp};
 use prometheus_client::{
     metrics::{family::Family, gauge::Gauge},
     registry::Registry,
 };
 use std::sync::atomic::AtomicU64;
 
-use crate::{
-    ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp},
-    settings::Settings,
-};
+use crate::settings::Settings;
 
 /// A gauge of floating-point values.
 pub(super) type FloatGauge = Gauge<f64, AtomicU64>;

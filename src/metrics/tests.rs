@@ -1,5 +1,9 @@
 //! The numbers of a real ledger, as Prometheus reads them.
 
+use ledger::{
+    EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
+};
+use ledger_fixtures as fixtures;
 use std::{
     collections::BTreeMap,
     io::Write,
@@ -9,13 +13,7 @@ use std::{
 };
 
 use super::*;
-use crate::{
-    ledger::{
-        EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
-        fixtures,
-    },
-    settings::{self, Settings, SharedSettings},
-};
+use crate::settings::{self, Settings, SharedSettings};
 
 /// A farm of the machines `cube` and `idle`; `more` is of its configuration.
 fn farm(folder: &std::path::Path, more: &str) -> Settings {

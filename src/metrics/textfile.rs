@@ -10,13 +10,11 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use ledger::Ledger;
 use tracing::{info, warn};
 
 use super::MetricsExporter;
-use crate::{
-    ledger::Ledger,
-    settings::{MetricsFile, Settings, SharedSettings},
-};
+use crate::settings::{MetricsFile, Settings, SharedSettings};
 
 /// Interval of the checks whether the file is due and still wanted.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

@@ -8,6 +8,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
+use ledger::{EventRow, Ledger, ReceiverKind};
 use tracing::{info, warn};
 
 use super::{
@@ -15,10 +16,7 @@ use super::{
     message::event_kinds,
     send::{configured_receivers, send_message},
 };
-use crate::{
-    ledger::{EventRow, Ledger, ReceiverKind},
-    settings::{Settings, SharedSettings},
-};
+use crate::settings::{Settings, SharedSettings};
 
 /// Interval of the checks for new events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

@@ -3,12 +3,10 @@
 use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{BuildRow, EventKind, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp};
 use serde_json::{Value, json};
 
-use crate::{
-    ledger::{BuildRow, EventKind, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp},
-    settings::NotificationKind,
-};
+use crate::settings::NotificationKind;
 
 /// Maximum length of the detail, characters; a reason may quote much of a file.
 const MAX_DETAIL: usize = 4000;

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use ledger::ReceiverKind;
 
 use super::{EventMessage, command, webhook};
-use crate::{ledger::ReceiverKind, settings::NotifySettings};
+use crate::settings::NotifySettings;
 
 /// The configured receivers.
 pub fn configured_receivers(notify: &NotifySettings) -> Vec<ReceiverKind> {

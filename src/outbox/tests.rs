@@ -9,13 +9,12 @@ use std::{
 };
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::{EventKind, Ledger, NewPartRow, ReceiverKind, RefusalCause};
+use ledger_fixtures as fixtures;
 use tokio::task::JoinHandle;
 
 use super::*;
-use crate::{
-    ledger::{EventKind, Ledger, NewPartRow, ReceiverKind, RefusalCause, fixtures},
-    settings::{self, Settings, SharedSettings},
-};
+use crate::settings::{self, Settings, SharedSettings};
 
 #[path = "../../tests/support/webhook.rs"]
 mod hook;

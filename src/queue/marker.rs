@@ -25,7 +25,7 @@ pub(super) fn read_or_create_marker(dir: &Path) -> io::Result<String> {
     }
     let mut file = tempfile::Builder::new().prefix(".nestd-queue-").tempfile_in(dir)?;
     writeln!(file, "{:032x}", rand::random::<u128>())?;
-    crate::access::apply_file_permissions(file.as_file())?;
+    access::apply_file_permissions(file.as_file())?;
     file.as_file().sync_all()?;
     // An empty marker, left by a full disk, does not count.
     if fs::metadata(dir.join(NAME)).is_ok_and(|meta| meta.len() == 0) {

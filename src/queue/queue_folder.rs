@@ -16,7 +16,6 @@ use super::{
     file_names::{self, HALF, STAGED},
     marker,
 };
-use crate::access;
 
 /// A printer queue folder, identified by its marker file.
 #[derive(Debug, Clone)]

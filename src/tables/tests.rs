@@ -1,15 +1,14 @@
 //! Tests that labels, units and keys agree with each other, and that each field of the JSON is a column.
 
+use ledger::{HistoryQuery, HistoryRow};
+use ledger_fixtures::*;
 use std::collections::BTreeSet;
 
 use super::{
     columns::table_column::{ColumnAudience, TableColumn},
     *,
 };
-use crate::{
-    ledger::{HistoryQuery, HistoryRow, fixtures::*},
-    settings::FarmZone,
-};
+use crate::settings::FarmZone;
 
 /// Key and field of the columns of a table that programs see.
 fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
@@ -120,7 +119,7 @@ fn texts_of_a_csv_are_no_formulas_and_numbers_stay_numbers() {
 #[test]
 fn times_are_shown_in_the_zone_of_the_farm_and_programs_get_the_instant() {
     let zone = FarmZone::from(jiff::tz::TimeZone::get("Europe/Berlin").unwrap());
-    let at = |text: &str| crate::ledger::UtcTimestamp(text.parse().unwrap());
+    let at = |text: &str| ledger::UtcTimestamp(text.parse().unwrap());
     let (end, now) = (at("2026-12-24T22:59:59Z"), at("2026-12-24T19:54:59Z"));
     let view = TimeView::at(&zone, now.0);
     let cell =

@@ -1,8 +1,9 @@
 //! Tests of the JSON interface: every response matches its description and contains the same data as the pages.
 
+use ledger::{NightState, OpenLayout};
+
 use super::*;
 use crate::{
-    ledger::{NightState, OpenLayout},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, ORDER_COLUMNS, PART_COLUMNS, TableColumn, for_people},
     web::doors::openapi::described,
 };
@@ -259,8 +260,8 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
     assert_eq!(document["paths"]["/api/v1/orders/{order}"]["get"]["parameters"][0]["schema"]["type"], "string");
     let text = document.to_string();
     for words in [
-        crate::ledger::PartState::ALL.map(|state| state.to_string()).to_vec(),
-        crate::ledger::BuildState::ALL.map(|state| state.to_string()).to_vec(),
+        ledger::PartState::ALL.map(|state| state.to_string()).to_vec(),
+        ledger::BuildState::ALL.map(|state| state.to_string()).to_vec(),
         ["free", "upright", "axis", "fixed", "micron", "millimeter", "inch", "max_wait"].map(str::to_owned).to_vec(),
     ] {
         for word in words {
@@ -307,7 +308,7 @@ async fn pages_head_their_columns_as_the_tables_say_and_files_and_json_by_the_sa
 async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_by_page() {
     let dashboard = with_a_build("bracket.stl").await;
     for (claim, profile) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
-        let part = crate::ledger::NewPartRow { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
+        let part = ledger::NewPartRow { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
         dashboard.ledger.record_claim(&part).await.unwrap();
     }
     let numbers = async |asked: &str| -> Vec<i64> {
@@ -328,7 +329,7 @@ async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_
 #[tokio::test]
 async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_to_machines() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
+    let part = ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 3)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;

@@ -3,7 +3,7 @@
 use axum::http::{Request, StatusCode};
 
 use super::{TestDashboard, TestResponse, with_a_build};
-use crate::ledger::{BuildId, BuildState, PartId, PartState};
+use ledger::{BuildId, BuildState, PartId, PartState};
 
 const PAGE: &str = "/builds/1/break-out";
 

@@ -11,7 +11,7 @@ use super::{
     door_tests::{ApiAnswer, CUBE, of_lines, of_upload, order, put, send},
     *,
 };
-use crate::access::{TokenRole, add_token};
+use access::{TokenRole, add_token};
 
 /// A form of an order with files, each the cube.
 fn order_form(order: &str, names: &[&str]) -> String {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::access::{TokenRole, add_token};
+use access::{TokenRole, add_token};
 
 pub(super) const CUBE: &[u8] = b"solid a cube, more or less";
 
@@ -235,7 +235,7 @@ async fn programs_tell_of_builds_as_people_do_and_are_told_why_not() {
         told.json
     );
     assert_eq!(tell("/api/v1/builds/1/outcome", json!({ "outcome": "complete" })).await.status, StatusCode::CONFLICT);
-    let outcomes = dashboard.ledger.outcomes_of_build(crate::ledger::BuildId(1)).await.unwrap();
+    let outcomes = dashboard.ledger.outcomes_of_build(ledger::BuildId(1)).await.unwrap();
     assert_eq!(outcomes.len(), 1);
     assert_described("/api/v1/builds/{build}/outcome", "post", &told);
     let edit = Request::patch("/api/v1/orders/bracket.stl/lines/1").header("content-type", "application/json");

@@ -82,7 +82,7 @@ async fn files_of_a_form_lie_in_the_hot_folder_each_with_its_ticket() {
     assert_eq!(names(&inbox), ["Größe.stl", "Größe.stl.toml", "hinge.stl", "hinge.stl.toml"]);
     assert_eq!(fs::read_to_string(inbox.join("hinge.stl")).unwrap(), large);
     let ticket = fs::read_to_string(inbox.join("hinge.stl.toml")).unwrap();
-    let read = crate::intake::Ticket::from_toml(&ticket, "t").unwrap();
+    let read = intake::Ticket::from_toml(&ticket, "t").unwrap();
     assert_eq!((read.copies, read.order.as_deref()), (Some(12), Some("1182")));
     let again = sent(&dashboard, &[field("key", "key"), file("hinge.stl", "other")]).await;
     assert!(again.text.contains("hinge (2).stl is in the hot folder"), "{}", again.text);

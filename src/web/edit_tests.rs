@@ -6,7 +6,7 @@ use super::{
     door_tests::{ApiAnswer, CUBE, assert_described, of_lines, order, put, send},
     *,
 };
-use crate::ledger::{CommandKind, Ledger, NewPartRow, PartId, PartState, RefusalCause};
+use ledger::{CommandKind, Ledger, NewPartRow, PartId, PartState, RefusalCause};
 
 async fn patch(dashboard: &TestDashboard, path: &str, change: Value) -> ApiAnswer {
     let request = Request::patch(path).header("content-type", "application/json");

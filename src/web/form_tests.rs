@@ -1,7 +1,7 @@
 //! Every form of every page, sent twice as browsers send it: a double click, a reload, back and once more.
 
 use super::*;
-use crate::ledger::{BuildId, BuildState, Ledger};
+use ledger::{BuildId, BuildState, Ledger};
 
 /// A form of a page with what a browser sends of it if nobody changes anything.
 #[derive(Debug, Clone)]
@@ -84,7 +84,7 @@ impl TestDashboard {
         let picked = self.ledger.last_pick_id().await.unwrap();
         let events = format!("{:?} {picked:?}", self.ledger.last_event_id().await.unwrap());
         let mut commands = 0;
-        while self.ledger.find_command(crate::ledger::CommandId(commands as i64 + 1)).await.unwrap().is_some() {
+        while self.ledger.find_command(ledger::CommandId(commands as i64 + 1)).await.unwrap().is_some() {
             commands += 1;
         }
         (events, commands)
@@ -109,7 +109,7 @@ async fn every_form_of_every_page_does_once_what_is_sent_twice() {
     let pages: Vec<&str> = PAGES.into_iter().chain(["/parts/2", "/orders/kit"]).collect();
     let prepared = async || {
         let dashboard = with_a_build("bracket.stl").await;
-        let part = crate::ledger::NewPartRow {
+        let part = ledger::NewPartRow {
             profile: "cube".to_owned(),
             ..fixtures::asked(fixtures::new_part("b", 2), |terms| terms.order_name = "kit".to_owned())
         };

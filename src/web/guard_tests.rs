@@ -98,7 +98,7 @@ async fn an_order_is_taken_from_our_own_pages_only() {
     });
     assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
     let (kind, profile, by) = daemon.await.unwrap();
-    assert_eq!((kind, profile.as_str(), by.as_str()), (crate::ledger::CommandKind::Flush, "cube", "dashboard"));
+    assert_eq!((kind, profile.as_str(), by.as_str()), (ledger::CommandKind::Flush, "cube", "dashboard"));
     let silent = TestDashboard::new(|web| web.orders = false).await;
     assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
     assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");

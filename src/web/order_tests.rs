@@ -1,10 +1,9 @@
 //! Tests of the order pages, and of the forms that tell outcomes, print again and change what was asked.
 
+use ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartId};
+
 use super::*;
-use crate::{
-    ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartId},
-    web::base::query::order_address,
-};
+use crate::web::base::query::order_address;
 
 impl TestDashboard {
     async fn post_to(&self, path: &str, fields: &[(&str, &str)]) -> TestResponse {
@@ -40,7 +39,7 @@ async fn a_month_sums_up_what_each_machine_made_and_says_what_failed_and_what_wa
     let row = dashboard.ledger.read_history(&Default::default()).await.unwrap().remove(0);
     let zone = dashboard.web.current_settings().time_zone.clone();
     let month = row.at.0.to_zoned(zone.time_zone().clone()).strftime("%Y-%m").to_string();
-    let late = crate::ledger::NewPartRow {
+    let late = ledger::NewPartRow {
         profile: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("late", 1), |terms| {
             (terms.order_name, terms.due_at) = ("L1".to_owned(), Some(row.at.0 - jiff::SignedDuration::from_secs(1)));
@@ -210,7 +209,7 @@ async fn a_form_sends_only_what_a_person_changed_and_shows_why_it_was_refused() 
     let refused = dashboard.post_to("/orders/kit/cancel", &[("key", "key")]).await.text;
     assert!(refused.contains("Refused") && refused.contains("it is <code>being</code> nested."), "{refused}");
     let seen = daemon.await.unwrap();
-    let edit = crate::ledger::PartEdit { copies: Some(4), ..Default::default() };
+    let edit = ledger::PartEdit { copies: Some(4), ..Default::default() };
     assert_eq!((seen[0].0, seen[0].1, seen[0].2.as_str()), (CommandKind::Edit, Some(part), "dashboard"));
     assert_eq!((seen[0].3.edit.as_ref(), seen[1].0), (Some(&edit), CommandKind::Cancel));
     let wrong = dashboard.post_to("/parts/1/edit", &[("key", "key"), ("due", "soon"), ("was_due", "")]).await;

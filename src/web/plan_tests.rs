@@ -1,7 +1,7 @@
 //! Tests of the page and the JSON of the plan.
 
 use super::*;
-use crate::ledger::fixtures::*;
+use ledger_fixtures::*;
 
 async fn json_of(dashboard: &TestDashboard, path: &str) -> serde_json::Value {
     serde_json::from_str(&dashboard.get(path).await.text).unwrap()

@@ -1,10 +1,10 @@
 //! Tests of what the pages show of printers, and of builds that wait for a yes.
 
+use ledger::BuildId;
+use ledger_fixtures::*;
+
 use super::*;
-use crate::{
-    ledger::{BuildId, fixtures::*},
-    settings::{ApprovalPolicy, PrinterRules, Settings},
-};
+use crate::settings::{ApprovalPolicy, PrinterRules, Settings};
 
 /// A dashboard with the machine of the ledger's fixtures: two printers, and every build waits for a yes.
 async fn with_two_printers() -> TestDashboard {

@@ -1,11 +1,13 @@
 //! The dashboard over a real ledger, with requests as a browser sends them.
 
+use ledger_fixtures::ToldWords;
 use std::sync::{Arc, RwLock};
 
 use axum::{
     body::{Body, to_bytes},
     http::{Request, StatusCode},
 };
+use ledger_fixtures::{self as fixtures, TestLedger};
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
@@ -17,10 +19,7 @@ use super::{
     core::state::{DashboardState, PageCaches},
     serve::server::build_router,
 };
-use crate::{
-    ledger::fixtures::{self, TestLedger},
-    settings,
-};
+use crate::settings;
 
 #[path = "api_tests.rs"]
 mod api;
@@ -153,7 +152,7 @@ const PAGES: [&str; 13] = [
 
 async fn with_a_build(named: &str) -> TestDashboard {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPartRow {
+    let part = ledger::NewPartRow {
         name: named.to_owned(),
         profile: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("a", 2), |terms| {
@@ -174,7 +173,7 @@ async fn with_a_build(named: &str) -> TestDashboard {
 impl TestDashboard {
     /// The printer of build 1 takes its file.
     async fn printer_takes_it(&self) {
-        self.ledger.record_taken(crate::ledger::BuildId(1), "queue").await.unwrap();
+        self.ledger.record_taken(ledger::BuildId(1), "queue").await.unwrap();
     }
 }
 
@@ -235,10 +234,10 @@ async fn a_recorded_outcome_changes_the_change_token_of_the_pages() {
     let dashboard = with_a_build("bracket.stl").await;
     let before = dashboard.web.change_token().await.ok().unwrap();
     assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
-    let printed = crate::ledger::PrintOutcome::Complete;
+    let printed = ledger::PrintOutcome::Complete;
     dashboard
         .ledger
-        .record_outcome(crate::ledger::BuildId(1), &crate::ledger::ToldOutcome::new(printed, "", "me@here"))
+        .record_outcome(ledger::BuildId(1), &ledger::ToldOutcome::new(printed, "", "me@here"))
         .await
         .unwrap();
     assert_ne!(dashboard.web.change_token().await.ok().unwrap(), before);
@@ -267,14 +266,14 @@ async fn the_farm_is_not_ready_while_no_daemon_beats() {
 #[tokio::test]
 async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() {
     let dashboard = with_a_build("bracket.stl").await;
-    let seen = |trouble: &str| crate::ledger::ObservedMachine {
+    let seen = |trouble: &str| ledger::ObservedMachine {
         profile: "cube".to_owned(),
         scanned_at: None,
         is_inbox_there: trouble.is_empty(),
         is_queue_writable: true,
         trouble: Some(trouble.to_owned()),
     };
-    let heartbeat = |trouble: &str| crate::ledger::NodeHeartbeat {
+    let heartbeat = |trouble: &str| ledger::NodeHeartbeat {
         pid: std::process::id(),
         machines: vec![seen(trouble)],
         ..fixtures::heartbeat()
@@ -310,7 +309,7 @@ async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
 #[tokio::test]
 async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_picture_without_javascript() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
+    let part = ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 9)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;

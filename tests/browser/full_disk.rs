@@ -3,7 +3,7 @@
 
 use std::{fs, time::Duration};
 
-use nestd::ledger::{BuildState, PartState};
+use ledger::{BuildState, PartState};
 
 use crate::support::{QUICK, TestFarm, block, small_disk::SmallDisk, wait_until_or};
 

@@ -9,7 +9,7 @@ use std::{
     sync::LazyLock,
 };
 
-use nestd::ledger::{PartRow, PartState};
+use ledger::{PartRow, PartState};
 
 use crate::{
     quiet,

@@ -6,7 +6,7 @@ use std::{
     process::Command,
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use crate::{
     pages::{BrowserDashboard, MACHINE, browser},

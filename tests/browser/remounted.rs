@@ -6,7 +6,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use crate::support::{QUICK, TestFarm, block, wait_until_or};
 

@@ -14,7 +14,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::{PartRow, PartState};
+use ledger::{PartRow, PartState};
 
 use crate::support::{
     PROFILE, QUICK, TestFarm, block, signal, stl,

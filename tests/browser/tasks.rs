@@ -4,7 +4,7 @@
 use std::{fs, process::Command};
 
 use glam::DVec3;
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use crate::{
     pages::{BrowserDashboard, MACHINE, browser, tools},

@@ -7,7 +7,7 @@ use std::{
 };
 
 use assert_cmd::Command;
-use nestd::ledger::Ledger;
+use ledger::Ledger;
 use serde_json::Value;
 
 /// A farm of one machine in a temporary folder.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use assert_cmd::Command;
-use nestd::ledger::{Ledger, NewPartRow, NewTerms, RequiredTilts, SolidFacts};
+use ledger::{Ledger, NewPartRow, NewTerms, RequiredTilts, SolidFacts};
 use nester::OrientationRule;
 
 /// `nestd` with the shipped configuration for trying it out, and with its folders under `root`.

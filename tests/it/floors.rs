@@ -10,16 +10,25 @@ use toml::Table;
 
 mod imports;
 
-/// Crates of the workspace and their floors, as in `ARCHITECTURE.md`. The rooms (modules) of `nestd` are above all of
-/// them.
-const CRATES: [(&str, u32); 5] = [("solids", 0), ("jobs", 0), ("sample-parts", 1), ("nester", 2), ("build-file", 2)];
-
-/// Rooms (modules of `nestd`) and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 12] = [
+/// Crates of the workspace and their floors, as in `ARCHITECTURE.md`.
+const CRATES: [(&str, u32); 9] = [
+    ("solids", 0),
+    ("jobs", 0),
+    ("sample-parts", 1),
+    ("nester", 2),
+    ("build-file", 2),
     ("access", 2),
-    ("build", 3),
     ("ledger", 4),
     ("intake", 4),
+    ("ledger-fixtures", 5),
+];
+
+/// Crates that remember nothing and have no clock.
+const PURE: [&str; 5] = ["solids", "jobs", "sample-parts", "nester", "build-file"];
+
+/// Rooms (modules of `nestd`) and their floors, as in `ARCHITECTURE.md`.
+const FLOORS: [(&str, u32); 9] = [
+    ("build", 3),
     ("queue", 4),
     ("settings", 5),
     ("farm", 6),
@@ -164,10 +173,10 @@ fn the_optimiser_knows_nothing_of_solids_and_layouts() {
 }
 
 #[test]
-fn the_crates_remember_nothing_for_the_whole_process_and_only_the_stop_rule_has_a_clock() {
+fn the_pure_crates_remember_nothing_for_the_whole_process_and_only_the_stop_rule_has_a_clock() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
     let mut faults = Vec::new();
-    for (name, _) in CRATES {
+    for name in PURE {
         for file in rust_files(&crates.join(name).join("src")) {
             let text = fs::read_to_string(&file).unwrap();
             let code = || text.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
@@ -200,7 +209,7 @@ fn no_files_of_a_crate_or_a_room_import_each_other_in_a_circle() {
     let faults: Vec<String> =
         rooms.iter().chain(&crates).flat_map(imports::circles).map(|circle| in_words(&circle)).collect();
     assert!(
-        crates.iter().all(|imports| imports.values().any(|targets| !targets.is_empty())),
+        crates.iter().filter(|imports| imports.len() > 2).all(|imports| imports.values().any(|to| !to.is_empty())),
         "a crate of which nothing is read"
     );
     assert!(faults.is_empty(), "files that import each other:\n{}", faults.join("\n"));

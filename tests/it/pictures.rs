@@ -12,7 +12,7 @@ use std::{
 
 use build_file::write_stl;
 use glam::DVec3;
-use nestd::ledger::Ledger;
+use ledger::Ledger;
 use nix::pty::{Winsize, openpty};
 use solids::Pose;
 
@@ -203,7 +203,7 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     runtime.block_on(async {
         let ledger = Ledger::open_existing(&dir.path().join("state/nestd.db")).await.unwrap();
         ledger.open_build("a-machine-that-came").await.unwrap();
-        ledger.pause_profile("a-machine-that-came", "somebody@desk", nestd::ledger::PauseCause::Person).await.unwrap();
+        ledger.pause_profile("a-machine-that-came", "somebody@desk", ledger::PauseCause::Person).await.unwrap();
         ledger.close().await;
     });
     terminal.until("what changed is seen", |seen| seen.contains("a-machine-that-came"));
@@ -220,11 +220,7 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     runtime.block_on(async {
         let ledger = Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap();
         ledger
-            .pause_profile(
-                "fuse-1",
-                "a-person-with-a-long-name@a-desk-in-the-office",
-                nestd::ledger::PauseCause::Person,
-            )
+            .pause_profile("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office", ledger::PauseCause::Person)
             .await
             .unwrap();
         ledger.close().await;

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeMap, fs, time::Duration};
 
-use nestd::ledger::{BuildState, PartRow, PartState};
+use ledger::{BuildState, PartRow, PartState};
 use rand::{RngExt, SeedableRng, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 

@@ -230,7 +230,7 @@ fn one_life(point: &FaultPoint) -> SectionResult {
         }
         ScriptEnd::Stuck => {
             drop(traced.kill());
-            let left = nestd::intake::files_below(&life.farm.folder("inbox")).unwrap_or_default();
+            let left = intake::files_below(&life.farm.folder("inbox")).unwrap_or_default();
             let (step, log) = (life.step_name(), tail(&life.farm.log()));
             life.broken.push(format!("the script is stuck at {step}; in the hot folder stand {left:?}\n{log}"));
         }

@@ -8,7 +8,7 @@ use std::{
 };
 
 use glam::DVec3;
-use nestd::ledger::{Ledger, PartState};
+use ledger::{Ledger, PartState};
 
 use super::{
     budget::SectionBudget,

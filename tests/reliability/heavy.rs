@@ -9,7 +9,7 @@ use std::{
 };
 
 use glam::{DVec3, Vec3};
-use nestd::ledger::PartState;
+use ledger::PartState;
 use solids::Pose;
 
 use super::{

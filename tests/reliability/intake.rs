@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::{
     budget::SectionBudget,

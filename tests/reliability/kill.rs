@@ -1,17 +1,14 @@
 //! kill -9 at random moments under load: parts, orders and tickets arrive all the time, operators send commands, the
 //! printer takes builds; many farms at once. At the end everything is built exactly once and the invariants hold.
 
+use ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     sync::atomic::{AtomicU64, Ordering},
     time::{Duration, Instant},
 };
 
-use nestd::{
-    farm::InvariantExpectations,
-    intake,
-    ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState},
-};
+use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -149,7 +146,7 @@ impl KilledFarm {
     }
 
     /// Runs a query on the ledger, if it exists already.
-    fn ask<T: Default>(&self, question: impl AsyncFnOnce(&Ledger) -> Result<T, nestd::ledger::LedgerError>) -> T {
+    fn ask<T: Default>(&self, question: impl AsyncFnOnce(&Ledger) -> Result<T, ledger::LedgerError>) -> T {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let Ok(ledger) = Ledger::open_existing(&self.farm.root().join("state/nestd.db")).await else {
@@ -236,8 +233,8 @@ impl KilledFarm {
 async fn submit_command(
     ledger: &Ledger,
     kind: CommandKind,
-    part: Option<nestd::ledger::PartId>,
-) -> Result<(), nestd::ledger::LedgerError> {
+    part: Option<ledger::PartId>,
+) -> Result<(), ledger::LedgerError> {
     let profile = if matches!(kind, CommandKind::Flush) { PROFILE.to_owned() } else { String::new() };
     ledger
         .submit_command(&NewCommand { kind, profile, part, argument: Default::default(), asked_by: "test".to_owned() })

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, time::Duration, time::Instant};
 
-use nestd::ledger::{Ledger, LedgerError, PartState};
+use ledger::{Ledger, LedgerError, PartState};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -246,7 +246,7 @@ fn backups_while_killed(budget: &SectionBudget, row: &mut SectionResult) {
         backup.wait().unwrap();
         row.faults += 1;
         if file.exists() {
-            match runtime().block_on(nestd::ledger::prove_backup(&file)) {
+            match runtime().block_on(ledger::prove_backup(&file)) {
                 Ok(()) => whole += 1,
                 Err(error) => row.broken.push(format!("a backup that is there is not whole: {error}")),
             }

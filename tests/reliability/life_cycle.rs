@@ -2,17 +2,14 @@
 //! taken back, one is refused; the batch is flushed, nested, written, published, archived and taken by the printer.
 //! When the daemon is killed, the script continues at the same step.
 
+use ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
     time::{Duration, Instant},
 };
 
-use nestd::{
-    farm::InvariantExpectations,
-    intake,
-    ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState},
-};
+use nestd::farm::InvariantExpectations;
 
 use super::support::{PROFILE, TestFarm, block, stl};
 
@@ -167,12 +164,12 @@ impl LifeCycle {
 
     /// Whether the daemon is past its start.
     async fn is_serving(&self, ledger: &Ledger, pid: i32) -> bool {
-        let is_it = |daemon: Option<nestd::ledger::NodeRow>| daemon.is_some_and(|row| row.pid == pid as u32);
+        let is_it = |daemon: Option<ledger::NodeRow>| daemon.is_some_and(|row| row.pid == pid as u32);
         self.farm.folder("archive").is_dir() && ledger.find_node("").await.is_ok_and(is_it)
     }
 
     /// Whether the step is done.
-    async fn step(&mut self, ledger: &Ledger) -> Result<bool, nestd::ledger::LedgerError> {
+    async fn step(&mut self, ledger: &Ledger) -> Result<bool, ledger::LedgerError> {
         match STEPS[self.at] {
             ScriptStep::Drop => {
                 self.drop_all();
@@ -215,12 +212,7 @@ impl LifeCycle {
     }
 
     /// Sends a command once; returns whether it was answered.
-    async fn order(
-        &mut self,
-        ledger: &Ledger,
-        kind: CommandKind,
-        about: &str,
-    ) -> Result<bool, nestd::ledger::LedgerError> {
+    async fn order(&mut self, ledger: &Ledger, kind: CommandKind, about: &str) -> Result<bool, ledger::LedgerError> {
         let Some(id) = self.command else {
             let (profile, part) = match kind {
                 CommandKind::Flush => (about.to_owned(), None),
@@ -235,7 +227,7 @@ impl LifeCycle {
     }
 
     /// Sends `flush` until everything is built: copies that found no place need another build.
-    async fn flush(&mut self, ledger: &Ledger) -> Result<bool, nestd::ledger::LedgerError> {
+    async fn flush(&mut self, ledger: &Ledger) -> Result<bool, ledger::LedgerError> {
         let answered = self.order(ledger, CommandKind::Flush, PROFILE).await?;
         self.take_as_a_printer_does();
         if ledger.parts_in_state(PartState::Built).await?.len() == PRINTED.len() {
@@ -349,6 +341,6 @@ impl LifeCycle {
     }
 }
 
-async fn part(ledger: &Ledger, name: &str) -> Result<PartRow, nestd::ledger::LedgerError> {
+async fn part(ledger: &Ledger, name: &str) -> Result<PartRow, ledger::LedgerError> {
     Ok(ledger.parts_named(name).await?.pop().expect("a part of this name was recorded before"))
 }

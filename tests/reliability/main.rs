@@ -22,8 +22,7 @@ mod nodes;
 mod orders;
 mod pair;
 mod pool;
-#[path = "../../src/ledger/store/postgres/cluster.rs"]
-mod postgres_cluster;
+use ledger_fixtures::postgres_cluster;
 mod power;
 mod printer;
 mod refused;

@@ -3,7 +3,7 @@
 
 use std::{thread, time::Duration};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::{
     budget::SectionBudget,

@@ -6,9 +6,9 @@
 
 mod farm_node;
 mod node_fault;
-#[path = "../../src/ledger/store/postgres/server_link.rs"]
-mod server_link;
+use ledger_fixtures::server_link;
 
+use ledger::{PartRow, PartState};
 use std::{
     collections::BTreeMap,
     fs,
@@ -19,7 +19,6 @@ use std::{
 
 use nestd::{
     farm::{InvariantExpectations, check_invariants},
-    ledger::{PartRow, PartState},
     settings,
 };
 use rand::{RngExt, SeedableRng};

@@ -7,6 +7,7 @@ mod operations;
 mod outcomes;
 mod replay;
 
+use ledger::{CommandId, OrderQuery, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
@@ -15,10 +16,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{
-    farm::{AskedCopies, InvariantExpectations},
-    ledger::{CommandId, OrderQuery, PartRow, PartState},
-};
+use nestd::farm::{AskedCopies, InvariantExpectations};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -295,9 +293,7 @@ impl OrdersFarm {
         let pending = self.farm.query_ledger(async |ledger| ledger.pending_commands().await.unwrap());
         let files: Vec<_> = [PROFILE, OTHER]
             .iter()
-            .flat_map(|profile| {
-                nestd::intake::files_below(&self.farm.root().join("inbox").join(profile)).unwrap_or_default()
-            })
+            .flat_map(|profile| intake::files_below(&self.farm.root().join("inbox").join(profile)).unwrap_or_default())
             .filter(|file| file.extension().is_some_and(|end| end == "stl" || end == "toml" || end == "csv"))
             .collect();
         if files.is_empty() && pending.is_empty() {

@@ -14,8 +14,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::intake;
-
 use super::{
     budget::SectionBudget,
     life_cycle,

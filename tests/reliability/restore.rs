@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use solids::Mesh;
@@ -328,7 +328,7 @@ impl RestoredFarm {
     /// The fault at the end, if there is one.
     fn find_faults(&self, reported: &str) -> Option<String> {
         let in_queue = self.in_queue();
-        let below = |folder: &Path| nestd::intake::files_below(folder).unwrap_or_default();
+        let below = |folder: &Path| intake::files_below(folder).unwrap_or_default();
         let mut kept = below(&self.farm.folder("error"));
         kept.extend(below(&self.farm.root().join("state/unknown")));
         let kept: BTreeSet<String> = kept.iter().map(|file| hash(&fs::read(file).unwrap())).collect();

@@ -2,16 +2,14 @@
 //! state of its part or build; then the farm continues. Nothing damaged is printed, nothing is printed twice, and
 //! nothing is lost silently: a part that is not printed is requested again, reported, or named by `check --deep`.
 
+use ledger::{BuildState, PartState};
 use std::{
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
-use nestd::{
-    farm::InvariantExpectations,
-    ledger::{BuildState, PartState},
-};
+use nestd::farm::InvariantExpectations;
 
 use super::{
     budget::SectionBudget,
@@ -142,7 +140,7 @@ impl DamageCase {
             DamageMoment::Staged => &["state", "queue"],
             DamageMoment::Published => &["archive", "queue"],
         };
-        let files = below.iter().flat_map(|folder| nestd::intake::files_below(&farm.root().join(folder)).unwrap());
+        let files = below.iter().flat_map(|folder| intake::files_below(&farm.root().join(folder)).unwrap());
         let matches = |file: &PathBuf| {
             let path = file.strip_prefix(farm.root()).unwrap().to_string_lossy().into_owned();
             path.starts_with(self.what) || path.ends_with(self.what)

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::{PartRow, PartState};
+use ledger::{PartRow, PartState};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -354,7 +354,7 @@ impl StormFarm {
         self.take_printed_files();
         let inbox = self.farm.folder("inbox");
         let is_part = |file: &PathBuf| file.extension().is_some_and(|extension| extension == "stl");
-        let is_empty = !nestd::intake::files_below(&inbox).unwrap_or_default().iter().any(is_part);
+        let is_empty = !intake::files_below(&inbox).unwrap_or_default().iter().any(is_part);
         let waiting = self.parts(PartState::Waiting).len();
         if waiting > 0 {
             let _ = self.farm.nestd(&["flush", PROFILE]);
@@ -364,7 +364,7 @@ impl StormFarm {
     }
 
     fn compare_copies(&mut self) {
-        let error = nestd::intake::files_below(&self.farm.folder("error")).unwrap_or_default();
+        let error = intake::files_below(&self.farm.folder("error")).unwrap_or_default();
         let refused: BTreeSet<String> =
             error.iter().filter_map(|file| Some(hash(&fs::read(file).ok()?))).collect::<BTreeSet<_>>();
         for (content, expected) in &self.expected {

@@ -3,7 +3,7 @@
 
 use std::{fs, thread, time::Duration};
 
-use nestd::ledger::{BuildState, PartId, PartState};
+use ledger::{BuildState, PartId, PartState};
 
 use super::{
     budget::SectionBudget,

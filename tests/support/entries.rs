@@ -12,11 +12,10 @@ use std::{
 };
 
 use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, has_end, read_build, read_part_file};
-use nestd::{
-    intake::{OrderList, Ticket, copies_in_name, display_name, raw_name},
-    ledger::RequiredTilts,
-    settings,
-};
+use intake::{OrderList, Ticket, copies_in_name, display_name, raw_name};
+use ledger::RequiredTilts;
+
+use nestd::settings;
 use nester::OrientationLimits;
 
 /// A fuzz target: its name, which is also its corpus' folder, and its entry.
@@ -120,7 +119,7 @@ fn ticket_is_kept(ticket: Ticket) {
     if let Some(due) = ticket.due
         && let Ok(at) = due.to_timestamp(&jiff::tz::TimeZone::UTC)
     {
-        let text = nestd::ledger::UtcTimestamp(at).to_string();
+        let text = ledger::UtcTimestamp(at).to_string();
         assert!(text.parse::<jiff::Timestamp>().is_ok(), "{text}");
     }
     assert!(ticket.copies.is_none_or(|n| (1..=10_000).contains(&n)));

@@ -14,6 +14,7 @@ pub mod trace;
 pub mod trial;
 pub mod webhook;
 
+use ledger::{Ledger, PartRow, PartState};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -23,7 +24,6 @@ use std::{
 
 use nestd::{
     farm::{self, InvariantExpectations},
-    ledger::{Ledger, PartRow, PartState},
     settings,
 };
 use solids::Mesh;

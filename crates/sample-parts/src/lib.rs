@@ -3,6 +3,7 @@
 //! Parts with sharp edges are built exactly, from outlines that are extruded or swept. Unions and lattices come from
 //! signed distance functions and marching tetrahedra. Every sample is one closed, consistently oriented surface.
 
+pub mod fixtures;
 mod making;
 mod parts;
 mod workload;

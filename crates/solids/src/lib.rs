@@ -1,9 +1,13 @@
 #![doc = include_str!("../README.md")]
 // Pure solids: poses, meshes, boxes and the distance between them. Millimetres everywhere; knows nothing of flowers.
 
+#[cfg(test)]
+extern crate self as solids; // for the fixtures, which know it by that name
+
 mod clearance;
-#[cfg(any(test, feature = "fixtures"))]
-pub mod fixtures;
+#[cfg(test)]
+#[path = "../../sample-parts/src/fixtures.rs"]
+mod fixtures;
 mod mesh;
 #[cfg(test)]
 mod tests;

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use ledger::{CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId};
 
 use crate::{
     cli::{
@@ -13,7 +14,6 @@ use crate::{
             target::{PartTarget, find_targets},
         },
     },
-    ledger::{CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId},
     settings::Settings,
 };
 

@@ -1,6 +1,7 @@
 //! `nestd dismiss`: a person has seen to a profile's refused files, or to a failed print.
 
 use anyhow::{Context, Result};
+use ledger::BuildId;
 
 use crate::{
     cli::{
@@ -12,7 +13,6 @@ use crate::{
         },
     },
     farm,
-    ledger::BuildId,
 };
 
 /// Dismisses the files in the error folder of the profile, or the failed print of a build (`b4`).

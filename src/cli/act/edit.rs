@@ -2,6 +2,8 @@
 //! was printed is printed again.
 
 use anyhow::Result;
+use intake::MAX_COPIES;
+use ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget};
 use nester::OrientationRule;
 
 use super::{
@@ -19,8 +21,6 @@ use crate::{
             values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
         },
     },
-    intake::{self, MAX_COPIES},
-    ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget},
     settings::FarmZone,
 };
 

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
+use ledger::{BuildId, BuildRow, Ledger, OperatorWord};
 
 use crate::{
     cli::{
@@ -13,7 +14,6 @@ use crate::{
         },
     },
     farm,
-    ledger::{BuildId, BuildRow, Ledger, OperatorWord},
     settings::Settings,
 };
 

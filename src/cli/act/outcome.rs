@@ -1,18 +1,16 @@
 //! `nestd outcome`: records the outcome of a published build.
 
 use anyhow::Result;
+use ledger::{BuildId, OperatorWord, PartId, PrintOutcome, ToldOutcome};
 
 use super::operate::say;
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            candidates,
-            farm_context::user_at_host,
-            values::{parse_build_number, parse_part_copies},
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        candidates,
+        farm_context::user_at_host,
+        values::{parse_build_number, parse_part_copies},
     },
-    ledger::{BuildId, OperatorWord, PartId, PrintOutcome, ToldOutcome},
 };
 
 /// Arguments of the command.

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
+use ledger::Ledger;
 
 use crate::{
     cli::{
@@ -13,7 +14,6 @@ use crate::{
         },
     },
     farm::{PrinterView, fate_of_queued, printer_views},
-    ledger::Ledger,
     settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
 };

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use jiff::Timestamp;
+use ledger::{BuildId, BuildState};
 
 use crate::{
     cli::{
@@ -14,7 +15,6 @@ use crate::{
         },
     },
     farm::preview_release,
-    ledger::{BuildId, BuildState},
     settings::MachineProfile,
 };
 

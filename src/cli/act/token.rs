@@ -2,16 +2,14 @@
 
 use std::path::PathBuf;
 
+use access::{TokenRole, add_token, read_tokens, revoke_token};
 use anyhow::{Context, Result};
 
-use crate::{
-    access::{TokenRole, add_token, read_tokens, revoke_token},
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::load_settings,
-            table::{print_json, print_text},
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::load_settings,
+        table::{print_json, print_text},
     },
 };
 

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use ledger::{BuildId, Ledger, OperatorWord};
 
 use super::operate::wait_for_take_back;
 use crate::{
@@ -15,7 +16,6 @@ use crate::{
         },
     },
     farm,
-    ledger::{BuildId, Ledger, OperatorWord},
 };
 
 /// Arguments of the command.

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use jiff::Timestamp;
+use ledger::{HeightSummary, HistoryQuery};
 
 use crate::{
     cli::{
@@ -13,7 +14,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    ledger::{HeightSummary, HistoryQuery},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
 };
 

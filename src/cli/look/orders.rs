@@ -1,6 +1,7 @@
 //! `nestd orders`: orders and what became of their copies.
 
 use anyhow::Result;
+use ledger::{OrderQuery, OrderState};
 
 use crate::{
     cli::{
@@ -10,7 +11,6 @@ use crate::{
             table::{TextTable, print_json, print_text},
         },
     },
-    ledger::{OrderQuery, OrderState},
     tables::{ORDER_COLUMNS, TimeView},
 };
 

@@ -3,6 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use anyhow::{Context, Result};
+use intake::Ticket;
 use jiff::Timestamp;
 
 use crate::{
@@ -19,7 +20,6 @@ use crate::{
         QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
         read_quoted_files,
     },
-    intake::{self, Ticket},
 };
 
 /// Arguments of the command.

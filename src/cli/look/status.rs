@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use jiff::Timestamp;
+use ledger::{Ledger, NodeRow, PartRow, PartState, ProfileStatus};
 use serde::Serialize;
 
 use crate::{
@@ -15,8 +16,6 @@ use crate::{
         },
     },
     farm::{self, AlertKind, AlertSummary, FarmAlert, PrinterView, printer_views},
-    intake,
-    ledger::{Ledger, NodeRow, PartRow, PartState, ProfileStatus},
     settings::{FarmZone, Settings},
     tables::{
         FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, PRINTER_COLUMNS, TimeView,

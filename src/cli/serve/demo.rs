@@ -16,10 +16,9 @@ use self::{
     daemon::{DemoDaemon, nestd_command},
     farm::{DemoFarm, DroppedFiles, PROFILE, TORN_FILE},
 };
-use crate::{
-    cli::{CommandExit, CommonArgs, UsageError},
-    ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild},
-};
+use ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
+
+use crate::cli::{CommandExit, CommonArgs, UsageError};
 
 /// The demo fails after this time; it takes about twenty seconds on an idle machine.
 const TIMEOUT_SECS: u64 = 150;

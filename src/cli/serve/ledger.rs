@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use ledger::LedgerAddress;
 
 use crate::{
     cli::{CommandExit, UsageError, terminal::table::print_text},
     farm,
-    ledger::LedgerAddress,
 };
 
 /// What `nestd ledger` does.

@@ -6,14 +6,12 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use ledger::ReceiverKind;
 use tokio::runtime::Runtime;
 
 use crate::{
-    access,
     cli::{CommandExit, CommonArgs, UsageError, terminal::logging},
-    farm,
-    ledger::ReceiverKind,
-    metrics, outbox,
+    farm, metrics, outbox,
     settings::{self, Settings, SharedSettings},
     web,
 };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use build_file::{BuildMetadata, ReadLimits};
 use glam::DVec3;
+use ledger::{BuildId, BuildRow, Ledger, PartRow};
 
 use super::{
     atomic_file::AtomicFile,
@@ -16,7 +17,6 @@ use super::{
 use crate::{
     cli::{CommandExit, CommonArgs, UsageError},
     farm::{self, CakeContents, CakeCopy},
-    ledger::{BuildId, BuildRow, Ledger, PartRow},
     settings::{MachineProfile, Settings},
 };
 

@@ -5,11 +5,11 @@ use std::{ffi::OsStr, path::PathBuf};
 
 use clap::builder::StyledStr;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
+use ledger::{HistoryQuery, OrderQuery, OrderState, PartQuery, PartState};
 
 use super::farm_context::run_with_ledger;
 use crate::{
     cli::CommonArgs,
-    ledger::{HistoryQuery, OrderQuery, OrderState, PartQuery, PartState},
     settings::{self, Settings},
 };
 
@@ -74,7 +74,7 @@ fn read_builds() -> Vec<(String, String)> {
         let query = HistoryQuery { limit: Some(MAX_WORDS), ..HistoryQuery::default() };
         Ok(ledger.read_history(&query).await?)
     });
-    let meaning = |row: &crate::ledger::HistoryRow| format!("{}, {}", row.profile, row.state_word());
+    let meaning = |row: &ledger::HistoryRow| format!("{}, {}", row.profile, row.state_word());
     read.unwrap_or_default().iter().map(|row| (format!("b{}", row.build), meaning(row))).collect()
 }
 
@@ -83,9 +83,8 @@ fn read_parts(state: Option<PartState>) -> Vec<(String, String)> {
     let read = run_with_ledger_of(async |ledger| {
         Ok(ledger.list_parts(&PartQuery { state, limit: MAX_WORDS, ..PartQuery::default() }).await?)
     });
-    let is_offered = |part: &&crate::ledger::PartRow| state.is_some() || part.state != PartState::Rejected;
-    let word =
-        |part: &crate::ledger::PartRow| (format!("p{}", part.id), format!("{}, {}", part.full_name(), part.state));
+    let is_offered = |part: &&ledger::PartRow| state.is_some() || part.state != PartState::Rejected;
+    let word = |part: &ledger::PartRow| (format!("p{}", part.id), format!("{}, {}", part.full_name(), part.state));
     read.unwrap_or_default().iter().filter(is_offered).map(word).collect()
 }
 
@@ -97,6 +96,6 @@ fn read_orders() -> Vec<(String, String)> {
     read.unwrap_or_default().into_iter().map(|order| (order.name, "order".to_owned())).collect()
 }
 
-fn run_with_ledger_of<T>(work: impl AsyncFnOnce(&crate::ledger::Ledger) -> anyhow::Result<T>) -> Option<T> {
+fn run_with_ledger_of<T>(work: impl AsyncFnOnce(&ledger::Ledger) -> anyhow::Result<T>) -> Option<T> {
     run_with_ledger(typed_settings()?, async |_, ledger| work(ledger).await).ok()
 }

@@ -3,12 +3,12 @@
 
 use anyhow::{Context, Result, anyhow};
 use jiff::{Span, Timestamp, civil::Date};
+use ledger::{Ledger, LedgerError, UtcTimestamp};
 
 use super::table::print_to_stderr;
 use crate::{
     cli::{CommonArgs, UsageError},
     farm,
-    ledger::{Ledger, LedgerError, UtcTimestamp},
     settings::{self, FarmZone, Settings},
 };
 

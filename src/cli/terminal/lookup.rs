@@ -3,14 +3,11 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
+use ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OutcomeRow, PartId, PartRow, PlacementRow};
 use serde::Serialize;
 
 use super::values::parse_prefixed_number;
-use crate::{
-    ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OutcomeRow, PartId, PartRow, PlacementRow},
-    settings::MachineProfile,
-    tables::CountedPart,
-};
+use crate::{settings::MachineProfile, tables::CountedPart};
 
 /// What the user wants to see. A bare number or name may match a build, a part, an order and a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -1,6 +1,7 @@
 //! The output of `nestd show` for people.
 
 use build_file::escape_invisible;
+use ledger::{BuildState, EventRow};
 
 use super::{
     lookup::{BuildDetails, LookupResult, PartDetails},
@@ -9,7 +10,6 @@ use super::{
 };
 use crate::{
     farm::PartQuestion,
-    ledger::{BuildState, EventRow},
     tables::{
         BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart, SheetFact,
         TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, fields, part_facts, whereabouts,

@@ -2,12 +2,10 @@
 //! of part 5, `order:1042` = the order 1042, whose name is a number.
 
 use anyhow::Result;
+use ledger::{Ledger, PartId, PartRow};
 
 use super::values::parse_prefixed_number;
-use crate::{
-    cli::UsageError,
-    ledger::{Ledger, PartId, PartRow},
-};
+use crate::cli::UsageError;
 
 /// A part that a command means.
 #[derive(Debug, Clone, PartialEq)]

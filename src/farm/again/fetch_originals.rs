@@ -5,21 +5,19 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use intake::{ContentStore, StoreError};
 use jobs::BackgroundJob;
+use ledger::{BuildState, PartRow, PartState};
 use tracing::info;
 
-use crate::{
-    farm::{
-        alerts::{alert::AlertKind, failure::LostFileError},
-        core::farm::Farm,
-        files::claim_note::ClaimNote,
-        leases::folder_leases::FolderLeases,
-        nesting::node_content::{OtherNodes, archive_folders, find_original},
-        receive::damaged_files,
-        records::kept_build::KeptBuild,
-    },
-    intake::{self, ContentStore, StoreError},
-    ledger::{BuildState, PartRow, PartState},
+use crate::farm::{
+    alerts::{alert::AlertKind, failure::LostFileError},
+    core::farm::Farm,
+    files::claim_note::ClaimNote,
+    leases::folder_leases::FolderLeases,
+    nesting::node_content::{OtherNodes, archive_folders, find_original},
+    receive::damaged_files,
+    records::kept_build::KeptBuild,
 };
 
 /// What fails, and is tried again later, when an original cannot be fetched.

@@ -1,14 +1,12 @@
 //! Commands that change what was asked with a part: edit, move, confirm, and cancel for some of its copies.
 
 use anyhow::Result;
+use ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 use super::fetch_originals;
-use crate::{
-    farm::{
-        core::{command_answer::CommandAnswer, farm::Farm},
-        receive::{deferred_refusal, intake_jobs::PartReadJob, mark_note},
-    },
-    ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState},
+use crate::farm::{
+    core::{command_answer::CommandAnswer, farm::Farm},
+    receive::{deferred_refusal, intake_jobs::PartReadJob, mark_note},
 };
 
 /// Carries out a command that changes a part; `None` = it waits, because the part is being read or moved.

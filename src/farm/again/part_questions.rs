@@ -2,12 +2,8 @@
 //! page of a part show them.
 
 use build_file::format_count;
+use ledger::{PartRow, QuestionKind, QuestionedPart};
 use serde_json::json;
-
-use crate::{
-    intake,
-    ledger::{PartRow, QuestionKind, QuestionedPart},
-};
 
 /// Maximum number of questions of a kind in `STATUS.txt`.
 const MAX_LINES: usize = 3;
@@ -102,10 +98,8 @@ pub(crate) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_j
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::{
-        NewPartRow, SolidFacts,
-        fixtures::{fresh, new_part, solid},
-    };
+    use ledger::{NewPartRow, SolidFacts};
+    use ledger_fixtures::{fresh, new_part, solid};
 
     #[tokio::test]
     async fn each_open_question_of_a_part_comes_with_what_answers_it() {

@@ -1,14 +1,12 @@
 //! Earlier revisions of a part that a newer one replaced: they are taken out, with a copy in the error folder.
 
 use anyhow::Result;
+use ledger::{PartState, RefusalCause};
 
 use super::part_changes;
-use crate::{
-    farm::{
-        core::farm::Farm,
-        receive::{claim_completion, deferred_refusal},
-    },
-    ledger::{PartState, RefusalCause},
+use crate::farm::{
+    core::farm::Farm,
+    receive::{claim_completion, deferred_refusal},
 };
 
 /// Takes out the parts that a newer revision replaced.

@@ -6,15 +6,13 @@ use std::{collections::BTreeSet, path::Path, time::Duration};
 use anyhow::Result;
 use build_file::format_count;
 use jobs::BackgroundJob;
+use ledger::NodeRow;
 use tracing::info;
 
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        core::farm::Farm,
-        nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
-    },
-    ledger::NodeRow,
+use crate::farm::{
+    alerts::alert::AlertKind,
+    core::farm::Farm,
+    nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
 };
 
 /// What fails, and is tried again later.
@@ -98,7 +96,7 @@ fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::UtcTimestamp;
+    use ledger::UtcTimestamp;
 
     fn node(name: &str, alive: bool, address: &str) -> NodeRow {
         NodeRow {

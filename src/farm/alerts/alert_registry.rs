@@ -18,7 +18,7 @@ use super::{
     alert::{AlertKind, FarmAlert},
     alert_summary::AlertSummary,
 };
-use crate::{farm::process::time_source::TimeSource, intake};
+use crate::farm::process::time_source::TimeSource;
 
 /// Name of the file in the state folder.
 const FILE: &str = "attention.json";

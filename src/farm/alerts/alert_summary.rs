@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::alert::{AlertKind, FarmAlert};
-use crate::ledger::UtcTimestamp;
+use ledger::UtcTimestamp;
 
 /// An alert that needs a person, with its remedy.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -3,12 +3,9 @@
 use std::path::PathBuf;
 
 use build_file::FileReadError;
+use ledger::{PartId, PartRow, RefusalCause};
 
-use crate::{
-    farm::leases::folder_lease::LeaseError,
-    ledger::{PartId, PartRow, RefusalCause},
-    queue::QueueError,
-};
+use crate::{farm::leases::folder_lease::LeaseError, queue::QueueError};
 
 /// Why a file could not be read into meshes.
 #[derive(Debug, thiserror::Error)]

@@ -2,10 +2,11 @@
 
 use anyhow::Result;
 use jiff::SignedDuration;
+use ledger::Ledger;
 use tracing::warn;
 
 use super::farm::Farm;
-use crate::{farm::process::wall_clock::CLOCK_JUMP, ledger::Ledger};
+use crate::farm::process::wall_clock::CLOCK_JUMP;
 
 /// If the last event in the ledger is older than this at the start, the farm did not run for long or the clock is
 /// wrong.

@@ -5,7 +5,7 @@ use std::fmt;
 
 use build_file::format_count;
 
-use crate::ledger::{BuildId, LedgerError, PartId};
+use ledger::{BuildId, LedgerError, PartId};
 
 /// The answer to a command.
 #[derive(Debug)]

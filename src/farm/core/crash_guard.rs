@@ -6,12 +6,10 @@ use std::time::Duration;
 
 use anyhow::Result;
 use jiff::SignedDuration;
+use ledger::{BuildRow, Ledger, PartRow};
 
 use super::farm::Farm;
-use crate::{
-    farm::alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-    ledger::{BuildRow, Ledger, PartRow},
-};
+use crate::farm::alerts::{alert::AlertKind, alert_registry::AlertRegistry};
 
 /// This many searches without an end are taken for accidents: kills, power cuts.
 const TOLERATED_CRASHES: u32 = 3;

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use jiff::Timestamp;
 use jobs::JobRunner;
+use ledger::Ledger;
 
 use super::{
     machine_state::MachineStates,
@@ -20,7 +21,6 @@ use crate::{
         process::systemd,
         records::lost_ledger::ledger_alert,
     },
-    ledger::Ledger,
     settings::Settings,
 };
 

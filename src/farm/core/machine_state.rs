@@ -8,6 +8,7 @@ use std::{
 };
 
 use jiff::Timestamp;
+use ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies};
 use nester::SearchBudget;
 
 use super::printer_state::MachinePrinters;
@@ -28,7 +29,6 @@ use crate::{
             hot_folder_scan::RefusedFile, hot_folder_scanner::HotFolderScanner, obeyed_controls::ObeyedControls,
         },
     },
-    ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
     settings::MachineProfile,
 };
 

@@ -1,17 +1,13 @@
 //! The printers of an active machine: the queue folder of each, whether it is open, and whether a person took the printer
 //! out of use.
 
+use ledger::{BuildRow, DownPrinter};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
 };
 
-use crate::{
-    farm::records::ledger_freshness::FolderIdentities,
-    ledger::{BuildRow, DownPrinter},
-    queue::QueueFolder,
-    settings::MachineProfile,
-};
+use crate::{farm::records::ledger_freshness::FolderIdentities, queue::QueueFolder, settings::MachineProfile};
 
 /// A printer of an active machine.
 #[derive(Debug)]

@@ -7,7 +7,9 @@ use std::{
     time::Instant,
 };
 
+use intake::InboxWatcher;
 use jiff::Timestamp;
+use ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause};
 use nester::SearchBudget;
 
 use crate::{
@@ -22,8 +24,6 @@ use crate::{
         },
         records::forgettable::ForgettingState,
     },
-    intake::InboxWatcher,
-    ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause},
     settings::{Settings, SettingsError},
 };
 

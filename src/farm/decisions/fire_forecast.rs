@@ -2,13 +2,14 @@
 
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::ProfileStatus;
 
 use super::{
     printer_outlook::PrinterOutlook,
     queue_depth::has_machine_room,
     trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
 };
-use crate::{ledger::ProfileStatus, settings::MachineProfile};
+use crate::settings::MachineProfile;
 
 /// When a machine's next build fires, unless it is full before or an operator flushes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,14 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
+use ledger::{BuildId, Ledger, NightSearchRow, PartId, PartRow};
 use nester::LayerAreaCap;
 
 use super::layout::{LayoutPlacement, layouts_from_json};
-use crate::{
-    build::MachineSpec,
-    ledger::{BuildId, Ledger, NightSearchRow, PartId, PartRow},
-    settings::MachineProfile,
-};
+use crate::{build::MachineSpec, settings::MachineProfile};
 
 /// The lowest layout that is kept of exactly these copies with these rules.
 pub(crate) async fn find_kept_layout(

@@ -9,13 +9,13 @@ use std::{
 
 use build_file::OrderWords;
 use glam::{DQuat, DVec3};
+use ledger::{PartId, PartRow, PartTerms, PlacementRow, WaitingPart};
 use nester::{InstanceError, ItemPlacement, NestingInstance, NestingItem, NestingSolution};
 use serde::{Deserialize, Serialize};
 use solids::{Mesh, Pose};
 
 use crate::{
     build::{BuildPart, PartPlacement},
-    ledger::{PartId, PartRow, PartTerms, PlacementRow, WaitingPart},
     settings::{FarmZone, MachineProfile},
 };
 

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use build_file::format_count;
 
 use super::layout::CopyId;
-use crate::ledger::{EventKind, PartId, PartRow, WaitingPart};
+use ledger::{EventKind, PartId, PartRow, WaitingPart};
 
 /// A part of this priority must be in the next build.
 pub const HIGHEST_PRIORITY: u8 = 100;

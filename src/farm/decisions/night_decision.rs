@@ -1,7 +1,7 @@
 //! Decides how long an open build that waits is searched next, and when that is not worth its time any more. These are
 //! functions of facts.
 
-use crate::ledger::{NightSearchRow, NightState};
+use ledger::{NightSearchRow, NightState};
 
 /// A round that gains less than this share of the height is the last one: the next one would take twice as long.
 const LEAST_GAIN: f64 = 0.003;

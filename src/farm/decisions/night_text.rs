@@ -1,6 +1,6 @@
 //! What the search that lowers an open build while it waits has cost and gained, in words.
 
-use crate::ledger::{NightState, OpenBuildForecast};
+use ledger::{NightState, OpenBuildForecast};
 
 /// `1.24 mm lower after 350 CPU s since the last arrival, goes on`; `None` = it is switched off, or has not begun.
 pub fn night_text(open: &OpenBuildForecast) -> Option<String> {
@@ -21,7 +21,7 @@ pub fn night_gain_text(open: &OpenBuildForecast) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::BuildId;
+    use ledger::BuildId;
 
     #[test]
     fn cost_and_gain_are_told_unless_there_are_none() {

@@ -3,8 +3,9 @@
 //! coefficient based on Kendall's tau", 1968), so that one print that lay over a weekend does not count much.
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::ToldPrint;
 
-use crate::{ledger::ToldPrint, settings::MachineProfile};
+use crate::settings::MachineProfile;
 
 /// With fewer prints, the settings count.
 const MIN_PRINTS: usize = 5;

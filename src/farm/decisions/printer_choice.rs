@@ -3,12 +3,10 @@
 use std::collections::BTreeMap;
 
 use jiff::Timestamp;
+use ledger::{BuildId, BuildState, OccupyingBuild};
 
 use super::print_times::PrintTimes;
-use crate::{
-    ledger::{BuildId, BuildState, OccupyingBuild},
-    settings::{MachineProfile, PrinterRules},
-};
+use crate::settings::{MachineProfile, PrinterRules};
 
 /// What lies ahead of a printer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

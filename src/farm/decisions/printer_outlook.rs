@@ -2,15 +2,13 @@
 //! and time.
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::{OccupyingBuild, ProfileStatus};
 
 use super::{
     print_times::PrintTimes,
     printer_choice::{BuildSpan, PrinterLoad, build_spans, load_of_spans},
 };
-use crate::{
-    ledger::{OccupyingBuild, ProfileStatus},
-    settings::{FarmZone, MachineProfile, PrinterRules},
-};
+use crate::settings::{FarmZone, MachineProfile, PrinterRules};
 
 /// The printers of a machine that are in use, and how long prints take.
 #[derive(Debug, Clone, PartialEq)]

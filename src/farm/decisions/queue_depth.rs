@@ -1,9 +1,8 @@
 //! Whether another build may be made for the printers of a machine. This is a function of facts.
 
-use crate::{
-    ledger::{BuildsAhead, ProfileStatus},
-    settings::MachineProfile,
-};
+use ledger::{BuildsAhead, ProfileStatus};
+
+use crate::settings::MachineProfile;
 
 /// Whether one of the printers has fewer builds ahead than may lie in its queue: in the queue folder, or made for it. A build whose
 /// printer is not decided takes one place.

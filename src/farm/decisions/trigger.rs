@@ -3,11 +3,12 @@
 use std::{collections::BTreeMap, fmt};
 
 use jiff::{SignedDuration, Timestamp, civil::Date};
+use ledger::DueArrival;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::printer_outlook::PrinterOutlook;
-use crate::{ledger::DueArrival, settings::MachineProfile};
+use crate::settings::MachineProfile;
 
 /// Why a batch fired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -190,7 +191,7 @@ pub(crate) mod tests {
         super::{print_times::PrintTimes, printer_outlook::PrinterAhead},
         *,
     };
-    use crate::ledger::fixtures::{fresh, waiting};
+    use ledger_fixtures::{fresh, waiting};
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
     fn machine() -> MachineProfile {

@@ -3,12 +3,10 @@
 use std::collections::BTreeSet;
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::WaitingPart;
 
 use super::{layout::CopyId, left_out::HIGHEST_PRIORITY, trigger::secs_between};
-use crate::{
-    ledger::WaitingPart,
-    settings::{ApprovalPolicy, MachineProfile, WithdrawalPolicy},
-};
+use crate::settings::{ApprovalPolicy, MachineProfile, WithdrawalPolicy};
 
 /// Beside the time that the next final search takes, this long must pass before the printer could take the file, seconds: a
 /// printer never waits for a better build.
@@ -67,7 +65,7 @@ pub(crate) fn decide_withdrawal(
 #[cfg(test)]
 mod tests {
     use super::{super::trigger::tests::machine_with_triggers, *};
-    use crate::ledger::fixtures::{fresh, waiting};
+    use ledger_fixtures::{fresh, waiting};
 
     fn at(hour: i64) -> Timestamp {
         Timestamp::UNIX_EPOCH + SignedDuration::from_hours(hour)

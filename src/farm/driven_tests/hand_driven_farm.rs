@@ -9,6 +9,10 @@ use std::{
 };
 
 use jiff::SignedDuration;
+use ledger::{
+    BuildState, CommandId, CommandKind, CommandRow, Ledger, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
+    PartState, WordAnswer,
+};
 use solids::Mesh;
 use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
@@ -23,10 +27,6 @@ use crate::{
         records::invariants,
         recover::restore::{repair_ledger, restore_ledger},
         run::{event_loop, machine_setup, open::open_farm},
-    },
-    ledger::{
-        BuildState, CommandId, CommandKind, CommandRow, Ledger, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
-        PartState, WordAnswer,
     },
     settings::{self, MachineProfile},
 };

@@ -8,15 +8,13 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use intake::{ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError};
+use ledger::{DroppedFile, Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource};
 use serde::{Deserialize, Serialize};
 
 use super::file_fault::FileTerms;
 use crate::{
     farm::leases::{lease_holder::FarmIdentity, own_machines::without_other_nodes},
-    intake::{
-        self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
-    },
-    ledger::{DroppedFile, Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource},
     settings::{MachineProfile, Settings},
 };
 

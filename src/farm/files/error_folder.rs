@@ -6,11 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-
-use crate::{
-    intake,
-    ledger::{PartId, PartRow, RefusalCause},
-};
+use ledger::{PartId, PartRow, RefusalCause};
 
 /// End of the name of the reason file.
 pub(crate) const REASON_SUFFIX: &str = ".reason.txt";

@@ -1,15 +1,13 @@
 //! Why a file that can be read cannot be printed: too many copies, a mesh that is not closed, too large for the machine.
 
 use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
+use intake::Ticket;
+use ledger::{RefusalCause, RequestedTerms};
 use nester::{OrientationLimits, OrientationRule};
 use solids::MeshDefects;
 
 use super::file_request::requested_terms;
-use crate::{
-    intake::Ticket,
-    ledger::{RefusalCause, RequestedTerms},
-    settings::{MachineProfile, MeshErrorPolicy},
-};
+use crate::settings::{MachineProfile, MeshErrorPolicy};
 
 /// A part that would be smaller than this in another unit was not meant in it.
 const SMALLEST_MEANT_MM: f64 = 1.0;

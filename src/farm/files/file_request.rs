@@ -3,7 +3,7 @@
 use build_file::SolidRequest;
 use nester::{FaceNotDown, OrientationLimits, OrientationRule, TiltLimit, TiltLimitError};
 
-use crate::ledger::{RequestedTerms, RequiredTilts};
+use ledger::{RequestedTerms, RequiredTilts};
 
 /// What a file asks for a solid.
 ///

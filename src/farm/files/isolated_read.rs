@@ -18,11 +18,12 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits, SolidRequest};
 use glam::DVec3;
+use ledger::RefusalCause;
 use rustix::process::{Pid, Resource, Rlimit, Signal};
 use serde::{Deserialize, Serialize};
 use solids::Mesh;
 
-use crate::{farm::alerts::failure::PartReadError, ledger::RefusalCause};
+use crate::farm::alerts::failure::PartReadError;
 
 /// A file is read this many times inside the daemon; further attempts use a separate process.
 pub const READS_IN_THE_DAEMON: u32 = 2;

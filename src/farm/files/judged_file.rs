@@ -3,12 +3,13 @@
 use std::{fs, path::Path};
 
 use build_file::ReadLimits;
+use intake::Ticket;
 
 use super::{
     file_fault::{FileTerms, find_file_fault},
     isolated_read::PartReadRequest,
 };
-use crate::{farm::alerts::failure::PartReadError, intake::Ticket, settings::MachineProfile};
+use crate::{farm::alerts::failure::PartReadError, settings::MachineProfile};
 
 /// A larger file is judged when it is taken: reading it takes longer than a client waits.
 const MAX_JUDGED_BYTES: u64 = 64 << 20;

@@ -11,7 +11,7 @@ use build_file::{LengthUnit, ReadLimits};
 use solids::Mesh;
 
 use super::read_again::{ensure_same_size, read_in_fixed_unit};
-use crate::ledger::PartRow;
+use ledger::PartRow;
 
 /// Key of a mesh: content of the file, index of the solid, and the unit that it is read in.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

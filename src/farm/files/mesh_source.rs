@@ -9,6 +9,8 @@ use std::{
 
 use anyhow::Result;
 use build_file::ReadLimits;
+use intake::{ContentStore, StoreError};
+use ledger::PartRow;
 use nester::PreparedMeshes;
 use solids::Mesh;
 
@@ -16,11 +18,7 @@ use super::{
     disk_cache::DiskPreparationCache,
     mesh_cache::{MeshCache, MeshCacheKey},
 };
-use crate::{
-    farm::alerts::failure::LostFileError,
-    intake::{ContentStore, StoreError},
-    ledger::PartRow,
-};
+use crate::farm::alerts::failure::LostFileError;
 
 /// Source of meshes.
 #[derive(Debug, Clone)]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use build_file::{LengthUnit, PartFileSolid};
+use ledger::{PartRow, RefusalCause, SolidFacts};
 
 use super::{
     file_fault::{FileTerms, defects_text, find_file_fault},
@@ -14,7 +15,6 @@ use super::{
 };
 use crate::{
     farm::alerts::failure::{LostFileError, PartReadError, error_chain},
-    ledger::{PartRow, RefusalCause, SolidFacts},
     settings::MachineProfile,
 };
 

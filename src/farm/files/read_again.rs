@@ -4,13 +4,11 @@
 use std::path::Path;
 
 use build_file::{LengthUnit, PartFileContents, ReadLimits};
+use ledger::{PartRow, is_same_size};
 use solids::Mesh;
 
 use super::isolated_read::{PartReadRequest, READS_IN_THE_DAEMON};
-use crate::{
-    farm::alerts::failure::{PartReadError, SizeDiffersError},
-    ledger::{PartRow, is_same_size},
-};
+use crate::farm::alerts::failure::{PartReadError, SizeDiffersError};
 
 /// Units that a file of an earlier nestd may have been read in, the likely ones first.
 const UNITS: [LengthUnit; 6] = [

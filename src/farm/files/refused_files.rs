@@ -2,6 +2,7 @@
 //! cancelled on purpose, dismissed, or can no longer be taken back. Whether a part was cancelled is in its row; a file
 //! that was refused before it became a part has none.
 
+use ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause};
 use std::{
     collections::HashMap,
     fs, io,
@@ -10,10 +11,6 @@ use std::{
 };
 
 use super::error_folder::{REASON_SUFFIX, find_part_number};
-use crate::{
-    intake,
-    ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause},
-};
 
 /// A file in the error folder: refusals older than its modification time are dismissed.
 const DISMISSED: &str = ".nestd-dismissed";
@@ -90,7 +87,7 @@ pub fn dismiss_refused(error_dir: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::fixtures::{fresh, waiting};
+    use ledger_fixtures::{fresh, waiting};
 
     #[tokio::test(flavor = "multi_thread")]
     async fn what_was_cancelled_or_dismissed_or_is_old_needs_nobody() {

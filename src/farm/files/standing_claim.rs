@@ -1,6 +1,6 @@
 //! A claim whose original is still in the hot folder's `.claimed`, with its claim note.
 
-use crate::intake::{ClaimedPart, ContentStore, StoreError};
+use intake::{ClaimedPart, ContentStore, StoreError};
 
 /// A recorded claim that has not been released.
 #[derive(Debug, Clone)]

@@ -7,10 +7,7 @@ use super::{
     lease_clock::LeaseTimestamp,
     lease_holder::LeaseHolder,
 };
-use crate::{
-    intake,
-    settings::{MachineFolders, MachineProfile},
-};
+use crate::settings::{MachineFolders, MachineProfile};
 
 /// Why a folder cannot be used, for alerts.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 
 use super::state_lock;
-use crate::ledger::SharedFarm;
+use ledger::SharedFarm;
 
 /// Name of the file with the farm's id in the state directory.
 pub const FARM_ID_FILE: &str = "nestd.farm";

@@ -70,7 +70,7 @@ pub(super) fn write_marker(folder: &Path, holder: &LeaseHolder, checked_at: Leas
         other => other?,
     };
     if file.metadata()?.len() == 0 {
-        crate::access::apply_file_permissions(&file)?;
+        access::apply_file_permissions(&file)?;
     }
     match checked_at.is_valid() {
         true => file.write_all_at(text.as_bytes(), 0),

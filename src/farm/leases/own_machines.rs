@@ -1,12 +1,10 @@
 //! Which machines are this node's own. Where several nodes share a ledger, another one may serve a machine, also one that is configured
 //! here for the day on which it moves.
 
+use ledger::{Ledger, LedgerError};
 use std::collections::BTreeMap;
 
-use crate::{
-    ledger::{Ledger, LedgerError},
-    settings::Settings,
-};
+use crate::settings::Settings;
 
 /// The machines that other nodes serve, each with its node, whether they are configured here or not.
 ///

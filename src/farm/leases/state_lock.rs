@@ -13,7 +13,7 @@ use jiff::Timestamp;
 use rustix::fs::{FlockOperation, flock};
 
 /// Name of the lock file in the state directory.
-pub use crate::ledger::LOCK_NAME as NAME;
+pub use ledger::LOCK_NAME as NAME;
 
 /// A process that only checks whether a daemon runs holds the lock for a moment; a process that holds it longer is a
 /// daemon.

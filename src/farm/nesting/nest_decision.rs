@@ -1,11 +1,10 @@
 //! Decides whether a fired build gets a final search, of which length, and what follows a search that failed. These are
 //! functions of facts.
 
+use ledger::BuildId;
+
 use super::write_build::UnprovedBuildError;
-use crate::{
-    farm::alerts::failure::{PartFault, is_disk_failure},
-    ledger::BuildId,
-};
+use crate::farm::alerts::failure::{PartFault, is_disk_failure};
 
 /// A build that was started this many times without an end is given up, whatever ended the daemon each time.
 const MAX_STARTS: u32 = 200;

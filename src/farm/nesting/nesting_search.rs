@@ -6,6 +6,7 @@ use std::{
 };
 
 use anyhow::Result;
+use ledger::PartRow;
 use nester::{NestingSolution, SearchBudget};
 
 use crate::{
@@ -14,7 +15,6 @@ use crate::{
         files::mesh_source::MeshSource,
         process::cpu_meter::CpuMeter,
     },
-    ledger::PartRow,
     settings::MachineProfile,
 };
 

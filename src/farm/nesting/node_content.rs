@@ -9,16 +9,15 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
+use intake::ContentStore;
+use ledger::{Ledger, NodeRow};
 use ureq::{
     http::StatusCode,
     tls::{RootCerts, TlsConfig},
 };
 
 use crate::{
-    access,
     farm::records::build_record::archive_folder,
-    intake::{self, ContentStore},
-    ledger::{Ledger, NodeRow},
     settings::{MachineProfile, Settings},
 };
 

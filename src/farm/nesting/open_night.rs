@@ -2,10 +2,11 @@
 
 use std::sync::PoisonError;
 
+use ledger::NightSearchRow;
 use nester::SearchBudget;
 
 use super::nesting_search::SharedBestLayout;
-use crate::{farm::decisions::layout::BatchLayout, ledger::NightSearchRow};
+use crate::farm::decisions::layout::BatchLayout;
 
 /// The search that lowers an open build while it waits.
 #[derive(Debug, Default)]

@@ -6,13 +6,13 @@ use std::{collections::HashMap, path::Path, sync::Arc};
 use anyhow::{Context, Result};
 use build_file::{BuildFile, ReadLimits};
 use jiff::Timestamp;
+use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
 use nester::{SearchSummary, Separability};
 
 use super::nesting_search::NestingResult;
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
     farm::decisions::layout::CopyId,
-    ledger::{self, BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified},
     queue::QueueFolder,
     settings::MachineProfile,
 };

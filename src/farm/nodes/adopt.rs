@@ -4,6 +4,7 @@
 use std::{collections::HashSet, io};
 
 use anyhow::{Context, Result, bail};
+use ledger::SharedFarm;
 use tracing::warn;
 
 use crate::{
@@ -16,8 +17,6 @@ use crate::{
         },
         receive::{claim_completion, mark_note},
     },
-    intake,
-    ledger::SharedFarm,
     settings::{MachineProfile, Settings},
 };
 

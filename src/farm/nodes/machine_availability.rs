@@ -2,17 +2,15 @@
 //! unavailable.
 
 use jiff::SignedDuration;
+use ledger::ObservedMachine;
 
-use crate::{
-    farm::{
-        alerts::{
-            alert::{AlertKind, FarmAlert},
-            alert_registry::AlertRegistry,
-        },
-        core::{farm::Farm, machine_state::MachineState},
-        receive::scan_jobs::HotFolderScanJob,
+use crate::farm::{
+    alerts::{
+        alert::{AlertKind, FarmAlert},
+        alert_registry::AlertRegistry,
     },
-    ledger::ObservedMachine,
+    core::{farm::Farm, machine_state::MachineState},
+    receive::scan_jobs::HotFolderScanJob,
 };
 
 /// A problem that ends within this time does not make a machine unavailable.

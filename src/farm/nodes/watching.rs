@@ -4,19 +4,18 @@
 use std::{path::PathBuf, sync::Arc};
 
 use anyhow::Result;
+use intake::{InboxWatcher, WatchError};
 use jobs::{BackgroundJob, Carried, JobRunner, LoopEvent};
 use tracing::{debug, warn};
 
 use super::{folder_comparison, lease_renewal};
 use crate::{
-    access,
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
         core::{farm::Farm, machine_state::MachineStates, state::WatchedInboxes},
         leases::folder_leases::FolderLeases,
         receive::scan_jobs,
     },
-    intake::{InboxWatcher, WatchError},
     settings::MachineProfile,
 };
 

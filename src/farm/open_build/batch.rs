@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
+use ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -31,7 +32,6 @@ use crate::{
         publish::withdrawal,
         receive::{damaged_files, deferred_refusal},
     },
-    ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart},
     settings::MachineProfile,
 };
 

@@ -4,12 +4,10 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
+use ledger::{DuePartRow, PartId, UtcTimestamp};
 use tracing::warn;
 
-use crate::{
-    farm::{core::farm::Farm, decisions::trigger::secs_between, nodes::machine_availability},
-    ledger::{DuePartRow, PartId, UtcTimestamp},
-};
+use crate::farm::{core::farm::Farm, decisions::trigger::secs_between, nodes::machine_availability};
 
 /// Maximum number of part names in a warning.
 const MAX_NAMES: usize = 3;

@@ -9,6 +9,10 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use build_file::format_count;
 use jobs::{BackgroundJob, Carried};
+use ledger::{
+    BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
+    rank_waiting_copies,
+};
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -40,11 +44,6 @@ use crate::{
         receive::damaged_files,
         records::kept_build::{self, KeptBuild},
         scanning::machine_fit::find_misfit,
-    },
-    intake,
-    ledger::{
-        BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
-        rank_waiting_copies,
     },
     settings::MachineProfile,
 };

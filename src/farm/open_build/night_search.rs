@@ -5,34 +5,32 @@ use std::{collections::BTreeSet, sync::PoisonError};
 
 use anyhow::Result;
 use jobs::BackgroundJob;
+use ledger::{BuildId, Ledger, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart};
 use nester::{NestingMethod, NestingSolution, SearchBudget, improve_layouts};
 use tracing::{debug, info, warn};
 
 use super::batch::{arrival_search_secs, count_searches, save_layout};
-use crate::{
-    farm::{
-        alerts::failure::PartFault,
-        core::{
-            farm::Farm,
-            machine_state::{MachineState, MachineStates},
-        },
-        decisions::{
-            kept_layouts::{find_row, hash_problem},
-            layout::{BatchLayout, CopyId, LayoutPlacement, layouts_from_json, layouts_to_json},
-            night_decision::{MAX_STARTS, NightSearchEnd, begin_night, count_search, decide_search},
-        },
-        files::mesh_source::MeshSource,
-        nesting::{
-            nesting_search::{NestingRequest, SharedBestLayout},
-            open_night::RunningNight,
-        },
-        process::{
-            cpu_meter::CpuMeter,
-            thread_priority::{NIGHT_NICENESS, lower_thread_priority},
-        },
-        receive::damaged_files,
+use crate::farm::{
+    alerts::failure::PartFault,
+    core::{
+        farm::Farm,
+        machine_state::{MachineState, MachineStates},
     },
-    ledger::{BuildId, Ledger, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart},
+    decisions::{
+        kept_layouts::{find_row, hash_problem},
+        layout::{BatchLayout, CopyId, LayoutPlacement, layouts_from_json, layouts_to_json},
+        night_decision::{MAX_STARTS, NightSearchEnd, begin_night, count_search, decide_search},
+    },
+    files::mesh_source::MeshSource,
+    nesting::{
+        nesting_search::{NestingRequest, SharedBestLayout},
+        open_night::RunningNight,
+    },
+    process::{
+        cpu_meter::CpuMeter,
+        thread_priority::{NIGHT_NICENESS, lower_thread_priority},
+    },
+    receive::damaged_files,
 };
 
 /// Height differences up to this count as equal, mm.

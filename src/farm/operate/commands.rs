@@ -1,19 +1,17 @@
 //! Commands of operators, which arrive through the ledger.
 
 use anyhow::Result;
+use ledger::{
+    CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
+};
 use tracing::info;
 
-use crate::{
-    farm::{
-        again::part_changes,
-        alerts::alert::AlertKind,
-        core::{command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates},
-        printers::{printers, queues},
-        receive::{claim_completion, deferred_refusal, mark_note},
-    },
-    ledger::{
-        CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
-    },
+use crate::farm::{
+    again::part_changes,
+    alerts::alert::AlertKind,
+    core::{command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates},
+    printers::{printers, queues},
+    receive::{claim_completion, deferred_refusal, mark_note},
 };
 
 /// Carries out commands. A flush command is answered when its build has been fired.

@@ -2,11 +2,11 @@
 //! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
+use ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
 use std::{path::PathBuf, time::Duration};
 
 use crate::{
     farm::scanning::queue_contents,
-    ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer},
     queue::{QueueFolder, StagedState},
     settings::Settings,
 };

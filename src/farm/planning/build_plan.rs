@@ -2,6 +2,7 @@
 //! in the farm, played ahead as if nothing more arrived.
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::{BuildId, DueArrival};
 
 use super::plan_facts::{PlanFacts, PlanLine, StandingLayout};
 use crate::{
@@ -9,7 +10,6 @@ use crate::{
         printer_outlook::{PrinterAhead, PrinterOutlook},
         trigger::{DueFacts, FireTrigger, TriggerFacts, find_trigger, next_timed_trigger},
     },
-    ledger::{BuildId, DueArrival},
     settings::MachineProfile,
 };
 

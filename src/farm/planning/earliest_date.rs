@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
+use ledger::{PartId, PartRow};
 
 use super::{
     build_plan::{ComingBuild, add_secs, plan_builds},
@@ -11,10 +12,7 @@ use super::{
     plan_facts::{PlanFacts, PlanLine},
     reprint_odds::ReprintOdds,
 };
-use crate::{
-    ledger::{PartId, PartRow},
-    settings::MachineProfile,
-};
+use crate::settings::MachineProfile;
 
 /// A due date moves those of others; the date is sought in so many steps at most.
 const MAX_STEPS: usize = 5;

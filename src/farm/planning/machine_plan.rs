@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use jiff::Timestamp;
+use ledger::{BuildId, BuildState, PartId, PartRow, PartState, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -12,11 +13,7 @@ use super::{
     plan_facts::PlanHindrance,
     plan_reading::{BuildUnderWay, PlanReading},
 };
-use crate::{
-    farm::decisions::trigger::FireTrigger,
-    ledger::{BuildId, BuildState, PartId, PartRow, PartState, UtcTimestamp},
-    settings::MachineProfile,
-};
+use crate::{farm::decisions::trigger::FireTrigger, settings::MachineProfile};
 
 /// The plan of a machine. It holds as long as nothing more arrives.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

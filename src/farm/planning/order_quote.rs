@@ -4,6 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{BuildId, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -19,10 +20,7 @@ use super::{
     quoted_part::QuotedPart,
     reprint_odds::ReprintOdds,
 };
-use crate::{
-    ledger::{BuildId, PartRow, UtcTimestamp},
-    settings::{FarmZone, MachineProfile},
-};
+use crate::settings::{FarmZone, MachineProfile};
 
 /// Time that the insertion into the open build may take: a quote takes less than two seconds.
 pub const QUOTE_SEARCH_TIME: Duration = Duration::from_millis(1400);

@@ -2,7 +2,9 @@
 //! is the median of all slopes between two builds (P. K. Sen, "Estimates of the regression coefficient based on Kendall's
 //! tau", 1968).
 
-use crate::{farm::decisions::print_times::median, ledger::PublishedExperience, settings::MachineProfile};
+use ledger::PublishedExperience;
+
+use crate::{farm::decisions::print_times::median, settings::MachineProfile};
 
 /// Newest builds that are learned from.
 pub const LEARN_FROM: u32 = 60;
@@ -81,7 +83,7 @@ pub fn upper_end(mut values: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::farm::decisions::trigger::tests::machine_with_triggers;
-    use crate::ledger::{BuildId, BuildState};
+    use ledger::{BuildId, BuildState};
 
     fn builds(measures: &[(f64, f64)]) -> Vec<PublishedExperience> {
         let build = |&(part_volume_mm3, height_mm): &(f64, f64)| PublishedExperience {

@@ -3,14 +3,11 @@
 use std::{collections::HashSet, sync::Arc};
 
 use jiff::Timestamp;
+use ledger::{BuildId, PartId, PartRow, WaitingPart, compare_precedence, rank_waiting_copies};
 use nester::OrientationRule;
 
 use super::packing_experience::PackingExperience;
-use crate::{
-    farm::decisions::printer_outlook::PrinterOutlook,
-    ledger::{BuildId, PartId, PartRow, WaitingPart, compare_precedence, rank_waiting_copies},
-    settings::MachineProfile,
-};
+use crate::{farm::decisions::printer_outlook::PrinterOutlook, settings::MachineProfile};
 
 /// Waiting copies of one part, all of which stand in the open build, or none.
 #[derive(Debug, Clone)]

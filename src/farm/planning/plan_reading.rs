@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use anyhow::Result;
 use jiff::Timestamp;
+use ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, PublishedExperience, WaitingPart};
 
 use super::{
     date_outlook::{EndReserve, MadeBuild},
@@ -20,7 +21,6 @@ use crate::{
         },
         printers::{printers::occupation_of, release_preview::awaits_release},
     },
-    ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, PublishedExperience, WaitingPart},
     settings::MachineProfile,
 };
 

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::{BuildId, PartId, PartRow, WaitingPart};
+use ledger_fixtures::part_row;
 
 use super::{
     build_plan::{ComingBuild, plan_builds},
@@ -17,7 +19,6 @@ use crate::{
         printer_outlook::{PrinterAhead, PrinterOutlook},
         trigger::tests::machine_with_triggers,
     },
-    ledger::{BuildId, PartId, PartRow, WaitingPart, fixtures::part_row},
     settings::MachineProfile,
 };
 

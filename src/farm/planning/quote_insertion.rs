@@ -9,6 +9,8 @@ use std::{
 
 use anyhow::{Result, ensure};
 use build_file::ReadLimits;
+use intake::ContentStore;
+use ledger::{PartId, PartRow, WaitingPart};
 use nester::{InterlockRule, NestingMethod, PreparedMeshCache, PreparedMeshes, SearchBudget, insert_copies};
 use solids::Mesh;
 use tracing::debug;
@@ -20,8 +22,6 @@ use crate::{
         files::{disk_cache::DiskCacheReader, isolated_read::READS_IN_THE_DAEMON, mesh_cache::MeshCache},
         process::thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
     },
-    intake::ContentStore,
-    ledger::{PartId, PartRow, WaitingPart},
     settings::{MachineProfile, Settings},
 };
 

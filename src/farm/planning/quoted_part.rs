@@ -8,7 +8,12 @@ use std::{
 };
 
 use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
+use intake::Ticket;
 use jiff::Timestamp;
+use ledger::{
+    ClaimedFile, OwedCopies, PartId, PartMeasures, PartRejection, PartRow, PartState, PartTerms, PartTimes,
+    RequiredTilts, SolidOfFile,
+};
 use solids::Mesh;
 
 use crate::{
@@ -19,11 +24,6 @@ use crate::{
             file_request::requested_terms,
             isolated_read::PartReadRequest,
         },
-    },
-    intake::Ticket,
-    ledger::{
-        ClaimedFile, OwedCopies, PartId, PartMeasures, PartRejection, PartRow, PartState, PartTerms, PartTimes,
-        RequiredTilts, SolidOfFile,
     },
     settings::MachineProfile,
 };

@@ -1,10 +1,9 @@
 //! How often copies have to be printed again until all of an order are good. Pure functions of what earlier builds teach.
 
+use ledger::{BuildState, PublishedExperience};
+
 use super::packing_experience::upper_end;
-use crate::{
-    farm::decisions::print_times::median,
-    ledger::{BuildState, PublishedExperience},
-};
+use crate::farm::decisions::print_times::median;
 
 /// A date that is promised is kept with this probability, as far as reprints go.
 const KEPT: f64 = 0.95;

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp, WaitingPart};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -19,7 +20,6 @@ use crate::{
         },
         scanning::machine_fit::find_misfit,
     },
-    ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp, WaitingPart},
     settings::{FarmZone, MachineProfile, PrinterRules},
 };
 

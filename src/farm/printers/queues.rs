@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Result, ensure};
 use jobs::{BackgroundJob, JobRunner};
+use ledger::{BuildId, BuildRow, BuildState, Ledger, Verified};
 use tracing::{info, warn};
 
 use crate::{
@@ -20,7 +21,6 @@ use crate::{
         nesting::write_build::queue_file_name,
         records::build_record,
     },
-    ledger::{BuildId, BuildRow, BuildState, Ledger, Verified},
     queue::{QueueError, QueueFolder, StagedState},
 };
 

@@ -4,13 +4,13 @@
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{BuildId, BuildRow, BuildState, Ledger, OccupyingBuild, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::printers::{occupation_of, rules_of_build};
 use crate::{
     farm::{decisions::printer_choice::printer_loads, scanning::machine_fit::find_misfit},
-    ledger::{BuildId, BuildRow, BuildState, Ledger, OccupyingBuild, PartRow, UtcTimestamp},
     settings::{FarmZone, MachineProfile},
 };
 

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use crate::ledger::Ledger;
+use ledger::Ledger;
 
 /// Maximum interval of the queries.
 const ASK_EVERY: Duration = Duration::from_secs(2);

@@ -3,6 +3,7 @@
 
 use anyhow::{Context, Result, ensure};
 use jobs::BackgroundJob;
+use ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, MoveEnd};
 use tokio::runtime::Handle;
 use tracing::{info, warn};
 
@@ -15,7 +16,6 @@ use crate::{
         records::staged_build::has_hash,
         scanning::machine_fit::find_misfit,
     },
-    ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, MoveEnd},
     queue::{QueueFolder, StagedState, WithdrawalOutcome},
 };
 

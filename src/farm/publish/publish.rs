@@ -3,6 +3,7 @@
 
 use anyhow::Result;
 use jobs::BackgroundJob;
+use ledger::{BuildId, BuildRow, BuildState, PartState};
 use tracing::{info, warn};
 
 use crate::{
@@ -18,7 +19,6 @@ use crate::{
         },
         scanning::machine_fit::find_misfit,
     },
-    ledger::{BuildId, BuildRow, BuildState, PartState},
     queue::PublishOutcome,
 };
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use build_file::format_count;
 use jobs::BackgroundJob;
+use ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild};
 use tokio::runtime::Handle;
 use tracing::{info, warn};
 
@@ -17,7 +18,6 @@ use crate::{
         printers::queue_alerts::report_wrong_files,
         scanning::queue_files::{QueueFileFindings, QueueFileLook},
     },
-    ledger::{BuildId, BuildRow, BuildState, FoundPlace, Ledger, QueuedBuild},
     queue::{QueueFolder, StagedState},
     settings::MachineProfile,
 };

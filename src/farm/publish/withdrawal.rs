@@ -6,6 +6,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use jobs::BackgroundJob;
+use ledger::{
+    BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
+    WITHDRAWN_BY_NESTD, WithdrawalEnd,
+};
 use tracing::info;
 
 use super::build_move::queue_with_marker;
@@ -23,10 +27,6 @@ use crate::{
         process::tick_tasks::TimedTask,
         records::{build_record::note_withdrawn, staged_build::has_hash},
         scanning::queue_contents,
-    },
-    ledger::{
-        BuildId, BuildRow, BuildState, FoundPlace, Ledger, LedgerError, OccupyingBuild, OperatorWord, TakenBackFor,
-        WITHDRAWN_BY_NESTD, WithdrawalEnd,
     },
     queue::{QueueFolder, StagedState, WithdrawalOutcome},
     settings::WithdrawalPolicy,

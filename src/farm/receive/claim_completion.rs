@@ -3,22 +3,20 @@
 //! not wait for it.
 
 use anyhow::Result;
+use intake::{ClaimedPart, ReleaseOutcome, StoredFile};
 use jobs::{BackgroundJob, JobRunner};
+use ledger::{PartRow, PartState, RefusalCause};
 use tracing::{debug, warn};
 
 use super::{
     deferred_refusal, forget, mark_note,
     refused_part::{ClaimOutcome, describe_refused_part},
 };
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        core::{farm::Farm, state::CompletionState},
-        files::standing_claim::StandingClaim,
-        records::forgettable::Forgettable,
-    },
-    intake::{self, ClaimedPart, ReleaseOutcome, StoredFile},
-    ledger::{PartRow, PartState, RefusalCause},
+use crate::farm::{
+    alerts::alert::AlertKind,
+    core::{farm::Farm, state::CompletionState},
+    files::standing_claim::StandingClaim,
+    records::forgettable::Forgettable,
 };
 
 /// Completes a claim: moves or releases its file.

@@ -1,14 +1,12 @@
 //! Control files (`FLUSH`, `PAUSE`, `RESUME`): each becomes a command, and is removed. `STATUS.txt` shows the answer.
 
 use anyhow::Result;
+use intake::{ControlFile, ControlKind};
 use jobs::BackgroundJob;
+use ledger::{CommandArgument, CommandKind, NewCommand};
 use tracing::warn;
 
-use crate::{
-    farm::core::farm::Farm,
-    intake::{self, ControlFile, ControlKind},
-    ledger::{CommandArgument, CommandKind, NewCommand},
-};
+use crate::farm::core::farm::Farm;
 
 /// Removes a control file.
 #[derive(Clone)]

@@ -7,22 +7,20 @@ use std::{
 };
 
 use anyhow::Result;
+use intake::{ClaimedPart, StoredFile};
 use jobs::BackgroundJob;
+use ledger::{BuildId, Ledger, PartId};
 use tracing::{info, warn};
 
 use super::claim_completion;
-use crate::{
-    farm::{
-        alerts::{
-            alert::AlertKind,
-            alert_registry::AlertRegistry,
-            failure::{LostFileError, PartFault},
-        },
-        core::{farm::Farm, machine_state::MachineStates},
-        nesting::node_content::OtherNodes,
+use crate::farm::{
+    alerts::{
+        alert::AlertKind,
+        alert_registry::AlertRegistry,
+        failure::{LostFileError, PartFault},
     },
-    intake::{self, ClaimedPart, StoredFile},
-    ledger::{BuildId, Ledger, PartId},
+    core::{farm::Farm, machine_state::MachineStates},
+    nesting::node_content::OtherNodes,
 };
 
 /// Checks damaged stored files; returns the hashes of those that are intact again.

@@ -3,20 +3,18 @@
 
 use anyhow::Result;
 use jobs::{BackgroundJob, JobRunner};
+use ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause};
 use tracing::info;
 
 use super::{mark_note, refused_part::describe_refused_part};
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        core::{
-            command_answer::CommandAnswer,
-            farm::Farm,
-            state::{CompletionState, DeferredRefusal},
-        },
-        files::error_folder,
+use crate::farm::{
+    alerts::alert::AlertKind,
+    core::{
+        command_answer::CommandAnswer,
+        farm::Farm,
+        state::{CompletionState, DeferredRefusal},
     },
-    ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause},
+    files::error_folder,
 };
 
 /// Copies the stored file of a part that is refused into the error folder.

@@ -2,12 +2,9 @@
 //! backups, the same part in several formats. Such a part waits for a yes.
 
 use anyhow::Result;
+use intake::{CopyKind, CopyName};
 use jiff::{SignedDuration, Timestamp};
-
-use crate::{
-    intake::{self, CopyKind, CopyName},
-    ledger::{Ledger, Namesake, PartRow, SolidFacts},
-};
+use ledger::{Ledger, Namesake, PartRow, SolidFacts};
 
 /// A part that was built longer ago is not doubled by a file that comes now.
 const DOUBLED_WITHIN: SignedDuration = SignedDuration::from_hours(7 * 24);
@@ -74,7 +71,7 @@ fn format_doubt(part: &PartRow, namesakes: &[Namesake]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::PartId;
+    use ledger::PartId;
 
     #[test]
     fn a_copy_of_a_file_manager_is_in_doubt_only_where_its_original_is_ordered() {

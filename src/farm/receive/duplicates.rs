@@ -2,13 +2,10 @@
 //! by a sync program: its modification time tells the last from a new drop.
 
 use anyhow::Result;
+use ledger::{Ledger, PartId, PartRow, SolidFacts};
 
 use super::doubtful_drops::add_question;
-use crate::{
-    farm::core::machine_state::MachineStates,
-    ledger::{Ledger, PartId, PartRow, SolidFacts},
-    settings::DuplicatePolicy,
-};
+use crate::{farm::core::machine_state::MachineStates, settings::DuplicatePolicy};
 
 /// The consequence of an earlier part with the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]

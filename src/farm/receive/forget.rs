@@ -3,17 +3,15 @@
 //! file is needed. Until the job has ended, no part with the same bytes is recorded or taken back.
 
 use anyhow::Result;
+use intake::StoreError;
 use jiff::{SignedDuration, Timestamp};
 use jobs::{BackgroundJob, Carried};
+use ledger::Ledger;
 
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        core::farm::Farm,
-        records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
-    },
-    intake::StoreError,
-    ledger::Ledger,
+use crate::farm::{
+    alerts::alert::AlertKind,
+    core::farm::Farm,
+    records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
 };
 
 /// Removes the files and claim notes that the store does not need.

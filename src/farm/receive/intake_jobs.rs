@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use intake::TicketError;
 use jobs::BackgroundJob;
+use ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause};
 use tracing::{debug, info};
 
 use super::{
@@ -26,8 +28,6 @@ use crate::{
         leases::folder_leases::FolderLeases,
         scanning::hot_folder_scan::ClaimedDrop,
     },
-    intake::TicketError,
-    ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause},
     settings::MachineProfile,
 };
 

@@ -5,16 +5,16 @@
 //! ledger knows it by then, and changes nothing.
 
 use anyhow::Result;
+use intake::{LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket};
 use jiff::{SignedDuration, Timestamp};
 use jobs::BackgroundJob;
+use ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts};
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
 use super::mark_note;
 use crate::{
     farm::{core::farm::Farm, files::claim_note::ticket_row, scanning::hot_folder_scan::HotFolderScan},
-    intake::{self, LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket},
-    ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
     settings::MachineProfile,
 };
 

@@ -5,14 +5,12 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use intake::ContentStore;
 use jobs::BackgroundJob;
+use ledger::{LedgerError, PartRow, PartState};
 use tracing::warn;
 
-use crate::{
-    farm::{core::farm::Farm, files::claim_note::ClaimNote},
-    intake::{self, ContentStore},
-    ledger::{LedgerError, PartRow, PartState},
-};
+use crate::farm::{core::farm::Farm, files::claim_note::ClaimNote};
 
 /// Writes the number of decisions into the claim note.
 #[derive(Clone)]

@@ -3,20 +3,17 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use ledger::{PartRow, PartState, RefusalCause};
 
-use crate::{
-    farm::{
-        alerts::failure::LostFileError,
-        core::farm::Farm,
-        files::{
-            error_folder::{find_refused_files, reason_text},
-            mesh_source::MeshSource,
-            standing_claim::StandingClaim,
-        },
-        leases::folder_leases::FolderLeases,
+use crate::farm::{
+    alerts::failure::LostFileError,
+    core::farm::Farm,
+    files::{
+        error_folder::{find_refused_files, reason_text},
+        mesh_source::MeshSource,
+        standing_claim::StandingClaim,
     },
-    intake,
-    ledger::{PartRow, PartState, RefusalCause},
+    leases::folder_leases::FolderLeases,
 };
 
 /// A refused part whose file must be moved into the error folder.

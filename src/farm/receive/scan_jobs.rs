@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 use build_file::format_count;
+use intake::PutContents;
 use jobs::{BackgroundJob, Carried};
+use ledger::UtcTimestamp;
 use tracing::warn;
 
 use super::{
@@ -12,18 +14,14 @@ use super::{
     intake_jobs::{record_all, record_claimed_file},
     late_tickets,
 };
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        core::{farm::Farm, machine_state::MachineState},
-        scanning::{
-            arriving_lines::ArrivingLines,
-            hot_folder_scan::{ClaimedDrop, HotFolderScan, RefusedFile},
-            hot_folder_scanner::HotFolderScanner,
-        },
+use crate::farm::{
+    alerts::alert::AlertKind,
+    core::{farm::Farm, machine_state::MachineState},
+    scanning::{
+        arriving_lines::ArrivingLines,
+        hot_folder_scan::{ClaimedDrop, HotFolderScan, RefusedFile},
+        hot_folder_scanner::HotFolderScanner,
     },
-    intake::{self, PutContents},
-    ledger::UtcTimestamp,
 };
 
 /// Delay of a scan after a file-system event, so that a burst of events causes one scan.

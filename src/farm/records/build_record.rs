@@ -7,12 +7,8 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
+use ledger::{BuildRow, UtcTimestamp};
 use serde_json::Value;
-
-use crate::{
-    access, intake,
-    ledger::{BuildRow, UtcTimestamp},
-};
 
 /// Name of the record in the build's folder; a dot-file, so that people do not see it.
 const NAME: &str = ".nestd-build.json";

@@ -10,6 +10,8 @@ use std::{
 
 use build_file::{BuildMetadata, PictureBody, PictureScheme, PlacedMesh, Viewpoint};
 use glam::DVec3;
+use intake::ContentStore;
+use ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{build_record::archive_folder, kept_build};
@@ -18,8 +20,6 @@ use crate::{
         decisions::layout::{due_words, placed_from_json},
         files::{mesh_cache::MeshCache, mesh_source::MeshSource},
     },
-    intake::{self, ContentStore},
-    ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep},
     settings::{MachineProfile, Settings},
 };
 

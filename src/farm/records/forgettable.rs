@@ -1,11 +1,8 @@
 //! Data that the store does not need any more, and the files that are being removed now.
 
+use intake::{ContentStore, StoreError};
+use ledger::RETRY_PERIOD;
 use std::collections::BTreeSet;
-
-use crate::{
-    intake::{ContentStore, StoreError},
-    ledger::RETRY_PERIOD,
-};
 
 /// Refused files stay in the store this long, so that `nestd retry` finds them.
 pub(crate) const KEEP_REFUSED_SECS: f64 = RETRY_PERIOD.as_secs() as f64;

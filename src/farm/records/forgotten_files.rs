@@ -4,6 +4,7 @@
 use std::{collections::HashSet, path::PathBuf};
 
 use anyhow::{Context, Result};
+use ledger::{Ledger, PartRow, RefusalCause};
 
 use super::{
     newer_decisions::{how_to_take_back, wanted_then},
@@ -16,7 +17,6 @@ use crate::{
         claim_note::{ClaimNote, ForgottenFile},
         error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, reason_text},
     },
-    ledger::{Ledger, PartRow, RefusalCause},
     settings::Settings,
 };
 

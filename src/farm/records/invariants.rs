@@ -20,13 +20,10 @@ mod report;
 
 use anyhow::{Context, Result};
 
+use ledger::{Ledger, RuleScope};
 pub use report::{AskedCopies, Invariant, InvariantExpectations, InvariantReport, InvariantViolation};
 
-use crate::{
-    farm::leases::own_machines::without_other_nodes,
-    ledger::{Ledger, RuleScope},
-    settings::Settings,
-};
+use crate::{farm::leases::own_machines::without_other_nodes, settings::Settings};
 
 /// Looks for violations of I1 to I5. While a daemon works on the farm, a file may be seen between two places: a
 /// violation is certain only if a second check finds it too.

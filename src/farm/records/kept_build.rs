@@ -9,12 +9,11 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
+use ledger::{BuildRow, PartRow, PlacementRow};
 use tracing::warn;
 
 use crate::{
     farm::files::{mesh_source::MeshSource, read_again::ensure_same_size},
-    intake,
-    ledger::{BuildRow, PartRow, PlacementRow},
     settings::MachineProfile,
 };
 

@@ -9,6 +9,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use ledger::Ledger;
 use tokio::sync::OnceCell;
 
 use super::{
@@ -22,8 +23,6 @@ use crate::{
         files::claim_note,
         leases::{folder_check, own_machines::without_other_nodes},
     },
-    intake,
-    ledger::Ledger,
     settings::{MachineProfile, Settings},
 };
 

@@ -1,5 +1,6 @@
 //! A missing, damaged or outdated ledger: how it is detected, and which alert it raises.
 
+use ledger::{LedgerError, ServerError};
 use std::path::{Path, PathBuf};
 
 use super::ledger_freshness::LedgerBehindError;
@@ -8,8 +9,6 @@ use crate::{
         alerts::alert::AlertKind,
         leases::{lease_holder, state_lock},
     },
-    intake,
-    ledger::{LedgerError, ServerError},
     settings::Settings,
 };
 
@@ -45,7 +44,7 @@ pub fn ledger_alert(failure: &anyhow::Error) -> Option<(AlertKind, String)> {
     })
 }
 
-/// How it is known that a ledger existed where [`Ledger::is_missing`](crate::ledger::Ledger::is_missing) has found none;
+/// How it is known that a ledger existed where [`Ledger::is_missing`](ledger::Ledger::is_missing) has found none;
 /// `None` = there never was one.
 pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
     let is_in_use =

@@ -4,14 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
+use intake::{ContentStore, StoredContent};
+use ledger::{ClaimDecisions, Ledger, PartId, PartRow, PartState};
 
 use super::reconcile_report::ReconcileReport;
-use crate::{
-    farm::files::claim_note::ClaimNote,
-    intake::{ContentStore, StoredContent},
-    ledger::{ClaimDecisions, Ledger, PartId, PartRow, PartState},
-    settings::Settings,
-};
+use crate::{farm::files::claim_note::ClaimNote, settings::Settings};
 
 /// Claims whose notes count more decisions than the ledger.
 #[derive(Debug, Default)]

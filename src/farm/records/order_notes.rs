@@ -10,13 +10,11 @@ use std::{
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use intake::{PutContents, ordered_request_id};
+use ledger::{AnsweredRequest, Ledger, NewOrderRequest, OrderedLine};
 use serde::{Deserialize, Serialize};
 
 use super::reconcile_report::ReconcileReport;
-use crate::{
-    intake::{self, PutContents, ordered_request_id},
-    ledger::{AnsweredRequest, Ledger, NewOrderRequest, OrderedLine},
-};
 
 /// How the name of a note ends.
 const SUFFIX: &str = ".json";

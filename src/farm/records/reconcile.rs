@@ -11,6 +11,9 @@ use serde_json::json;
 
 mod known_builds;
 
+use intake::ContentStore;
+use ledger::{BuildRow, BuildState, ImportOutcome, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause};
+
 use super::{
     build_record,
     folder_builds::{self, FolderExpectations},
@@ -20,8 +23,6 @@ use super::{
 };
 use crate::{
     farm::files::{claim_note, error_folder},
-    intake::{self, ContentStore},
-    ledger::{BuildRow, BuildState, ImportOutcome, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause},
     settings::{MachineProfile, Settings},
 };
 
@@ -209,7 +210,7 @@ async fn record_from_build_file(
     let (number, bytes) =
         (build_record::parse_build_file_name(name).map(|(_, number)| number), fs::metadata(&file)?.len());
     let at = jiff::Timestamp::try_from(fs::metadata(&file)?.modified()?).unwrap_or_default();
-    let at = crate::ledger::UtcTimestamp(at).to_string();
+    let at = ledger::UtcTimestamp(at).to_string();
     let build = json!({
         "id": number, "profile": profile.name, "fired_by": "", "attempts": 1, "opened_at": at, "nesting_at": at,
         "verified_at": at, "state_at": at, "file_name": name, "file_hash": intake::hash_file(&file)?, "file_bytes": bytes,

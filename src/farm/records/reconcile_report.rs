@@ -4,12 +4,12 @@
 use std::{collections::HashMap, path::PathBuf};
 
 use anyhow::{Context, Result};
+use intake::ContentStore;
+use ledger::PartRow;
 
 use super::{build_record, folder_builds::FolderExpectations};
 use crate::{
     farm::files::error_folder::{REASON_SUFFIX, reason_text},
-    intake::{self, ContentStore},
-    ledger::PartRow,
     settings::{MachineProfile, Settings},
 };
 

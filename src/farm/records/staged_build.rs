@@ -4,12 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use ledger::{BuildRow, Ledger};
 
 use super::build_record;
 use crate::{
     farm::leases::{folder_lease::LeaseError, folder_leases::FolderLeases},
-    intake,
-    ledger::{BuildRow, Ledger},
     queue::{PublishOutcome, QueueError, QueueFolder, StagedState},
 };
 

@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use ledger::{CopyReport, ExistingRows, Ledger, LedgerAddress};
 
 use super::ledger_service::copying_node;
-use crate::{
-    farm::leases::state_lock::{StateDirLock, host_name},
-    ledger::{CopyReport, ExistingRows, Ledger, LedgerAddress},
-};
+use crate::farm::leases::state_lock::{StateDirLock, host_name};
 
 /// Copies a ledger into another one, which must be empty.
 ///

@@ -1,6 +1,8 @@
 //! The right to serve the ledger. A ledger on a server is served by several nodes, each of which one process is; and it may
 //! be out of reach. While that is not clear, the daemon takes and publishes nothing.
 
+use ledger::{ServerError, ServiceState, ServingNode, ServingRight};
+
 use crate::{
     farm::{
         alerts::alert::AlertKind,
@@ -8,7 +10,6 @@ use crate::{
         leases::{lease_clock, state_lock::host_name},
         receive::scan_jobs,
     },
-    ledger::{ServerError, ServiceState, ServingNode, ServingRight},
     settings::Settings,
 };
 

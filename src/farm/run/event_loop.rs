@@ -5,41 +5,39 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use jobs::LoopEvent;
+use ledger::{Ledger, LedgerError};
 use tokio::time::timeout;
 use tracing::{info, warn};
 
 use super::{machine_setup, open, status, tidy};
-use crate::{
-    farm::{
-        again::{fetch_originals, revisions, second_copies},
-        alerts::alert_registry::{ServiceBridge, ServicePhase},
-        core::{
-            clock_changes,
-            farm::{Farm, TICK_INTERVAL},
-            job_events,
-            state::Load,
-        },
-        nodes::{folder_comparison, lease_renewal, watching},
-        open_build::{
-            batch, nest,
-            night_search::{self, NightSearchJob},
-        },
-        operate::commands,
-        process::{
-            ledger_changes::LedgerFingerprint,
-            signals::{DaemonSignal, SignalListener},
-            systemd,
-            tick_tasks::TimedTask,
-        },
-        publish::{build_move, publish, queue_look, withdrawal},
-        receive::{
-            claim_completion, damaged_files, hurried_scans,
-            intake_jobs::{self, PartReadJob},
-            scan_jobs,
-        },
-        recover::ledger_service,
+use crate::farm::{
+    again::{fetch_originals, revisions, second_copies},
+    alerts::alert_registry::{ServiceBridge, ServicePhase},
+    core::{
+        clock_changes,
+        farm::{Farm, TICK_INTERVAL},
+        job_events,
+        state::Load,
     },
-    ledger::{Ledger, LedgerError},
+    nodes::{folder_comparison, lease_renewal, watching},
+    open_build::{
+        batch, nest,
+        night_search::{self, NightSearchJob},
+    },
+    operate::commands,
+    process::{
+        ledger_changes::LedgerFingerprint,
+        signals::{DaemonSignal, SignalListener},
+        systemd,
+        tick_tasks::TimedTask,
+    },
+    publish::{build_move, publish, queue_look, withdrawal},
+    receive::{
+        claim_completion, damaged_files, hurried_scans,
+        intake_jobs::{self, PartReadJob},
+        scan_jobs,
+    },
+    recover::ledger_service,
 };
 
 /// How long an orderly stop waits for jobs; the service manager allows 15 s.

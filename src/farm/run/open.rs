@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
+use intake::ContentStore;
 use jobs::JobRunner;
+use ledger::{Ledger, LedgerError, ServingRight};
 use tracing::warn;
 
 use super::{machine_setup, status};
 use crate::{
-    access,
     farm::{
         alerts::{
             alert::AlertKind,
@@ -36,8 +37,6 @@ use crate::{
         },
         recover::ledger_service,
     },
-    intake::{self, ContentStore},
-    ledger::{self, Ledger, LedgerError, ServingRight},
     settings::Settings,
 };
 

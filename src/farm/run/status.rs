@@ -10,30 +10,25 @@ use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
+use ledger::{LedgerError, NodeHeartbeat, ProfileStatus};
 use serde_json::json;
 
 use super::status_alerts;
-use crate::{
-    farm::{
-        again::part_questions,
-        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{
-            farm::{Farm, TICK_INTERVAL},
-            job_events,
-            machine_state::MachineState,
-        },
-        decisions::{
-            fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text,
-        },
-        nodes::machine_availability,
-        open_build::due_dates,
-        printers::printers::{PrinterView, printer_lines, printer_views},
-        process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
-        receive::{control_files, scan_jobs::HotFolderScanJob},
-        records::lost_ledger,
+use crate::farm::{
+    again::part_questions,
+    alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+    core::{
+        farm::{Farm, TICK_INTERVAL},
+        job_events,
+        machine_state::MachineState,
     },
-    intake,
-    ledger::{LedgerError, NodeHeartbeat, ProfileStatus},
+    decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
+    nodes::machine_availability,
+    open_build::due_dates,
+    printers::printers::{PrinterView, printer_lines, printer_views},
+    process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
+    receive::{control_files, scan_jobs::HotFolderScanJob},
+    records::lost_ledger,
 };
 
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.

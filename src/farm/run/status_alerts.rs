@@ -6,14 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{BuildState, Ledger, PauseCause, ProfileStatus};
 
-use crate::{
-    farm::{
-        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::machine_state::MachineStates,
-        printers::release_preview::{awaits_release, preview_release},
-    },
-    ledger::{BuildState, Ledger, PauseCause, ProfileStatus},
+use crate::farm::{
+    alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+    core::machine_state::MachineStates,
+    printers::release_preview::{awaits_release, preview_release},
 };
 
 /// Maximum number of parts or builds that an alert names.

@@ -9,6 +9,7 @@ use std::{
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use jobs::BackgroundJob;
+use ledger::PartState;
 use tracing::{info, warn};
 
 use crate::{
@@ -20,8 +21,6 @@ use crate::{
         receive::forget,
         records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
     },
-    intake,
-    ledger::PartState,
     settings::{OutputRules, Settings},
 };
 

@@ -3,13 +3,11 @@
 
 use std::path::Path;
 
+use intake::{ClaimedPart, OrderedFile, PutContents, place_ordered_claim};
+use ledger::{Ledger, OrderedLine};
 use tracing::warn;
 
-use crate::{
-    farm::alerts::failure::error_chain,
-    intake::{ClaimedPart, OrderedFile, PutContents, place_ordered_claim},
-    ledger::{Ledger, OrderedLine},
-};
+use crate::farm::alerts::failure::error_chain;
 
 /// Lines of a machine that one scan looks at. Those whose files are missing keep no others waiting.
 const LINES_PER_SCAN: u32 = 10_000;

@@ -1,12 +1,10 @@
 //! The result of one scan of a hot folder, which the event loop takes in.
 
+use intake::{ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError};
+use ledger::{NewPartRow, RefusalCause};
 use std::path::Path;
 
-use crate::{
-    farm::{AlertKind, alerts::alert_registry::AlertRegistry},
-    intake::{self, ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError},
-    ledger::{NewPartRow, RefusalCause},
-};
+use crate::farm::{AlertKind, alerts::alert_registry::AlertRegistry};
 
 /// A claimed part whose file is in the store.
 #[derive(Debug)]

@@ -8,6 +8,12 @@ use std::{
     time::{Duration, Instant},
 };
 
+use intake::{
+    ClaimedPart, ContentStore, EmptiedFolders, InboxEntry, InboxFolder, LateWriting, OrderListRules, OrderListTracker,
+    ScanLimits, SettleRules, SettleTracker, StoreError, StoredFile, TakeDecision, TicketError,
+};
+use ledger::{LedgerError, PartId, PartRow, find_network_file_system};
+
 pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan, UnavailableInbox};
 use super::{
     arriving_lines::ArrivingLines,
@@ -24,11 +30,6 @@ use crate::{
         leases::folder_leases::FolderLeases,
         process::time_source::TimeSource,
     },
-    intake::{
-        self, ClaimedPart, ContentStore, EmptiedFolders, InboxEntry, InboxFolder, LateWriting, OrderListRules,
-        OrderListTracker, ScanLimits, SettleRules, SettleTracker, StoreError, StoredFile, TakeDecision, TicketError,
-    },
-    ledger::{LedgerError, PartId, PartRow, find_network_file_system},
     settings::MachineProfile,
 };
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::ledger::CommandId;
+use ledger::CommandId;
 
 /// Number of keys of control files that a machine remembers.
 const MAX_KEYS: usize = 100;

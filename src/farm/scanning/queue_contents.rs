@@ -13,7 +13,7 @@ use std::{
 
 use build_file::{HeadingMetadata, ReadLimits};
 
-use crate::{intake, queue::QueueFolder};
+use crate::queue::QueueFolder;
 
 /// How a ZIP package begins, as a 3MF file is one.
 const PACKAGE: &[u8] = b"PK";

@@ -4,16 +4,13 @@
 use std::{fs, path::Path};
 
 use anyhow::Result;
+use ledger::{BuildRow, BuildState};
 
 use super::{
     machine_fit::find_misfit,
     queue_contents::{self, ContentReader},
 };
-use crate::{
-    ledger::{BuildRow, BuildState},
-    queue::QueueFolder,
-    settings::MachineProfile,
-};
+use crate::{queue::QueueFolder, settings::MachineProfile};
 
 /// Maximum number of files of which one look reads the content.
 const MAX_READ_PER_LOOK: usize = 8;

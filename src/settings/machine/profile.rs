@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use build_file::LengthUnit;
 use glam::DVec3;
+use intake::UnlistedPolicy;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     build::MachineSpec,
-    intake::UnlistedPolicy,
     settings::{FarmZone, KeepOutZone, PrinterRules, PrintingRules},
 };
 

@@ -5,19 +5,17 @@
 use std::path::PathBuf;
 
 use build_file::{Arrangement, InstanceSharing, LengthUnit};
+use intake::UnlistedPolicy;
 use nester::{FaceNotDown, NestingConfig, OrientationRule, TiltLimit};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::printer::PrinterInputs;
-use crate::{
-    intake::UnlistedPolicy,
-    settings::{
-        ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
-        reading::{
-            duration::DurationSecs,
-            option_group::{option_group, read_option_table, read_options},
-            optional::OptionalValue,
-        },
+use crate::settings::{
+    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
+    reading::{
+        duration::DurationSecs,
+        option_group::{option_group, read_option_table, read_options},
+        optional::OptionalValue,
     },
 };
 

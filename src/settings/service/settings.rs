@@ -1,17 +1,15 @@
 //! The validated settings of a farm.
 
+use access::FilePermissions;
+use ledger::LedgerAddress;
 use std::{
     collections::BTreeMap,
     path::PathBuf,
     sync::{Arc, RwLock},
 };
 
-use crate::{
-    access::FilePermissions,
-    ledger::LedgerAddress,
-    settings::{
-        FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
-    },
+use crate::settings::{
+    FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
 };
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.

@@ -2,10 +2,11 @@
 
 use std::{fmt, net::SocketAddr, path::PathBuf};
 
+use access::TokenRole;
 use serde::Serialize;
 
 use super::inputs::WebInputs;
-use crate::{access::TokenRole, settings::reading::validator::ConfigValidator};
+use crate::settings::reading::validator::ConfigValidator;
 
 /// Where the dashboard listens.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -2,27 +2,25 @@
 
 use std::path::Path;
 
+use access::FilePermissions;
 use glam::DVec3;
 use jiff::civil::Time;
 
 use super::printer_validation::{validate_calendar, validate_printing};
-use crate::{
-    access::{self, FilePermissions},
-    settings::{
-        BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
-        TurningRules,
-        machine::{
-            printer::PrinterRules,
-            profile::is_profile_name,
-            profile_inputs::{
-                IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
-            },
+use crate::settings::{
+    BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
+    TurningRules,
+    machine::{
+        printer::PrinterRules,
+        profile::is_profile_name,
+        profile_inputs::{
+            IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
         },
-        reading::validator::ConfigValidator,
-        service::{
-            inputs::{FarmFolders, FarmInputs, FileInputs},
-            logging::parse_log_filter,
-        },
+    },
+    reading::validator::ConfigValidator,
+    service::{
+        inputs::{FarmFolders, FarmInputs, FileInputs},
+        logging::parse_log_filter,
     },
 };
 

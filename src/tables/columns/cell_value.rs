@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::time_view::GivenDate;
-use crate::ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
+use ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
 /// A value in a table, not formatted yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]

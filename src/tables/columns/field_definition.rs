@@ -5,7 +5,7 @@ use super::{
     cell_value::CellValue,
     time_view::{GivenDate, TimeView},
 };
-use crate::ledger::UtcTimestamp;
+use ledger::UtcTimestamp;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,11 +2,9 @@
 //! dates.
 
 use jiff::Timestamp;
+use ledger::{PartTerms, UtcTimestamp};
 
-use crate::{
-    ledger::{PartTerms, UtcTimestamp},
-    settings::FarmZone,
-};
+use crate::settings::FarmZone;
 
 /// How times are shown to people.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,12 +1,11 @@
 //! The history: one row per build, and the totals of the published builds of each machine. A column added here
 //! appears in the terminal, on the page and in the CSV. A test requires a column for each field of the JSON.
 
-use crate::{
-    ledger::{HeightSummary, HistoryRow},
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn},
-        fields,
-    },
+use ledger::{HeightSummary, HistoryRow};
+
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn},
+    fields,
 };
 
 /// Builds that are past nesting.

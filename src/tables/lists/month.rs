@@ -2,13 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use ledger::{BadCopies, BuildState, HistoryRow};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    ledger::{BadCopies, BuildState, HistoryRow},
-    tables::{columns::table_column::TableColumn, fields},
-};
+use crate::tables::{columns::table_column::TableColumn, fields};
 
 /// Cubic millimetres of a litre.
 const MM3_PER_LITRE: f64 = 1e6;

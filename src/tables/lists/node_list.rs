@@ -1,12 +1,10 @@
 //! The nodes of a farm: the daemons that share its ledger, each with its machines.
 
+use ledger::{Ledger, LedgerError, NodeRow};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    ledger::{Ledger, LedgerError, NodeRow},
-    tables::{columns::table_column::TableColumn, fields},
-};
+use crate::tables::{columns::table_column::TableColumn, fields};
 
 /// A node with its machines.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp},
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
-        fields,
-    },
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
+    fields,
 };
 
 /// Orders, with what became of their copies.

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use ledger::{BuildId, LineCopies, PartRow, PlacementRow};
 use serde::Serialize;
 
 use crate::{
     farm::CakePart,
-    ledger::{BuildId, LineCopies, PartRow, PlacementRow},
     tables::{
         columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
         fields,

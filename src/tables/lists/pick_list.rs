@@ -1,14 +1,12 @@
 //! The copies of a build in the order in which they are removed from the cake.
 
+use ledger::PartId;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    ledger::PartId,
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn},
-        fields,
-    },
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn},
+    fields,
 };
 
 /// A removal direction is a unit vector. Components smaller than this are not mentioned in its text.

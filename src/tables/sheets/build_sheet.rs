@@ -1,7 +1,8 @@
 //! The facts of a build, line by line, with its recorded outcomes and its events.
 
+use ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp};
+
 use crate::{
-    ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp},
     settings::MachineProfile,
     tables::{
         columns::{

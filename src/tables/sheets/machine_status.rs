@@ -2,13 +2,13 @@
 
 use build_file::format_count;
 use jiff::Timestamp;
+use ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::build_sheet::joined;
 use crate::{
     farm::{FireTrigger, forecast_fire, held_text, night_gain_text},
-    ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
     tables::{
         columns::{

@@ -1,15 +1,14 @@
 //! The facts of a part, line by line.
 
+use ledger::PartRow;
+
 use super::build_sheet::{content, joined};
-use crate::{
-    ledger::PartRow,
-    tables::{
-        columns::{
-            field_definition::{FieldDefinition, SheetFact},
-            time_view::{GivenDate, TimeView},
-        },
-        fields,
+use crate::tables::{
+    columns::{
+        field_definition::{FieldDefinition, SheetFact},
+        time_view::{GivenDate, TimeView},
     },
+    fields,
 };
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.

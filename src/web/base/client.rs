@@ -12,7 +12,7 @@ use axum::{
 };
 
 use super::error::HandlerError;
-use crate::access::{TokenRole, TokenWatch, hash_token};
+use access::{TokenRole, TokenWatch, hash_token};
 
 /// Who sent a request, and what he may do.
 #[derive(Debug, Clone, PartialEq, Eq)]

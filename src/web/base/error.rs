@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::page;
-use crate::ledger::LedgerError;
+use ledger::LedgerError;
 
 /// Why a request failed.
 #[derive(Debug, thiserror::Error)]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use jiff::Timestamp;
 use maud::{Markup, html};
 
-use crate::ledger::UtcTimestamp;
+use ledger::UtcTimestamp;
 
 /// Stands for a value that is not known.
 pub(crate) const DASH: &str = "\u{2013}";

@@ -7,6 +7,7 @@ use axum::{
     Form,
     extract::{Path, Query, State},
 };
+use ledger::{BuildId, OperatorWord, PartId, PickMark};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -15,7 +16,6 @@ use super::{
     break_out_state::{BreakOutState, CopyState, mark_word},
 };
 use crate::{
-    ledger::{BuildId, OperatorWord, PartId, PickMark},
     tables::TimeView,
     web::{
         base::{error::HandlerResult, page::html_page},

@@ -2,11 +2,11 @@
 
 use build_file::kind_colour_code;
 use glam::DVec2;
+use ledger::{BuildState, PickMark};
 use maud::{Markup, html};
 
 use super::break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of};
 use crate::{
-    ledger::{BuildState, PickMark},
     tables::{PickedCopy, TimeView, fields, points_down, removal_in_words},
     web::{
         base::format::count,

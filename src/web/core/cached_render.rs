@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use anyhow::Context;
+use ledger::{BuildId, BuildRow, PartId};
 
 use super::state::DashboardState;
 use crate::{
     farm::{CakeContents, load_placed_parts},
-    ledger::{BuildId, BuildRow, PartId},
     settings::MachineProfile,
     web::base::{
         cache::RecentCache,

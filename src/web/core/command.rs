@@ -3,6 +3,7 @@
 use std::{sync::Arc, time::Duration};
 
 use axum::{Form, extract::State, http::StatusCode};
+use ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -11,10 +12,7 @@ use super::{
     request_user::RequestUser,
     state::DashboardState,
 };
-use crate::{
-    ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId},
-    web::base::error::{HandlerError, HandlerResult},
-};
+use crate::web::base::error::{HandlerError, HandlerResult};
 
 /// How long the page waits for the daemon's answer.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);

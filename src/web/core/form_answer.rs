@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use super::state::DashboardState;
-use crate::ledger::AnsweredRequest;
+use ledger::AnsweredRequest;
 
 /// The field with the key of a form. It comes first: a form with files is not read without it.
 pub(crate) fn key_field(web: &DashboardState) -> Markup {

@@ -10,6 +10,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
+use ledger::{PartId, ProfileStatus};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -19,7 +20,6 @@ use super::{
 };
 use crate::{
     farm::CakeContents,
-    ledger::{PartId, ProfileStatus},
     tables::fields,
     web::{
         base::{

@@ -3,12 +3,12 @@
 use std::sync::{Arc, PoisonError};
 
 use axum::body::Bytes;
+use ledger::Ledger;
 use tokio::sync::{Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
 use crate::{
     farm::{self, QuoteMeshes, ServiceBridge},
-    ledger::Ledger,
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
     tables::TimeView,

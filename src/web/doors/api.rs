@@ -7,13 +7,13 @@ use axum::{
     extract::{Path, Query, State},
 };
 use jiff::Timestamp;
+use ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
     farm::{AlertSummary, PrinterView, load_placed_parts, printer_views, read_stored_alerts},
-    ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp},
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::error::{HandlerError, HandlerResult},

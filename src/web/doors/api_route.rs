@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use access::TokenRole;
 use axum::routing::{MethodFilter, MethodRouter};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::edit_door;
-use crate::{access::TokenRole, web::core::state::DashboardState};
+use crate::web::core::state::DashboardState;
 
 /// Creates the schema of a type.
 pub(crate) type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;

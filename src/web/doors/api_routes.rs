@@ -3,12 +3,14 @@
 
 use std::sync::Arc;
 
+use access::TokenRole;
 use axum::{
     Router,
     extract::DefaultBodyLimit,
     http::Method,
     routing::{MethodFilter, on},
 };
+use ledger::{HeightSummary, HistoryRow, OrderSummary};
 
 use super::{
     api,
@@ -17,9 +19,7 @@ use super::{
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
 use crate::{
-    access::TokenRole,
     farm::{MachinePlan, OrderQuote},
-    ledger::{HeightSummary, HistoryRow, OrderSummary},
     tables::PickList,
     web::{
         core::state::DashboardState,

@@ -2,20 +2,17 @@
 //! fields are left out.
 
 use build_file::LengthUnit;
+use ledger::{
+    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, OutcomeRow, PartId, PartRow, PartState,
+    PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
+};
 use nester::OrientationRule;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::enum_words::{words_of, words_or_null};
 
-use crate::{
-    farm::CakeCopy,
-    ledger::{
-        BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, OutcomeRow, PartId, PartRow, PartState,
-        PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
-    },
-    settings::MachineProfile,
-};
+use crate::{farm::CakeCopy, settings::MachineProfile};
 
 /// A build with its parts, placements and outcomes.
 #[derive(Serialize, JsonSchema)]

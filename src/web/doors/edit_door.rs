@@ -9,14 +9,14 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::LengthUnit;
+use intake::MAX_COPIES;
+use ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState};
 use nester::OrientationRule;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{dto::PartResource, enum_words::words_or_null};
 use crate::{
-    intake::{self, MAX_COPIES},
-    ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState},
     settings::FarmZone,
     web::{
         base::{

@@ -3,6 +3,7 @@
 
 use std::sync::LazyLock;
 
+use access::TokenRole;
 use axum::{
     http::header,
     response::{IntoResponse, Response},
@@ -14,7 +15,7 @@ use super::{
     api_route::{ApiRoute, RequestBody, schema_of},
     api_routes::all_routes,
 };
-use crate::{access::TokenRole, web::base::error::ProblemDetails};
+use crate::web::base::error::ProblemDetails;
 
 const ABOUT: &str = "What the pages of the dashboard show, and orders of programs. docs/api.md shows how to use it. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
     _bytes; density is a share, 0 to 1; rotations and directions have no unit; times are UTC, RFC 3339.";

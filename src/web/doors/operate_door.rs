@@ -7,6 +7,9 @@ use axum::{
     extract::{Path, State},
     response::Response,
 };
+use ledger::{
+    BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome, ToldOutcome,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -16,9 +19,6 @@ use super::{
 };
 use crate::{
     farm,
-    ledger::{
-        BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome, ToldOutcome,
-    },
     web::{
         base::{
             api_body::JsonBody,

@@ -11,6 +11,8 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::LengthUnit;
+use intake::ordered_claim_id;
+use ledger::{AnsweredRequest, NewOrderRequest, OrderedLine, RecordedRequest};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -22,8 +24,6 @@ use super::{
 };
 use crate::{
     farm,
-    intake::ordered_claim_id,
-    ledger::{AnsweredRequest, NewOrderRequest, OrderedLine, RecordedRequest},
     settings::MachineProfile,
     web::{
         base::{

@@ -2,15 +2,13 @@
 
 use std::collections::HashSet;
 
+use intake::{CopiesInName, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name};
 use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::{
-    intake::{CopiesInName, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name},
-    settings::{FarmZone, MachineProfile},
-};
+use crate::settings::{FarmZone, MachineProfile};
 
 /// Lines of one request.
 pub(crate) const MAX_LINES: usize = 500;
@@ -145,7 +143,7 @@ impl OrderRequest {
         for (at, line) in self.lines.iter().enumerate() {
             let name = line.name.trim();
             match line.check_line(self, &profile.time_zone) {
-                Ok(_) if !names.insert(crate::intake::fold_name(name)) => {
+                Ok(_) if !names.insert(intake::fold_name(name)) => {
                     wrong.push(format!(
                         "line {}: another line is called {name}, too: a later one would replace it",
                         at + 1

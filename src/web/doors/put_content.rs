@@ -10,21 +10,19 @@ use axum::{
     http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use intake::{ArrivingContent, PutContents, PutError, StoredFile, is_content_hash};
 use schemars::JsonSchema;
 use serde::Serialize;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio_stream::{Stream, StreamExt};
 
-use crate::{
-    intake::{ArrivingContent, PutContents, PutError, StoredFile, is_content_hash},
-    web::{
-        base::{
-            client::RequestClient,
-            client_limits::{BytesUnderWay, ClientPlace},
-            error::{HandlerError, HandlerResult},
-        },
-        core::{command::check_takes_orders, state::DashboardState},
+use crate::web::{
+    base::{
+        client::RequestClient,
+        client_limits::{BytesUnderWay, ClientPlace},
+        error::{HandlerError, HandlerResult},
     },
+    core::{command::check_takes_orders, state::DashboardState},
 };
 
 /// A file that the farm has.

@@ -14,6 +14,7 @@ use axum::{
     extract::{FromRequest, Multipart, Request, State, multipart::Field},
     http::{StatusCode, header},
 };
+use intake::{ArrivingContent, ContentStore, is_content_hash};
 use jiff::Timestamp;
 
 use super::{
@@ -24,7 +25,6 @@ use crate::{
     farm::{
         OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan, read_quoted_files,
     },
-    intake::{ArrivingContent, ContentStore, is_content_hash},
     settings::MachineProfile,
     web::{
         base::{

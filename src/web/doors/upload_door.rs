@@ -11,21 +11,19 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use base64::Engine;
+use intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, is_content_hash, is_upload_id};
 use schemars::JsonSchema;
 use serde::Serialize;
 use tokio::sync::{OwnedMutexGuard, watch};
 use tokio_stream::StreamExt;
 
 use super::put_content::{incomplete_body, put_contents, run_on_disk, take_place};
-use crate::{
-    intake::{PutUploads, UPLOAD_KEPT, UploadRecord, UploadState, is_content_hash, is_upload_id},
-    web::{
-        base::{
-            client::RequestClient,
-            error::{HandlerError, HandlerResult},
-        },
-        core::{command::check_takes_orders, state::DashboardState},
+use crate::web::{
+    base::{
+        client::RequestClient,
+        error::{HandlerError, HandlerResult},
     },
+    core::{command::check_takes_orders, state::DashboardState},
 };
 
 /// The version that is spoken.

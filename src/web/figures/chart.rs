@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use jiff::ToSpan;
+use ledger::HistoryRow;
 use maud::{Markup, PreEscaped, html};
 
-use crate::{ledger::HistoryRow, settings::FarmZone, web::base::format::count};
+use crate::{settings::FarmZone, web::base::format::count};
 
 /// Width of a chart: about that of a phone, so that its text is never smaller than it is written.
 const WIDTH: f64 = 360.0;

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use glam::DVec2;
+use ledger::RemovalStep;
 use maud::{Markup, html};
 use solids::Bounds;
 
@@ -13,7 +14,6 @@ use super::{
 };
 use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
-    ledger::RemovalStep,
     settings::FarmZone,
     tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, TimeView, for_people, points_down},
     web::base::{

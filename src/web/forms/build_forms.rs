@@ -9,16 +9,16 @@ use axum::{
     http::StatusCode,
 };
 use jiff::Timestamp;
+use ledger::{
+    BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, PartId, PlacementRow, PrintOutcome,
+    ReprintTarget, ToldOutcome,
+};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::operate_form::say_word;
 use crate::{
     farm::{awaits_release, preview_release},
-    ledger::{
-        BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, PartId, PlacementRow, PrintOutcome,
-        ReprintTarget, ToldOutcome,
-    },
     settings::MachineProfile,
     web::{
         base::error::{HandlerError, HandlerResult},

@@ -1,9 +1,9 @@
 //! The form that puts files into the hot folder of a machine, and what it says of them: the ticket that is written beside each.
 
+use intake::{MAX_COPIES, Ticket};
 use maud::{Markup, html};
 
 use crate::{
-    intake::{MAX_COPIES, Ticket},
     settings::{FarmZone, MachineProfile},
     web::core::{form_answer::key_field, state::DashboardState},
 };

@@ -1,9 +1,10 @@
 //! What forms say of published builds: judged and carried out as `farm::operate` does, also for the command line and programs. Where the
 //! file of a build lies in its queue, the answer has the button that says it anyway.
 
+use ledger::{InQueueError, LedgerError, OperatorWord};
+
 use crate::{
     farm,
-    ledger::{InQueueError, LedgerError, OperatorWord},
     web::{
         base::error::HandlerResult,
         core::{command::answer_form, form_answer::FormAnswer, state::DashboardState},

@@ -8,6 +8,9 @@ use axum::{
     extract::{Path, State},
     http::StatusCode,
 };
+use ledger::{
+    CommandArgument, CommandKind, NewCommand, OperatorWord, OrderLine, PartEdit, PartRow, PartState, ReprintTarget,
+};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -17,22 +20,17 @@ use super::{
     order_cancel::{CancelTarget, cancel_lines},
     part_forms::{PartEditForm, part_forms},
 };
-use crate::{
-    ledger::{
-        CommandArgument, CommandKind, NewCommand, OperatorWord, OrderLine, PartEdit, PartRow, PartState, ReprintTarget,
+use crate::web::{
+    base::{
+        error::{HandlerError, HandlerResult},
+        format::count,
+        query::order_address,
     },
-    web::{
-        base::{
-            error::{HandlerError, HandlerResult},
-            format::count,
-            query::order_address,
-        },
-        core::{
-            command::{command_button, send_commands, show_answers},
-            form_answer::{FormAnswer, key_field},
-            request_user::RequestUser,
-            state::DashboardState,
-        },
+    core::{
+        command::{command_button, send_commands, show_answers},
+        form_answer::{FormAnswer, key_field},
+        request_user::RequestUser,
+        state::DashboardState,
     },
 };
 

@@ -8,15 +8,15 @@ use axum::{
     extract::{Path, State},
     http::StatusCode,
 };
+use intake::MAX_COPIES;
+use ledger::{
+    CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, ReprintTarget,
+};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{build_forms::MAX_NOTE, operate_form::say_word};
 use crate::{
-    intake::{self, MAX_COPIES},
-    ledger::{
-        CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, ReprintTarget,
-    },
     settings::FarmZone,
     web::{
         base::error::{HandlerError, HandlerResult},

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use ledger::{BuildRow, BuildState, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
 use super::machine_card::fire_forecast_text;
 use crate::{
     farm::{CakeCopy, load_placed_parts},
-    ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
     web::{

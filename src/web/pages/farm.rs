@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use jiff::{SignedDuration, Timestamp};
+use ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, NodeRow, ProfileStatus};
 use maud::{Markup, html};
 
 use super::{
@@ -12,7 +13,6 @@ use super::{
 };
 use crate::{
     farm::{farm_summary, halt_summary, printer_views, read_stored_alerts},
-    ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, NodeRow, ProfileStatus},
     settings::{MachineProfile, Settings},
     tables::{FarmNode, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{

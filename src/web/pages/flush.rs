@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use ledger::{CommandKind, PartQuery, PartRow, PartState, ProfileStatus};
 use maud::{Markup, html};
 
 use crate::{
     farm::load_placed_parts,
-    ledger::{CommandKind, PartQuery, PartRow, PartState, ProfileStatus},
     settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, PART_COLUMNS, fields, height_in_volume},
     web::{

@@ -9,12 +9,12 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use jiff::{Timestamp, ToSpan, civil::Date};
+use ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort},
     settings::FarmZone,
     tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of, fields},
     web::{

@@ -1,14 +1,14 @@
 //! The card of a machine on the farm page: what it does, when its next build fires, what is late, how full the build is.
 
 use jiff::Timestamp;
+use ledger::{
+    BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
+    UtcTimestamp,
+};
 use maud::{Markup, html};
 
 use crate::{
     farm::{PrinterView, forecast_fire, held_text, night_text},
-    ledger::{
-        BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
-        UtcTimestamp,
-    },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields},
     web::{

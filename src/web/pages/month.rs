@@ -12,12 +12,12 @@ use jiff::{
     Timestamp, ToSpan,
     civil::{Date, date},
 };
+use ledger::{BuildState, HistoryQuery, HistoryRow, LatePart};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ledger::{BuildState, HistoryQuery, HistoryRow, LatePart},
     settings::FarmZone,
     tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields},
     web::{

@@ -5,14 +5,13 @@ use std::sync::Arc;
 use anyhow::Context;
 use axum::extract::{Path, State};
 use jiff::Timestamp;
+use ledger::{
+    BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
+};
 use maud::{Markup, html};
 
 use crate::{
     farm::{self, AlertKind, FarmAlert, awaits_release},
-    intake,
-    ledger::{
-        BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
-    },
     web::{
         base::{
             error::{HandlerError, HandlerResult},

@@ -6,14 +6,14 @@ use axum::{
     Json,
     extract::{Path, Query, State},
 };
+use ledger::{
+    EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
+};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ledger::{
-        EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
-    },
     tables::{
         BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
         fields,

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, Query, State};
+use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     farm::{PartQuestion, count_copies_in_layout},
-    ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow},
     tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, TimeView, fields, part_facts},
     web::{
         base::{

@@ -6,11 +6,11 @@ use axum::{
     Json,
     extract::{Path, State},
 };
+use ledger::{BuildRow, BuildState};
 use maud::{Markup, html};
 
 use crate::{
     farm::CakeContents,
-    ledger::{BuildRow, BuildState},
     settings::MachineProfile,
     tables::{PickList, fields},
     web::{

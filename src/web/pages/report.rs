@@ -5,12 +5,12 @@ use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use build_file::{BuildMetadata, Viewpoint};
+use ledger::BuildRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::build::height_curve;
 use crate::{
     farm::CakeContents,
-    ledger::BuildRow,
     settings::{FarmZone, MachineProfile},
     tables::{CAKE_PART_COLUMNS, SheetFact, TimeView, build_facts, fields, height_in_volume},
     web::{

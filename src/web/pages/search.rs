@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use axum::extract::{Query, State};
+use ledger::{NamedBuildRow, NamedPartRow};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use crate::{
     farm::{FoundNames, FoundRows, search_names},
-    ledger::{NamedBuildRow, NamedPartRow},
     tables::fields,
     web::{
         base::{

@@ -9,12 +9,12 @@ use axum::{
     http::StatusCode,
     response::{IntoResponse, Response},
 };
+use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use maud::{Markup, html};
 
 use super::sent_form::{carry_out_form, check_form_key};
 use crate::{
     farm,
-    intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads},
     settings::MachineProfile,
     web::{
         base::{

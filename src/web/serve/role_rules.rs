@@ -1,8 +1,9 @@
 //! Which role a request needs.
 
+use access::TokenRole;
 use axum::http::Method;
 
-use crate::{access::TokenRole, web::doors::api_routes};
+use crate::web::doors::api_routes;
 
 /// The least role that may send a request. What is not known to need less needs the most.
 pub(super) fn needed_role(method: &Method, path: &str) -> TokenRole {

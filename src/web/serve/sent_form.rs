@@ -13,24 +13,22 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use jiff::{SignedDuration, Timestamp};
+use ledger::AnsweredRequest;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use crate::{
-    ledger::AnsweredRequest,
-    web::{
-        base::{
-            client::RequestClient,
-            error::{HandlerError, HandlerResult},
-            format::prose_with_pages,
-            page::html_page,
-        },
-        core::{
-            command::check_takes_orders, form_answer::FormAnswer, form_keys::number_of, order_keys::KeyGuard,
-            state::DashboardState,
-        },
-        doors::request_stage::{MAX_BODY_BYTES, brings_files},
+use crate::web::{
+    base::{
+        client::RequestClient,
+        error::{HandlerError, HandlerResult},
+        format::prose_with_pages,
+        page::html_page,
     },
+    core::{
+        command::check_takes_orders, form_answer::FormAnswer, form_keys::number_of, order_keys::KeyGuard,
+        state::DashboardState,
+    },
+    doors::request_stage::{MAX_BODY_BYTES, brings_files},
 };
 
 /// How long a form waits for the same form that is being carried out.

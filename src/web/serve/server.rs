@@ -9,14 +9,13 @@ use axum::{
     middleware,
     routing::{get, post},
 };
+use ledger::Ledger;
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{asset_route, drop, guard, metrics, sent_form};
 use crate::{
-    access,
     farm::{QuoteMeshes, ServiceBridge},
-    ledger::Ledger,
     metrics::MetricsExporter,
     settings::{SharedSettings, WebSettings},
     web::{

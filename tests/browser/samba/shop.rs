@@ -7,7 +7,7 @@ use std::{
     process::{Child, Output},
 };
 
-use nestd::ledger::{PartQuery, PartRow, PartState};
+use ledger::{PartQuery, PartRow, PartState};
 
 use super::{
     grid::gridded_box,

@@ -1,12 +1,10 @@
 //! Problems that need a person are shown in `nestd status`, in STATUS.txt and in the journal, with a remedy; nothing
 //! else is logged as an error.
 
+use ledger::{BuildState, PartState};
 use std::{fs, os::unix::fs::FileExt, path::Path};
 
-use nestd::{
-    farm::{AlertKind, FarmAlert},
-    ledger::{BuildState, PartState},
-};
+use nestd::farm::{AlertKind, FarmAlert};
 
 use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
 
@@ -90,7 +88,7 @@ fn the_document_lists_every_kind_with_its_remedy() {
 #[test]
 fn nothing_else_is_logged_as_an_error() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let files = nestd::intake::files_below(&source).unwrap();
+    let files = intake::files_below(&source).unwrap();
     let logs = |file: &&std::path::PathBuf| {
         let text = fs::read_to_string(file).unwrap_or_default();
         text.lines().any(|line| line.trim_start().trim_start_matches("tracing::").starts_with(concat!("error", "!(")))

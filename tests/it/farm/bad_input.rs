@@ -2,7 +2,7 @@
 
 use std::{fs, os::unix::net::UnixListener};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until_or};
 

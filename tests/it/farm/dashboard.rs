@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, wait_until_or};
 

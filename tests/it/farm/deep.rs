@@ -1,11 +1,9 @@
 //! `nestd check --deep`: the invariants hold on a farm after work, and each violation is found and named.
 
+use ledger::PartState;
 use std::{fs, path::PathBuf};
 
-use nestd::{
-    farm::{AskedCopies, InvariantExpectations},
-    ledger::PartState,
-};
+use nestd::farm::{AskedCopies, InvariantExpectations};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
@@ -34,7 +32,7 @@ fn violations_at_rest(farm: &TestFarm) -> Vec<String> {
 }
 
 fn only_file(folder: PathBuf) -> PathBuf {
-    let mut files = nestd::intake::files_below(&folder).unwrap();
+    let mut files = intake::files_below(&folder).unwrap();
     // Skips the record of a build and the marker of a folder, which nestd writes for itself.
     files.retain(|file| !file.ends_with(".nestd-build.json") && !file.ends_with(".nestd-owner"));
     assert_eq!(files.len(), 1, "{files:?}");
@@ -115,7 +113,7 @@ fn a_cancelled_part_that_is_taken_back_leaves_no_second_copy_in_the_error_folder
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);
     wait_until("it is gone from the error folder", 5.0, || {
-        let files = nestd::intake::files_below(&farm.folder("error")).unwrap();
+        let files = intake::files_below(&farm.folder("error")).unwrap();
         files.iter().all(|file| file.ends_with(".nestd-owner"))
     });
 }

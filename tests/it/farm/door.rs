@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 use serde_json::{Value, json};
 
 use super::support::{
@@ -103,7 +103,7 @@ fn what_cannot_be_printed_is_refused_at_once_with_the_reason_of_its_file() {
         open.farm.drop_bytes(name, bytes);
         let reason_file = open.farm.folder("error");
         let reason = || {
-            let files = nestd::intake::files_below(&reason_file).unwrap_or_default();
+            let files = intake::files_below(&reason_file).unwrap_or_default();
             let file =
                 files.into_iter().find(|file| file.to_string_lossy().ends_with(&format!("{name}.reason.txt")))?;
             fs::read_to_string(file).ok().filter(|text| !text.is_empty())

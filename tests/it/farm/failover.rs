@@ -3,7 +3,7 @@
 
 use std::{fs, path::Path, process::Command};
 
-use nestd::ledger::{CommandKind, NewCommand, PartState};
+use ledger::{CommandKind, NewCommand, PartState};
 use rustix::process::Signal;
 
 use super::support::{PROFILE, QUICK, TestFarm, block, signal, wait_until_or};

@@ -1,7 +1,7 @@
 //! Parts that fit together only as links of a chain.
 
 use glam::DVec3;
-use nestd::ledger::PartState;
+use ledger::PartState;
 use solids::Mesh;
 
 use super::support::TestFarm;

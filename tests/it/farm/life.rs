@@ -2,7 +2,7 @@
 
 use std::{fs, time::Duration};
 
-use nestd::ledger::{HistoryQuery, PartState};
+use ledger::{HistoryQuery, PartState};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 

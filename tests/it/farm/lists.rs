@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 

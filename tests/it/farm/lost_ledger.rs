@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, wait_until_or};
 
@@ -90,7 +90,7 @@ fn a_part_whose_file_is_gone_is_not_said_to_be_taken_back_by_retry() {
     farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
     let store = farm.root().join("state/store");
-    let is_empty = || nestd::intake::files_below(&store).is_ok_and(|files| files.is_empty());
+    let is_empty = || intake::files_below(&store).is_ok_and(|files| files.is_empty());
     wait_until_or("the store has forgotten it", 20.0, || farm.log(), is_empty);
     farm.stop();
     for kind in ["queue", "archive"] {

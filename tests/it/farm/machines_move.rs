@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::{
     postgres_cluster::PostgresCluster,

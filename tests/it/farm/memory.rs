@@ -2,7 +2,7 @@
 
 use std::{fs, time::Instant};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::{
     greedy,

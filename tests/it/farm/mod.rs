@@ -22,8 +22,7 @@ mod open;
 mod operations;
 mod orders;
 mod pictures;
-#[path = "../../../src/ledger/store/postgres/cluster.rs"]
-mod postgres_cluster;
+use ledger_fixtures::postgres_cluster;
 mod printers;
 mod privilege;
 mod requests;

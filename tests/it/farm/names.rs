@@ -8,7 +8,7 @@ use std::{
     process::Command,
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until_or};
 
@@ -142,7 +142,7 @@ fn reasons_quote_no_escape_of_a_broken_ticket_or_package() {
         30.0,
         || farm.log(),
         || {
-            reasons = nestd::intake::files_below(&farm.folder("error")).unwrap();
+            reasons = intake::files_below(&farm.folder("error")).unwrap();
             reasons.retain(|file| file.to_string_lossy().ends_with(".reason.txt"));
             reasons.len() == 3
         },

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 use rustix::process::Signal;
 
 use super::{

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nestd::ledger::PartState;
+use ledger::PartState;
 use nester::{PlacedSolid, prove_with_keep_out};
 use solids::Bounds;
 

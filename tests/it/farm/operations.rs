@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, process::Command};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block};
 

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, wait_until};
 

@@ -11,7 +11,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{PROFILE, QUICK, TestFarm, stl, wait_until};
 

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::{BuildId, PartRow, PartState};
+use ledger::{BuildId, PartRow, PartState};
 
 use super::support::{QUICK, TestFarm, block, wait_until_or};
 

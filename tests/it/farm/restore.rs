@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fs, path::PathBuf, process::Output};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until};
 
@@ -254,7 +254,7 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     let wanted = [(hash_of(&block(20.0, 20.0, 20.0)), 3), (hash_of(&block(21.0, 20.0, 20.0)), 2)];
     assert_eq!(printed_copies(&farm.wait_for_queued(1)[0]), BTreeMap::from(wanted));
     farm.stop();
-    let store = nestd::intake::ContentStore::from_dir(farm.root().join("state/store"));
+    let store = intake::ContentStore::from_dir(farm.root().join("state/store"));
     assert!(store.list_contents().unwrap().is_empty(), "what is built leaves no note: {:?}", store.list_contents());
 }
 
@@ -284,7 +284,7 @@ fn a_stored_file_of_which_nothing_is_noted_is_reported_by_name_and_kept() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
     replace_ledger(&farm, &copy);
-    let store = nestd::intake::ContentStore::from_dir(farm.root().join("state/store"));
+    let store = intake::ContentStore::from_dir(farm.root().join("state/store"));
     let hash = hash_of(&block(20.0, 20.0, 20.0));
     for claim in store.list_contents().unwrap()[&hash].claims.keys() {
         fs::remove_file(store.note_path(&hash, claim).unwrap()).unwrap();

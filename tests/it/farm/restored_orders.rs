@@ -2,7 +2,7 @@
 
 use std::{fs, time::Duration};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 use serde_json::json;
 
 use super::{

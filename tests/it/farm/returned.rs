@@ -3,7 +3,7 @@
 
 use std::{fs, time::Duration};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::{
     restore::{copy_ledger, hash_of, printed_copies, replace_ledger, text},
@@ -100,7 +100,7 @@ fn copy_ledger_with_a_part(farm: &TestFarm) -> std::path::PathBuf {
 }
 
 fn copy_tree(from: &std::path::Path, to: &std::path::Path) {
-    for file in nestd::intake::files_below(from).unwrap() {
+    for file in intake::files_below(from).unwrap() {
         let target = to.join(file.strip_prefix(from).unwrap());
         fs::create_dir_all(target.parent().unwrap()).unwrap();
         fs::copy(file, target).unwrap();

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use nestd::ledger::{BuildRow, BuildState, PartState};
+use ledger::{BuildRow, BuildState, PartState};
 
 use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
 

@@ -3,7 +3,7 @@
 
 use std::{fs, process::Stdio, time::Duration};
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, wait_until_or};
 

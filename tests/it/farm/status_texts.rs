@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use nestd::ledger::PartState;
+use ledger::PartState;
 
 use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until_or};
 

@@ -70,7 +70,7 @@ impl TestNode {
 
     /// Waits until the node has copies of so many files of another one.
     pub fn wait_for_copies(&self, count: usize) {
-        let copies = nestd::intake::ContentStore::from_dir(self.farm.root().join("state/copies"));
+        let copies = intake::ContentStore::from_dir(self.farm.root().join("state/copies"));
         let has_copies = || copies.list_contents().is_ok_and(|kept| kept.len() == count);
         wait_until_or("files are copied", 60.0, || self.farm.log(), has_copies);
     }

@@ -33,7 +33,7 @@ fn a_farm_that_nobody_watches_has_no_threads_for_it_and_begins_when_the_settings
     let mut farm = TestFarm::new(QUICK);
     farm.start();
     farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
+    farm.wait_for_parts(ledger::PartState::Waiting, 1);
     assert_eq!(threads(&farm, "nestd-watch"), 0);
     let file = farm.root().join("nestd.prom");
     let config = fs::read_to_string(farm.config()).unwrap();
@@ -62,7 +62,7 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     assert_eq!((refused[0]["kind"].as_str(), refused[0]["profile"].as_str()), (Some("refused"), Some("test")));
     assert_eq!(refused[0]["part"]["name"], "<b>torn.stl");
     farm.drop_part("block_x2.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
+    farm.wait_for_parts(ledger::PartState::Waiting, 1);
     farm.flush();
     let delivered = hook.wait_for_delivered(2);
     assert_eq!(delivered[1]["kind"], "published", "{delivered:#?}");
@@ -102,7 +102,7 @@ fn a_receiver_that_hangs_holds_up_neither_a_build_nor_the_stop() {
     farm.drop_bytes("torn.stl", b"solid no");
     wait_until_or("the webhook hangs", 30.0, || farm.log(), || !hook.received().is_empty());
     farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
+    farm.wait_for_parts(ledger::PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_queued(1);
     farm.stop();

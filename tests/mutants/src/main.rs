@@ -1,7 +1,7 @@
 //! Mutation tests: small faults are written into named source files, and each must make a test of the library fail. All mutants are
 //! compiled at once, each behind a switch (`mutate`), so that hundreds are tried with one compilation.
 //!
-//!     cargo run --release --manifest-path tests/mutants/Cargo.toml -- --package nestd src/queue/withdrawal.rs src/ledger/words/put_back.rs
+//!     cargo run --release --manifest-path tests/mutants/Cargo.toml -- --package nestd src/queue/withdrawal.rs crates/ledger/src/words/put_back.rs
 //!
 //! It works on a copy of the committed tree in `--tree` (default: a folder beside the target folder), runs each test once to see
 //! which mutants it reaches, then runs the tests of each mutant until one fails. It prints the survivors, one a line, and a summary.

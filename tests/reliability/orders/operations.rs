@@ -6,7 +6,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use nestd::ledger::{PartRow, PartState};
+use ledger::{PartRow, PartState};
 use rand::{RngExt, seq::IndexedRandom};
 
 use super::{
@@ -231,7 +231,7 @@ impl OrdersFarm {
         let Some((profile, file)) = builds.choose(&mut self.rng).cloned() else { return };
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
         let folder = self.farm.root().join("archive").join(profile).join(name.trim_end_matches(".build.3mf"));
-        let originals = nestd::intake::files_below(&folder).unwrap_or_default();
+        let originals = intake::files_below(&folder).unwrap_or_default();
         for original in originals.iter().filter(|file| file.extension().is_some_and(|end| end == "stl")) {
             let _ = fs::remove_file(original);
         }

@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use nestd::ledger::{BuildId, BuildState, PlacementRow};
+use ledger::{BuildId, BuildState, PlacementRow};
 use rand::{RngExt, seq::IndexedRandom};
 
 use super::{

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use nestd::ledger::{
+use ledger::{
     CommandKind, CommandRow, CommandState, EventKind, EventRow, OrderState, OrderSummary, PartRow, PartState,
 };
 

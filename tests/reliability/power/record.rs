@@ -59,7 +59,7 @@ pub fn record_run() -> RecordedRun {
     let began = Instant::now();
     let is_done = |life: &LifeCycle| {
         let inbox = life.farm.folder("inbox");
-        let work = nestd::intake::list_claims(&inbox).unwrap_or_default();
+        let work = intake::list_claims(&inbox).unwrap_or_default();
         let is_refused = life.farm.folder("error").join("bad.stl").exists();
         !life.farm.queued().is_empty() && work.claims.is_empty() && work.unfinished.is_empty() && is_refused
     };

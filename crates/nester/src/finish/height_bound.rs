@@ -148,7 +148,7 @@ fn least_width_mm(points: &[DVec3], tilts: &[TiltLimit], bound_mm: f64) -> f64 {
 mod tests {
     use glam::DQuat;
     use proptest::prelude::*;
-    use solids::fixtures::{block, star};
+    use sample_parts::fixtures::{block, star};
 
     use super::*;
     use crate::{BuildVolume, NestingItem};

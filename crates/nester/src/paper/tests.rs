@@ -3,10 +3,8 @@
 use std::{collections::HashMap, sync::Arc};
 
 use glam::DVec3;
-use solids::{
-    ClearanceTree, Mesh,
-    fixtures::{block, mesh_from_data, star},
-};
+use sample_parts::fixtures::{block, mesh_from_data, star};
+use solids::{ClearanceTree, Mesh};
 
 use super::*;
 use crate::{BuildVolume, NestingConfig, NestingItem, NestingMethod, OrientationRule, PaperConfig};

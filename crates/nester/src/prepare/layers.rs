@@ -223,7 +223,7 @@ impl FilledLayers {
 mod tests {
     use glam::DQuat;
     use proptest::prelude::*;
-    use solids::fixtures::star;
+    use sample_parts::fixtures::star;
 
     use super::*;
     use crate::tests::testing::{block, hollow};

@@ -105,7 +105,8 @@ impl<'de> Deserialize<'de> for NestingInstance {
 #[cfg(test)]
 mod tests {
     use glam::{DQuat, DVec3};
-    use solids::{Pose, fixtures::star};
+    use sample_parts::fixtures::star;
+    use solids::Pose;
 
     use super::*;
     use crate::{

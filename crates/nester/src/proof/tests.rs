@@ -3,10 +3,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
-use solids::{
-    Mesh,
-    fixtures::{block, bucket, hollow_box, star},
-};
+use sample_parts::fixtures::{block, bucket, hollow_box, star};
+use solids::Mesh;
 
 use super::*;
 

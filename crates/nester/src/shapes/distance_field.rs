@@ -201,7 +201,8 @@ impl ThinnedTriangles {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use solids::{closest_point, fixtures::star};
+    use sample_parts::fixtures::star;
+    use solids::closest_point;
 
     use super::*;
     use crate::tests::testing::{block, hollow};

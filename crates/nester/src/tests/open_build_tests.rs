@@ -7,7 +7,8 @@ use std::{
 };
 
 use glam::DVec3;
-use solids::{Bounds, Mesh, fixtures::star};
+use sample_parts::fixtures::star;
+use solids::{Bounds, Mesh};
 
 use super::{
     nester_tests::{NesterTestBudget, asked, assert_good, item, nested},

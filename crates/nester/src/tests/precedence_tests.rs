@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use rand::{RngExt, seq::IndexedRandom};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
-use solids::{Mesh, fixtures::star};
+use sample_parts::fixtures::star;
+use solids::Mesh;
 
 use super::{
     nester_tests::{NesterTestBudget, asked, assert_good, item},

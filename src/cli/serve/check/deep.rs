@@ -4,11 +4,11 @@ use std::{path::PathBuf, time::Duration};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use ledger::{Ledger, LedgerError};
 
 use super::report::CheckReport;
 use crate::{
     farm::{self, InvariantExpectations, InvariantReport},
-    ledger::{Ledger, LedgerError},
     settings::Settings,
 };
 

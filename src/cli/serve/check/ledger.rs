@@ -4,11 +4,11 @@
 use std::{fs, path::PathBuf};
 
 use anyhow::{Context, Result};
+use ledger::{BuildRow, BuildState, Ledger, LedgerError};
 
 use super::{other_machines::OtherMachines, report::CheckReport};
 use crate::{
     farm,
-    ledger::{BuildRow, BuildState, Ledger, LedgerError},
     settings::{MachineProfile, PrinterRules, Settings},
 };
 

@@ -4,13 +4,10 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use ledger::{Ledger, LedgerError};
 
 use super::report::CheckReport;
-use crate::{
-    farm,
-    ledger::{Ledger, LedgerError},
-    settings::Settings,
-};
+use crate::{farm, settings::Settings};
 
 /// Each machine with its node.
 #[derive(Debug, Default)]

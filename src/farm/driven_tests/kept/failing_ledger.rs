@@ -1,14 +1,13 @@
 //! A ledger that cannot be changed for a while, as on a full disk.
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
-            nested::night::{drop_mixed, go_on_with_round, lowering, rest},
-        },
+use ledger::{Ledger, NightState, PartState};
+
+use crate::farm::{
+    AlertKind,
+    driven_tests::{
+        HandDrivenFarm, PROFILE, QUICK, block,
+        nested::night::{drop_mixed, go_on_with_round, lowering, rest},
     },
-    ledger::{Ledger, NightState, PartState},
 };
 
 /// A ledger in which certain changes fail until they are allowed again.

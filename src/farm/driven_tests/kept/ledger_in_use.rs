@@ -1,15 +1,13 @@
 //! What others do to a ledger while a farm uses it: they put a backup back inside its file, or hold its lock.
 
+use ledger::{CommandKind, CommandState, Ledger, LedgerError, NewCommand, PartState, ServiceState};
 use sqlx::Connection;
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-        records::lost_ledger::ledger_alert,
-        run::open::is_transient,
-    },
-    ledger::{CommandKind, CommandState, Ledger, LedgerError, NewCommand, PartState, ServiceState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
+    records::lost_ledger::ledger_alert,
+    run::open::is_transient,
 };
 
 /// Writes the rows of a backup over those of the ledger in one change, as SQLite's restore writes its pages: the file stays the same.
@@ -169,7 +167,7 @@ fn a_process_that_holds_the_ledger_is_named_and_the_farm_goes_on_when_it_lets_go
     assert!(text.contains(&holder), "{text}");
     let refused = farm.ask(async |ledger| {
         assert!(matches!(ledger.service_state(), ServiceState::Locked { .. }));
-        ledger.pause_profile(PROFILE, "ann", crate::ledger::PauseCause::Person).await.unwrap_err().to_string()
+        ledger.pause_profile(PROFILE, "ann", ledger::PauseCause::Person).await.unwrap_err().to_string()
     });
     assert!(refused.contains(&holder) && !refused.contains("locked"), "{refused}");
     held.let_go();

@@ -1,13 +1,12 @@
 //! Repair of a ledger that has missed what another farm did in its folders.
 
+use ledger::{CommandKind, PartState, PrintOutcome, ToldOutcome};
+use ledger_fixtures::ToldWords;
 use std::{fs, process::Command, time::Duration};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-    },
-    ledger::{CommandKind, PartState, PrintOutcome, ToldOutcome},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
 };
 
 /// Prints a part in a farm of its own, and puts the build and its record into the folders of another farm. The build is

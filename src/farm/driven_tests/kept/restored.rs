@@ -1,17 +1,15 @@
 //! Ledgers that are put back to a time before copies were edited and printed, or orders came by request.
 
+use intake::{PutContents, ordered_claim_id};
+use ledger::{
+    AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
+    PrintOutcome, ReprintTarget, ToldOutcome,
+};
 use std::fs;
 
-use crate::{
-    farm::{
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
-        note_order, update_order_notes,
-    },
-    intake::{PutContents, ordered_claim_id},
-    ledger::{
-        AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId,
-        PartState, PrintOutcome, ReprintTarget, ToldOutcome,
-    },
+use crate::farm::{
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
+    note_order, update_order_notes,
 };
 
 fn publish(farm: &mut HandDrivenFarm, builds: usize) {
@@ -121,7 +119,7 @@ fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_afte
         farm.pass_secs(3.0);
         assert_eq!((farm.parts(PartState::Rejected).len(), farm.parts(PartState::Waiting).len()), (1, 0), "{story}");
         assert!(told.contains("a.stl") && told.contains("is not printed"), "{story}: {told}");
-        let refused = crate::intake::files_below(&error).unwrap();
+        let refused = intake::files_below(&error).unwrap();
         assert_eq!(refused.iter().filter(|file| file.ends_with("a.stl")).count(), 1, "{story}: {refused:?}");
         let retried = farm.parts(PartState::Rejected)[0].id;
         farm.order_and_wait(CommandKind::Retry, Some(retried));

@@ -1,17 +1,15 @@
 //! Ledgers that are put back to a time before nestd took the file of a build back out of the queue: no copy of it is lost, and none is
 //! printed twice.
 
+use ledger::{
+    BuildId, BuildRow, BuildState, CommandKind, OperatorWord, PartId, PartState, PickMark, PrintOutcome, ReprintTarget,
+    ToldOutcome,
+};
 use std::fs;
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
-    },
-    ledger::{
-        BuildId, BuildRow, BuildState, CommandKind, OperatorWord, PartId, PartState, PickMark, PrintOutcome,
-        ReprintTarget, ToldOutcome,
-    },
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
 };
 
 const PART: PartId = PartId(1);

@@ -1,11 +1,9 @@
 //! A clock that is set between the look at it and what is decided or recorded afterwards.
 
 use jiff::SignedDuration;
+use ledger::PartState;
 
-use crate::{
-    farm::driven_tests::{HandDrivenFarm, QUICK, block, kept::failing_ledger::RefusedChanges},
-    ledger::PartState,
-};
+use crate::farm::driven_tests::{HandDrivenFarm, QUICK, block, kept::failing_ledger::RefusedChanges};
 
 const JUMPS: [SignedDuration; 4] = [
     SignedDuration::from_hours(24),

@@ -1,11 +1,10 @@
 //! Due dates as people write them, in the time zone of the farm.
 
-use crate::{
-    farm::{
-        CakeContents,
-        driven_tests::{HandDrivenFarm, QUICK, block},
-    },
-    ledger::{PartRow, PartState},
+use ledger::{PartRow, PartState};
+
+use crate::farm::{
+    CakeContents,
+    driven_tests::{HandDrivenFarm, QUICK, block},
 };
 
 /// The due date of a part: the instant, and the date as it was given.
@@ -28,7 +27,7 @@ fn a_day_is_due_at_its_end_in_the_zone_of_the_farm_and_is_that_day_everywhere() 
     let settings =
         crate::settings::load_settings(Some(&farm.root().join("config/nestd.toml")), Some(farm.root())).unwrap();
     assert_eq!(settings.time_zone.format_due(parts[0].terms.due_at.unwrap().0, &parts[0].terms.due_text), "2098-12-24");
-    farm.order(crate::ledger::CommandKind::Flush, None);
+    farm.order(ledger::CommandKind::Flush, None);
     let file = farm.wait_for_queued(1).remove(0);
     let placed = build_file::read_build(&file, &Default::default()).unwrap();
     let cake = CakeContents::from_placed_meshes(&placed, glam::DVec3::splat(120.0));

@@ -1,19 +1,17 @@
 //! An open build that waits is lowered further: over a restart, until it is not worth the time, and never in the way of
 //! anything else.
 
+use ledger::{
+    BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartId, PartState,
+};
 use std::collections::BTreeSet;
 
-use crate::{
-    farm::{
-        decisions::layout::layouts_from_json,
-        driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
-            hand_driven_farm::farm_files::{drop_file, list_build_files},
-            stl,
-        },
-    },
-    ledger::{
-        BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartId, PartState,
+use crate::farm::{
+    decisions::layout::layouts_from_json,
+    driven_tests::{
+        HandDrivenFarm, PROFILE, QUICK, block,
+        hand_driven_farm::farm_files::{drop_file, list_build_files},
+        stl,
     },
 };
 

@@ -1,9 +1,8 @@
 //! Parts enter and leave the open build.
 
-use crate::{
-    farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-    ledger::{CommandKind, PartState},
-};
+use ledger::{CommandKind, PartState};
+
+use crate::farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block};
 
 #[test]
 fn a_cancelled_part_leaves_the_open_build() {

@@ -1,15 +1,13 @@
 //! The plan of a machine says beforehand what the farm then does, from the ledger alone.
 
+use intake::Ticket;
+use ledger::{CommandKind, PartState};
 use std::sync::Arc;
 
-use crate::{
-    farm::{
-        DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
-        driven_tests::{HandDrivenFarm, PROFILE, block, hand_driven_farm::farm_files::list_build_files, stl},
-        plan_machine, quote_order, read_plan, read_quoted_files,
-    },
-    intake::Ticket,
-    ledger::{CommandKind, PartState},
+use crate::farm::{
+    DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
+    driven_tests::{HandDrivenFarm, PROFILE, block, hand_driven_farm::farm_files::list_build_files, stl},
+    plan_machine, quote_order, read_plan, read_quoted_files,
 };
 
 /// Searches are quick, nothing turns, and a build of 20 mm is printed in two hours.
@@ -97,7 +95,7 @@ fn quote(farm: &HandDrivenFarm, mesh: &solids::Mesh, copies: u32, due_in_hours: 
     quote_order(&profile, &reading, question, &farm.quote_meshes(), (), now)
 }
 
-fn hours_until(farm: &HandDrivenFarm, at: Option<crate::ledger::UtcTimestamp>) -> f64 {
+fn hours_until(farm: &HandDrivenFarm, at: Option<ledger::UtcTimestamp>) -> f64 {
     at.unwrap().0.duration_since(farm.date()).as_secs_f64() / 3600.0
 }
 

@@ -1,9 +1,8 @@
 //! Who goes first: what the highest priority gets, what stays, and what is told to those who must wait.
 
-use crate::{
-    farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-    ledger::{CommandKind, EventKind, EventRow, PartRow, PartState},
-};
+use ledger::{CommandKind, EventKind, EventRow, PartRow, PartState};
+
+use crate::farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block};
 
 /// 8 cubes of 55 mm fill the volume of [`QUICK`].
 const CUBES: usize = 8;

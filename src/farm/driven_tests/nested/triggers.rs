@@ -1,9 +1,8 @@
 //! The triggers that fire a batch.
 
-use crate::{
-    farm::driven_tests::{HandDrivenFarm, QUICK, block},
-    ledger::PartState,
-};
+use ledger::PartState;
+
+use crate::farm::driven_tests::{HandDrivenFarm, QUICK, block};
 
 #[test]
 fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
@@ -12,7 +11,7 @@ fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
     farm.wait_for_queued(1);
     let placed = build_file::read_build(&farm.queued()[0], &Default::default()).unwrap();
     assert_eq!(placed.len(), 2, "two slabs of 18 mm fit into 50 mm");
-    farm.order(crate::ledger::CommandKind::Flush, None);
+    farm.order(ledger::CommandKind::Flush, None);
     farm.wait_for_parts(PartState::Built, 1);
     farm.assert_nothing_lost_or_doubled();
     assert_eq!(farm.queued().len(), 2);
@@ -103,7 +102,7 @@ fn gathering_goes_on_after_a_restart_and_a_flush_ends_it() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.pass_secs(10.0);
     assert_eq!(farm.queued().len(), 1);
-    farm.order(crate::ledger::CommandKind::Flush, None);
+    farm.order(ledger::CommandKind::Flush, None);
     farm.wait_for_queued(2);
 }
 
@@ -122,19 +121,19 @@ fn a_drizzle_of_parts_does_not_hold_up_an_overdue_one_for_ever() {
 #[test]
 fn overdue_parts_that_are_taken_back_one_after_another_are_gathered_too() {
     let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 60\n"));
-    farm.order_and_wait(crate::ledger::CommandKind::Pause, None);
+    farm.order_and_wait(ledger::CommandKind::Pause, None);
     let mut parts = Vec::new();
     for (count, name) in ["a", "b"].into_iter().enumerate() {
         farm.drop_bytes(&format!("{name}.stl.toml"), b"due = 2020-01-01");
         farm.drop_part(&format!("{name}.stl"), &block(10.0, 10.0 + count as f64, 10.0));
         parts.push(farm.wait_for_parts(PartState::Waiting, 1)[0].id);
-        farm.order_and_wait(crate::ledger::CommandKind::Cancel, parts.last().copied());
+        farm.order_and_wait(ledger::CommandKind::Cancel, parts.last().copied());
     }
-    farm.order_and_wait(crate::ledger::CommandKind::Resume, None);
+    farm.order_and_wait(ledger::CommandKind::Resume, None);
     farm.wait_for_parts(PartState::Rejected, 2);
     farm.pass_secs(100.0);
     for part in parts {
-        farm.order_and_wait(crate::ledger::CommandKind::Retry, Some(part));
+        farm.order_and_wait(ledger::CommandKind::Retry, Some(part));
         farm.pass_secs(20.0);
     }
     farm.wait_for_parts(PartState::Built, 2);
@@ -152,7 +151,7 @@ fn overdue_specks_that_are_confirmed_one_after_another_are_gathered_too() {
     }
     farm.pass_secs(100.0);
     for part in parts {
-        farm.order_and_wait(crate::ledger::CommandKind::Confirm, Some(part));
+        farm.order_and_wait(ledger::CommandKind::Confirm, Some(part));
         farm.pass_secs(20.0);
     }
     farm.wait_for_parts(PartState::Built, 2);
@@ -170,7 +169,7 @@ fn overdue_parts_whose_originals_come_back_one_after_another_are_gathered_too() 
         let part = farm.wait_for_parts(PartState::Waiting, count + 1).remove(count);
         hashes.push(part.file.content_hash);
     }
-    for file in crate::intake::files_below(&farm.root().join("state/store")).unwrap() {
+    for file in intake::files_below(&farm.root().join("state/store")).unwrap() {
         if hashes.iter().any(|hash| file.to_string_lossy().contains(hash)) {
             std::fs::remove_file(file).unwrap();
         }

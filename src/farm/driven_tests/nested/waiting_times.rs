@@ -1,11 +1,11 @@
 //! How long copies have waited: those that come back wait from then on, and fire no thin build because their part was dropped long ago.
 
-use crate::{
-    farm::driven_tests::{
-        HandDrivenFarm, QUICK, block,
-        printed::reprints::{change, edit, published, tell},
-    },
-    ledger::{CommandArgument, CommandKind, PartEdit, PartId, PartState, PrintOutcome, ReprintTarget},
+use ledger::{CommandArgument, CommandKind, PartEdit, PartId, PartState, PrintOutcome, ReprintTarget};
+use ledger_fixtures::ToldWords;
+
+use crate::farm::driven_tests::{
+    HandDrivenFarm, QUICK, block,
+    printed::reprints::{change, edit, published, tell},
 };
 
 const WAIT_A_MINUTE: &str = "[trigger]\nmax_wait_secs = 60\n";

@@ -1,13 +1,12 @@
 //! Copies of published build files in the archive, and builds that are issued once more from them.
 
+use ledger::{BuildId, CommandKind, PartState};
+use ledger_fixtures::ToldWords;
 use std::{fs, path::PathBuf};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK, block},
-    },
-    ledger::{BuildId, CommandKind, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK, block},
 };
 
 /// A farm that keeps build files, with one published build of five copies.

@@ -1,13 +1,11 @@
 //! The life of a part: dropped, claimed, read, waiting, batched, nested, verified, published, history.
 
+use ledger::{CommandKind, PartState};
 use std::{fs, io::Write};
 
-use crate::{
-    farm::{
-        alerts::alert::AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
-    },
-    ledger::{CommandKind, PartState},
+use crate::farm::{
+    alerts::alert::AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
 };
 
 #[test]

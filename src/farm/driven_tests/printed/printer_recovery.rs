@@ -1,6 +1,10 @@
 //! Several printers after a crash, a restored ledger, or an outcome that was told in between: no build is printed twice, and
 //! none is left where no printer sees it.
 
+use ledger::{
+    BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, ToldOutcome,
+};
+use ledger_fixtures::ToldWords;
 use std::{fs, path::Path};
 
 use super::printers::{bring_up, build_part, published, queue, take_down, two_printers, visible};
@@ -8,9 +12,6 @@ use crate::{
     farm::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
-    },
-    ledger::{
-        BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, ToldOutcome,
     },
     queue::QueueFolder,
 };

@@ -1,22 +1,21 @@
 //! Printers alike behind one hot folder: both are kept busy, one that is down gets nothing, and what lies at it moves to the
 //! other. And builds that wait for a person's yes.
 
+use ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
+use ledger_fixtures::ToldWords;
 use std::{
     collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
 };
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
-            hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
-        },
-        preview_release,
+use crate::farm::{
+    AlertKind,
+    driven_tests::{
+        HandDrivenFarm, PROFILE, QUICK, block,
+        hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
     },
-    ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState},
+    preview_release,
 };
 
 const PRINTERS: &str = "[[printer]]\nname = \"left\"\n[[printer]]\nname = \"right\"\n";
@@ -160,7 +159,7 @@ fn a_build_that_was_told_while_it_moves_is_published_nowhere() {
     folder.withdraw(&file).unwrap();
     farm.start();
     farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
-    let told = crate::ledger::ToldOutcome::new(crate::ledger::PrintOutcome::Failed, "", "a@test");
+    let told = ledger::ToldOutcome::new(ledger::PrintOutcome::Failed, "", "a@test");
     farm.ask(async |ledger| ledger.record_outcome(build.id, &told).await.unwrap());
     farm.pass_until("the move has ended", |farm| {
         farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap()).place.move_to.is_none()

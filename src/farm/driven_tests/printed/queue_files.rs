@@ -1,16 +1,13 @@
 //! Build files in a queue folder that should not be there, or are not what was proved: told within a look, until that is over.
 
+use ledger::{
+    BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PrintOutcome, ToldOutcome,
+};
 use std::{fs, path::PathBuf};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-    },
-    ledger::{
-        BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PrintOutcome,
-        ToldOutcome,
-    },
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
 };
 
 /// A farm with one published build, and its file.

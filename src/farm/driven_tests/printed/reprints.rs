@@ -1,16 +1,15 @@
 //! What was printed badly is printed again, with all that was asked; and what was asked is changed after the drop.
 
+use ledger::{
+    BuildId, CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartId, PartState, PrintOutcome,
+    ReprintTarget, ToldOutcome,
+};
+use ledger_fixtures::ToldWords;
 use std::fs;
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
-    },
-    ledger::{
-        BuildId, CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartId, PartState, PrintOutcome,
-        ReprintTarget, ToldOutcome,
-    },
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
 };
 
 /// Copies and sizes of the parts in a build file.

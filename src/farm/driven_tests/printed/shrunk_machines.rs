@@ -3,6 +3,7 @@
 use std::{fs, path::Path};
 
 use glam::DVec3;
+use ledger::{BuildRow, BuildState, CommandKind, OperatorWord, PartState};
 
 use super::printers::{published, queue, take_down, visible};
 use crate::{
@@ -14,7 +15,6 @@ use crate::{
         },
         fate_of_queued, preview_release,
     },
-    ledger::{BuildRow, BuildState, CommandKind, OperatorWord, PartState},
     settings::load_settings,
 };
 

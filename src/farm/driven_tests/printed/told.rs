@@ -1,17 +1,15 @@
 //! What people say of builds whose files still lie in their queue: no printer could ever print more copies than are wanted.
 
+use ledger::{
+    BuildId, BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PickMark,
+    PrintOutcome, ReprintTarget, ToldOutcome,
+};
 use std::fs;
 
 use super::printers::published;
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
-    },
-    ledger::{
-        BuildId, BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PickMark,
-        PrintOutcome, ReprintTarget, ToldOutcome,
-    },
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
 };
 
 /// A farm with one published build of three copies.
@@ -27,7 +25,7 @@ fn three_copies() -> (HandDrivenFarm, BuildRow) {
 }
 
 fn outcome(build: &BuildRow, outcome: PrintOutcome, bad: u32) -> OperatorWord {
-    let part = crate::ledger::PartId(1);
+    let part = ledger::PartId(1);
     let bad = if bad > 0 { vec![(part, bad)] } else { Vec::new() };
     OperatorWord::Outcome(build.id, ToldOutcome { bad, ..ToldOutcome::new(outcome, "", "ann@farm") })
 }
@@ -38,7 +36,7 @@ fn find(farm: &HandDrivenFarm, build: BuildId) -> BuildRow {
 
 /// Every word that makes copies bad, and how many.
 fn words(farm: &HandDrivenFarm, build: &BuildRow) -> Vec<(OperatorWord, usize)> {
-    let marks: Vec<_> = (0..3).map(|copy| (crate::ledger::PartId(1), copy)).collect();
+    let marks: Vec<_> = (0..3).map(|copy| (ledger::PartId(1), copy)).collect();
     farm.ask(async |ledger| ledger.mark_picks(build.id, &marks, PickMark::Missing, "ann@farm").await.unwrap());
     vec![
         (outcome(build, PrintOutcome::Failed, 0), 3),
@@ -102,7 +100,7 @@ fn a_word_is_carried_out_at_once_where_the_file_was_taken_or_no_copy_is_bad() {
 #[test]
 fn some_copies_of_a_build_that_nobody_told_of_are_not_printed_again_while_its_file_lies_there() {
     let (farm, build) = three_copies();
-    let word = OperatorWord::Reprint(ReprintTarget::Part(crate::ledger::PartId(1), Some(1)));
+    let word = OperatorWord::Reprint(ReprintTarget::Part(ledger::PartId(1), Some(1)));
     for anyway in [false, true] {
         let refused = farm.say(&word, anyway).unwrap_err();
         assert!(matches!(refused, LedgerError::InQueue(InQueueError::NotTold { .. })), "{refused}");

@@ -1,6 +1,10 @@
 //! Just in time: the open build waits for room in the queue, and a published build is taken back out of it unless its printer was
 //! first. No copy is printed twice or not at all.
 
+use ledger::{
+    BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand, OperatorWord,
+    PartEdit, PartState, PrintOutcome, ToldOutcome,
+};
 use std::fs;
 
 use super::printers::{build_part, published};
@@ -8,10 +12,6 @@ use crate::{
     farm::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
-    },
-    ledger::{
-        BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand,
-        OperatorWord, PartEdit, PartState, PrintOutcome, ToldOutcome,
     },
     queue::QueueFolder,
 };

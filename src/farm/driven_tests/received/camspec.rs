@@ -2,17 +2,15 @@
 
 use std::{fs, io::Write};
 
+use ledger::{CommandKind, PartState};
 use nester::OrientationRule;
 use serde_json::json;
 use solids::Pose;
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-use crate::{
-    farm::driven_tests::{
-        HandDrivenFarm, QUICK, block,
-        hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
-    },
-    ledger::{CommandKind, PartState},
+use crate::farm::driven_tests::{
+    HandDrivenFarm, QUICK, block,
+    hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
 };
 
 const IDS: [&str; 3] = [
@@ -94,7 +92,7 @@ fn a_package_that_is_dropped_again_is_made_as_it_says_now_and_keeps_its_date() {
     farm.drop_bytes("Brandt_x12.camspec", &document(json!([line("a", 3), line("b", 2)]), "b"));
     farm.wait_for_parts(PartState::Rejected, 1);
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
-    let asked = |part: &crate::ledger::PartRow| {
+    let asked = |part: &ledger::PartRow| {
         (
             part.terms.reference.clone(),
             part.owed.copies,

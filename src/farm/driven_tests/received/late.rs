@@ -1,13 +1,11 @@
 //! Words that come late: tickets and lists after their part, revisions, control files, and parts that wait for a yes.
 
+use ledger::{CommandKind, CommandState, PartState};
 use std::fs;
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK, block},
-    },
-    ledger::{CommandKind, CommandState, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK, block},
 };
 
 fn publish(farm: &mut HandDrivenFarm, builds: usize) {

@@ -1,9 +1,8 @@
 //! Order lists in the formats that people use.
 
-use crate::{
-    farm::driven_tests::{HandDrivenFarm, QUICK, block, stl},
-    ledger::PartState,
-};
+use ledger::PartState;
+
+use crate::farm::driven_tests::{HandDrivenFarm, QUICK, block, stl};
 
 /// A farm that waits this many seconds if an order list and its files do not match.
 fn farm(incomplete_secs: f64) -> HandDrivenFarm {

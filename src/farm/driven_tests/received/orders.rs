@@ -1,13 +1,11 @@
 //! Commands that people give to the daemon.
 
+use ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState};
 use std::fs;
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
-    },
-    ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
 };
 
 #[test]

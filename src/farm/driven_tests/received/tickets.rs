@@ -1,14 +1,12 @@
 //! Tickets and lists that people write, from the hot folder to the waiting part.
 
+use intake::is_copies_question;
+use ledger::{PartRow, PartState};
 use std::{fs, path::Path};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK, block, stl},
-    },
-    intake::is_copies_question,
-    ledger::{PartRow, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK, block, stl},
 };
 
 /// The ticket that docs/dropping.md shows, as somebody copies it.

@@ -1,13 +1,11 @@
 //! Files that were taken before they were whole, and projects with more in them than parts.
 
+use ledger::{CommandKind, CommandState, PartState};
 use std::{fs, io::Write};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK},
-    },
-    ledger::{CommandKind, CommandState, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK},
 };
 
 /// A farm that waits a minute for the rest of a file.
@@ -42,7 +40,7 @@ fn write_late(order: &str) {
     let first = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!(first.measures.triangles, Some(4));
     farm.pass_until("its original is removed", |farm| {
-        crate::intake::files_below(&farm.folder("inbox").join(".claimed")).unwrap().is_empty()
+        intake::files_below(&farm.folder("inbox").join(".claimed")).unwrap().is_empty()
     });
     writer.write_all(body(20.0).as_bytes()).unwrap();
     farm.wait_for_parts(PartState::Rejected, 1);

@@ -1,14 +1,14 @@
 //! A part keeps the size in which it was read first, whatever is read again after the unit of its machine changed.
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
-            printed::reprints::{change, contents, edit, published, tell},
-        },
+use ledger::{CommandArgument, CommandKind, PartEdit, PartId, PartState, PrintOutcome, ReprintTarget};
+use ledger_fixtures::ToldWords;
+
+use crate::farm::{
+    AlertKind,
+    driven_tests::{
+        HandDrivenFarm, PROFILE, QUICK, block,
+        printed::reprints::{change, contents, edit, published, tell},
     },
-    ledger::{CommandArgument, CommandKind, PartEdit, PartId, PartState, PrintOutcome, ReprintTarget},
 };
 
 /// The volume of the part of these tests as it was read first.

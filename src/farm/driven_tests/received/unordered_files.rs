@@ -2,14 +2,12 @@
 
 use std::{fs, io::Write, time::SystemTime};
 
+use ledger::{CommandKind, CommandState, PartState};
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK, block, stl},
-    },
-    ledger::{CommandKind, CommandState, PartState},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK, block, stl},
 };
 
 fn farm() -> HandDrivenFarm {
@@ -41,7 +39,7 @@ fn asked(farm: &HandDrivenFarm) -> (Vec<String>, Vec<String>) {
     let mut parts = farm.parts(PartState::Waiting);
     parts.sort_by(|a, b| a.name.cmp(&b.name));
     let (asked, clear): (Vec<_>, Vec<_>) = parts.into_iter().partition(|part| !part.owed.question.is_empty());
-    let names = |parts: Vec<crate::ledger::PartRow>| parts.into_iter().map(|part| part.name).collect();
+    let names = |parts: Vec<ledger::PartRow>| parts.into_iter().map(|part| part.name).collect();
     (names(asked), names(clear))
 }
 

@@ -1,17 +1,16 @@
 //! Tickets and order lists that cannot be read, or that say no: their parts are never taken without them.
 
+use ledger::{BuildState, CommandKind, CommandState, OrderState, PartRow, PartState, PrintOutcome, ToldOutcome};
+use ledger_fixtures::ToldWords;
 use std::{
     fs,
     os::unix::fs::symlink,
     path::{Path, PathBuf},
 };
 
-use crate::{
-    farm::{
-        AlertKind,
-        driven_tests::{HandDrivenFarm, QUICK, block, stl},
-    },
-    ledger::{BuildState, CommandKind, CommandState, OrderState, PartRow, PartState, PrintOutcome, ToldOutcome},
+use crate::farm::{
+    AlertKind,
+    driven_tests::{HandDrivenFarm, QUICK, block, stl},
 };
 
 /// A farm in which parts and lists that do not fit together wait for some seconds.

@@ -3,6 +3,7 @@
 use std::{cmp::Ordering, collections::VecDeque, sync::Arc};
 
 use jiff::Timestamp;
+use ledger::{PartRow, compare_precedence};
 
 use super::super::{
     packing_experience::PackingExperience,
@@ -14,7 +15,6 @@ use crate::{
         printer_outlook::{PrinterAhead, PrinterOutlook},
         trigger::tests::machine_with_triggers,
     },
-    ledger::{PartRow, compare_precedence},
     settings::MachineProfile,
 };
 

@@ -7,7 +7,8 @@ use rand::{RngExt, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::month_size::MonthSize;
-use crate::ledger::{PartId, PartRow, fixtures::part_row};
+use ledger::{PartId, PartRow};
+use ledger_fixtures::part_row;
 
 /// Median volume of a part, mm3; one part in six has e times that, or more.
 const MEDIAN_MM3: f64 = 2.4e4;

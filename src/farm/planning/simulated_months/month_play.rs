@@ -20,7 +20,7 @@ use super::{
     month_size::{MonthRules, MonthSize},
     month_table::MonthReport,
 };
-use crate::ledger::{BuildId, BuildState, PublishedExperience};
+use ledger::{BuildId, BuildState, PublishedExperience};
 
 /// How dense builds really are, and how much their heights scatter around that (a standard deviation of the logarithm).
 const TRUE_DENSITY: f64 = 0.12;

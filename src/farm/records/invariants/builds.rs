@@ -7,6 +7,7 @@ use std::{
 };
 
 use anyhow::Result;
+use ledger::{BuildRow, BuildState, Ledger, PartId};
 
 use super::report::{
     Invariant::{I2, I3, I4},
@@ -14,8 +15,6 @@ use super::report::{
 };
 use crate::{
     farm::records::kept_build::KeptBuild,
-    intake,
-    ledger::{BuildRow, BuildState, Ledger, PartId},
     settings::{MachineProfile, Settings},
 };
 

@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use anyhow::Result;
+use intake::{ContentStore, StoreError};
 use jiff::{SignedDuration, Timestamp};
+use ledger::{BuildState, Ledger, PartFileRow, PartId, PartState};
 
 use super::{
     folders::{FilesByHash, FolderContents, files_by_hash},
@@ -17,8 +19,6 @@ use crate::{
         decisions::trigger::secs_between,
         records::{build_record::archive_folder, forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild},
     },
-    intake::{self, ContentStore, StoreError},
-    ledger::{BuildState, Ledger, PartFileRow, PartId, PartState},
     settings::Settings,
 };
 

@@ -6,13 +6,11 @@ use std::{
 };
 
 use anyhow::Result;
+use intake::ClaimsOnDisk;
+use ledger::{Ledger, PartState};
 
 use super::report::{Invariant, InvariantExpectations, InvariantReport};
-use crate::{
-    intake::{self, ClaimsOnDisk},
-    ledger::{Ledger, PartState},
-    settings::Settings,
-};
+use crate::settings::Settings;
 
 /// Files of a folder by BLAKE3.
 pub type FilesByHash = HashMap<String, Vec<PathBuf>>;

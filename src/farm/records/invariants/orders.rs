@@ -6,16 +6,14 @@ use std::{
 };
 
 use anyhow::Result;
+use ledger::{Ledger, LineCopies};
 
 use super::report::{
     AskedCopies,
     Invariant::{I3, I5},
     InvariantExpectations, InvariantReport,
 };
-use crate::{
-    ledger::{Ledger, LineCopies},
-    settings::Settings,
-};
+use crate::settings::Settings;
 
 /// For each dropped file: copies in build files that are not told bad are at most those wanted, and, with the copies that
 /// the ledger says wait, stand in builds or are refused, exactly those.

@@ -2,10 +2,10 @@
 //! waited for their file can still be carried out.
 
 use anyhow::Result;
+use ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WITHDRAWN_BY_NESTD, WithdrawalEnd};
 
 use crate::{
     farm::records::{build_record, folder_builds, reconcile_report::ReconcileReport},
-    ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WITHDRAWN_BY_NESTD, WithdrawalEnd},
     queue::{QueueFolder, StagedState},
     settings::{MachineProfile, Settings},
 };

@@ -8,6 +8,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+use ledger::{
+    CommandArgument, CommandId, CommandKind, CommandState, NewCommand, OrderState, PartEdit, PartId, PartState,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,12 +19,7 @@ use super::{
     printers::{PrintedBuild, PrintedCopy, WeekPrinter},
     table::WeekReport,
 };
-use crate::{
-    farm::driven_tests::hand_driven_farm::{HandDrivenFarm, PROFILE, farm_files::drop_file},
-    ledger::{
-        CommandArgument, CommandId, CommandKind, CommandState, NewCommand, OrderState, PartEdit, PartId, PartState,
-    },
-};
+use crate::farm::driven_tests::hand_driven_farm::{HandDrivenFarm, PROFILE, farm_files::drop_file};
 
 /// The daemon is started anew so often.
 const RESTART_EVERY: Duration = Duration::from_secs(24 * 3600);

@@ -4,13 +4,12 @@
 use std::{collections::BTreeMap, fs, time::Duration};
 
 use glam::DVec3;
+use ledger::{BuildId, PartId, PrintOutcome, ToldOutcome};
+use ledger_fixtures::ToldWords;
 
-use crate::{
-    farm::{
-        driven_tests::hand_driven_farm::{HandDrivenFarm, farm_files::list_build_files},
-        records::build_record::parse_build_file_name,
-    },
-    ledger::{BuildId, PartId, PrintOutcome, ToldOutcome},
+use crate::farm::{
+    driven_tests::hand_driven_farm::{HandDrivenFarm, farm_files::list_build_files},
+    records::build_record::parse_build_file_name,
 };
 
 /// A copy of a part, by the part's number and its own.

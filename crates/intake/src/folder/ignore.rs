@@ -1,0 +1,196 @@
+//! Names that are never parts: temporary files of copying programs, editors and browsers, and folders of operating
+//! systems.
+
+use std::{ffi::OsStr, path::Path};
+
+use super::file_role::{FileRole, file_role};
+use crate::names::name::is_part_name;
+
+/// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
+/// and editors to their backups.
+const SUFFIXES: [&str; 30] = [
+    ".tmp",
+    ".temp",
+    ".partial",
+    ".part",
+    ".crdownload",
+    ".opdownload",
+    ".download",
+    ".downloading",
+    ".filepart",
+    ".upload",
+    ".uploading",
+    ".uploadpart",
+    ".upload_part",
+    ".incomplete",
+    ".unfinished",
+    ".inprogress",
+    ".aria2",
+    ".gstmp",
+    ".driveupload",
+    ".!sync",
+    ".bts",
+    ".!ut",
+    ".!qb",
+    "~",
+    ".bak",
+    ".backup",
+    ".old",
+    ".orig",
+    ".swp",
+    ".autosave",
+];
+/// Prefix of Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`, `.snapshot`) are always
+/// ignored.
+const PREFIXES: [&str; 1] = ["~$"];
+/// Files and folders that operating systems, sync tools and network storage put into every folder: among them recycle bins and
+/// snapshots, whose parts nobody has ordered.
+const NAMES: [&str; 30] = [
+    "desktop.ini",
+    "thumbs.db",
+    "__macosx",
+    "lost+found",
+    "system volume information",
+    "$recycle.bin",
+    "recycler",
+    "recycled",
+    "found.000",
+    "#recycle",
+    "@recycle",
+    "@recycle_bin",
+    "_recycle",
+    "recycle.bin",
+    "network trash folder",
+    "temporary items",
+    "thevolumesettingsfolder",
+    "#snapshot",
+    "~snapshot",
+    "@snapshot",
+    "@snapshots",
+    "@gmt",
+    "@recently-snapshot",
+    "@eadir",
+    "@tmp",
+    "@sharebin",
+    "@syncignore",
+    "@__thumb",
+    "_gsdata_",
+    "backups.backupdb",
+];
+
+/// Whether a file or folder of this name is ignored, at any depth. Case does not matter, because Windows and macOS do
+/// not distinguish `THUMBS.DB` from `Thumbs.db`.
+pub fn is_ignored(name: &OsStr) -> bool {
+    let name = name.as_encoded_bytes().to_ascii_lowercase();
+    // Emacs saves `x.stl` as `#x.stl#` meanwhile.
+    let is_autosave = name.len() > 2 && name.starts_with(b"#") && name.ends_with(b"#");
+    name.starts_with(b".")
+        || is_autosave
+        || SUFFIXES.iter().any(|s| name.ends_with(s.as_bytes()))
+        || PREFIXES.iter().any(|p| name.starts_with(p.as_bytes()))
+        || NAMES.iter().any(|n| name == n.as_bytes())
+}
+
+/// A hidden ticket under the whole name of its part, such as `.part.stl.toml`: the path without the dot. What macOS and office
+/// programs hide begins with two signs.
+pub(crate) fn shown_ticket(path: &Path) -> Option<std::path::PathBuf> {
+    let shown = path.file_name()?.to_str()?.strip_prefix('.').filter(|shown| !shown.starts_with(['.', '_', '~']))?;
+    let shown = path.with_file_name(shown);
+    let FileRole::Ticket { part } = file_role(&shown) else { return None };
+    part.file_name().is_some_and(is_part_name).then_some(shown)
+}
+
+/// Whether this is the name of a hidden ticket: nestd does not read it, and its part is not printed without it.
+pub(crate) fn is_hidden_ticket(name: &OsStr) -> bool {
+    shown_ticket(name.as_ref()).is_some()
+}
+
+/// Whether this is a status file that nestd itself writes into the top level of a hot folder.
+pub(crate) fn is_status_file(name: &OsStr) -> bool {
+    name == super::status::TEXT_NAME || name == super::status::JSON_NAME
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn temporary_files_and_folders_of_systems_are_ignored_in_any_case() {
+        for name in [
+            "part.stl.tmp",
+            "part.stl.TMP",
+            "part.partial",
+            "part.stl.part",
+            "part.stl.crdownload",
+            "part.stl.filepart",
+            "~$list.xlsx",
+            ".~lock.order.csv#",
+            ".DS_Store",
+            "._part.stl",
+            "desktop.ini",
+            "Desktop.ini",
+            "Thumbs.db",
+            "THUMBS.DB",
+            "#recycle",
+            "$RECYCLE.BIN",
+            "~snapshot",
+            "@Recently-Snapshot",
+            "System Volume Information",
+            "part.stl~",
+            "part.stl.BAK",
+            "part.stl.old",
+            "part.stl.!sync",
+            "part.stl.uploading",
+            "part.stl.opdownload",
+            "part.stl.download",
+            "#part.stl#",
+            ".hidden.stl",
+            "@eaDir",
+            ".stfolder",
+            ".stversions",
+            "__MACOSX",
+            "lost+found",
+            ".Trashes",
+            "Backups.backupdb",
+            ".claimed",
+        ] {
+            assert!(is_ignored(OsStr::new(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_hidden_ticket_under_the_whole_name_of_its_part_is_recognised() {
+        for (name, is_hidden) in [
+            (".part.stl.toml", true),
+            (".part.3mf.JSON", true),
+            (".part.stl.toml.txt", true),
+            ("._part.stl.toml", false),
+            (".~part.stl.toml", false),
+            (".part.toml", false),
+            (".part.stl", false),
+            ("part.stl.toml", false),
+            (".part.stl.toml.swp", false),
+        ] {
+            assert_eq!(is_hidden_ticket(OsStr::new(name)), is_hidden, "{name}");
+        }
+    }
+
+    #[test]
+    fn parts_and_tickets_are_not_ignored() {
+        for name in [
+            "part.stl",
+            "PART.3MF",
+            "part",
+            "tmp",
+            "a~b.stl",
+            "part.stl.toml",
+            "order.csv",
+            "x.part.stl",
+            "partial",
+            "#7.stl",
+            "@a.stl",
+        ] {
+            assert!(!is_ignored(OsStr::new(name)), "{name}");
+        }
+    }
+}

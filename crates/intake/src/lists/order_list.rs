@@ -1,0 +1,346 @@
+//! Order lists: an `order.csv` (or the only list of its folder) gives copies, due date, priority and more for the files of its own folder. It accepts
+//! lists as people write them: in any code page, with any delimiter, with headers in their own words or without a
+//! header.
+
+use std::{borrow::Cow, ffi::OsStr};
+
+use build_file::{escape_invisible, escape_invisible_lines};
+
+use super::{
+    list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
+    list_columns::{ColumnLayout, ListColumn, NO_HEADER},
+    list_extras::ExtraRows,
+    ticket::{check_clearance, check_copies, check_priority, check_text},
+};
+use crate::{
+    Ticket, display_name,
+    names::{
+        code_page::{CodePage, decode_candidates, text_plausibility},
+        name::is_part_name,
+        name_match::{FileNameMatch, NameMatches},
+    },
+};
+
+/// A longer file is not accepted as a list.
+pub(crate) const MAX_LIST_BYTES: u64 = 4 << 20;
+/// The header must be among this many first lines, because people write a title above it.
+const HEADER_WITHIN: usize = 10;
+const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b'|'];
+
+/// A parsed order list.
+#[derive(Debug)]
+pub struct OrderList {
+    content: Result<Vec<OrderListRow>, String>,
+    /// Column headers that nestd does not know.
+    unknown: Vec<String>,
+    /// In which it was read. The names of files in the same bytes are read in it, too.
+    page: CodePage,
+}
+
+/// What a list says about one file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderListRow {
+    /// File name as written in the list. Empty = the row names no file.
+    pub file: String,
+    /// The parsed instructions, or the error in the row.
+    pub ticket: Result<Ticket, String>,
+    /// What it says against itself in a column of another kind, such as `status = cancelled`.
+    pub objection: Option<String>,
+    /// Header and row as received: a valid list with only this row.
+    pub text: String,
+}
+
+impl OrderList {
+    /// Parses a list without knowing the files of its folder.
+    pub fn parse_list(bytes: &[u8]) -> Self {
+        Self::parse_for_files(bytes, &[])
+    }
+
+    /// Parses a list in the folder of `files`. The bytes do not tell the code page, so the decoding in which the list
+    /// names most of the files is chosen.
+    pub fn parse_for_files(bytes: &[u8], files: &[&OsStr]) -> Self {
+        if bytes.len() as u64 > MAX_LIST_BYTES {
+            let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
+            return Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
+        }
+        let mut best = None;
+        for reading in decode_candidates(bytes) {
+            let list = Self { page: reading.page, ..Self::from_text(&reading.text) };
+            let fitness = (list.match_quality(files), text_plausibility(&reading.text));
+            if best.as_ref().is_none_or(|(known, _)| fitness > *known) {
+                best = Some((fitness, list));
+            }
+        }
+        best.map_or_else(|| Self::from_text(""), |(_, list)| list)
+    }
+
+    /// Parses the single row of [`OrderListRow::text`].
+    pub(crate) fn parse_single_row(text: &str) -> Result<OrderListRow, String> {
+        Self::from_text(text).content?.into_iter().next().ok_or_else(|| "its row is empty".to_owned())
+    }
+
+    fn from_text(text: &str) -> Self {
+        match parse_rows(text) {
+            Ok((rows, unknown)) => Self { content: Ok(rows), unknown, page: CodePage::Unicode },
+            Err(why) => Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode },
+        }
+    }
+
+    /// Scores a decoding: whether the list can be parsed, and how many of the files it names.
+    fn match_quality(&self, files: &[&OsStr]) -> (bool, usize) {
+        (self.content.is_ok(), self.match_files(files.iter().copied()).matched_count())
+    }
+
+    /// The rows, or why the list cannot be parsed.
+    pub fn rows(&self) -> Result<&[OrderListRow], &str> {
+        self.content.as_deref().map_err(String::as_str)
+    }
+
+    /// The code page in which it was read.
+    pub(crate) fn page(&self) -> CodePage {
+        self.page
+    }
+
+    /// Matches rows with files.
+    pub(crate) fn match_files<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> NameMatches {
+        let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();
+        NameMatches::in_code_page(&said, files, self.page)
+    }
+
+    /// Whether a row names one of these files.
+    pub(super) fn names_any(&self, files: &[&OsStr]) -> bool {
+        self.match_quality(files).1 > 0
+    }
+
+    /// Finds the row for a single file. `Err` says why its number of copies is unknown: its row is broken, two rows
+    /// match, or the list is broken.
+    pub fn row_for_file(&self, name: &OsStr) -> Result<Option<&OrderListRow>, String> {
+        self.rows()?;
+        let meant = self.match_files(std::iter::once(name));
+        meant.files.get(name).map(|meaning| self.matched_row(meaning, name)).transpose()
+    }
+
+    /// The row that was matched with a file.
+    pub(super) fn matched_row(&self, meaning: &FileNameMatch, name: &OsStr) -> Result<&OrderListRow, String> {
+        let rows = self.rows()?;
+        let shown = display_name(name);
+        match meaning {
+            FileNameMatch::Only(at) => match at[..] {
+                [at] => {
+                    rows[at].ticket.as_ref().map(|_| &rows[at]).map_err(|why| format!("in the row of {shown}: {why}"))
+                }
+                _ => Err(format!("{} rows are for {shown}; leave one", at.len())),
+            },
+            FileNameMatch::Ambiguous(at, others) => {
+                let (said, other) = (escape_invisible(&rows[*at].file), others.first().map_or("", String::as_str));
+                Err(format!(
+                    "its row {said} may be for {shown} or for {}; write the whole name",
+                    escape_invisible(other)
+                ))
+            }
+        }
+    }
+
+    /// Warnings about the list, to be reported with each of its parts.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let names: Vec<String> = self.unknown.iter().map(|name| format!("{:?}", escape_invisible(name))).collect();
+        match names.len() {
+            0 => Vec::new(),
+            1 => vec![format!("The column {} of its order list is unknown to nestd and was ignored.", names[0])],
+            _ => {
+                let names = names.join(", ");
+                vec![format!("The columns {names} of its order list are unknown to nestd and were ignored.")]
+            }
+        }
+    }
+}
+
+/// Parses the rows of a list, and returns them with the headers of unknown columns.
+fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (text, forced) = strip_sep_line(text);
+    let delimiters: Vec<u8> = forced.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
+    let found = delimiters.iter().map(|&delimiter| (delimiter, find_header(text, delimiter)));
+    let mut best: Result<(u8, ListHeader), String> = Err(NO_HEADER.to_owned());
+    for (delimiter, found) in found {
+        match (found, &best) {
+            (Ok(header), Ok((_, known))) if header.columns.known_count() <= known.columns.known_count() => {}
+            (Ok(header), _) => best = Ok((delimiter, header)),
+            (Err(why), Err(_)) if why != NO_HEADER => best = Err(why),
+            (Err(_), _) => {}
+        }
+    }
+    let (delimiter, mut header) = match best {
+        Ok(found) => found,
+        Err(why) => delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))).ok_or(why)?,
+    };
+    let body = &text[header.end..];
+    let mut names = vec![0; header.columns.count];
+    for_each_record(body, delimiter, |record, _| {
+        let is_name = |cell: &str| is_part_name(OsStr::new(bare_cell(cell)));
+        names.iter_mut().zip(record).for_each(|(names, cell)| *names += usize::from(is_name(cell)));
+        true
+    })?;
+    header.columns.choose_file_column(|at| names[at]);
+    let mut rows = Vec::new();
+    let mut extras = ExtraRows::new(header.text, delimiter);
+    for_each_record(body, delimiter, |record, text| {
+        let ticket = parse_row_ticket(&header.columns, record);
+        if extras.is_extra_row(&header.columns, record, text, &ticket) {
+            return true;
+        }
+        let row = match header.text {
+            "" => text.to_owned(),
+            header => format!("{header}\n{text}"),
+        };
+        rows.push(OrderListRow {
+            ticket,
+            objection: header.columns.objection(record).map(|said| escape_invisible(&said)),
+            file: header.columns.cell_text(record, ListColumn::File).to_owned(),
+            text: row,
+        });
+        true
+    })?;
+    Ok((rows, header.columns.unknown_headers()))
+}
+
+/// The header that was found.
+struct ListHeader<'a> {
+    columns: ColumnLayout,
+    text: &'a str,
+    /// Offset of the first row.
+    end: usize,
+}
+
+/// Removes a first line such as `sep=;`, which tells Excel the delimiter.
+fn strip_sep_line(text: &str) -> (&str, Option<u8>) {
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    match first.trim_end_matches('\r').as_bytes() {
+        [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', delimiter] => (rest, Some(*delimiter)),
+        _ => (text, None),
+    }
+}
+
+/// Calls `each` with every record that is not empty and with its text, until `each` returns `false`.
+fn for_each_record(
+    text: &str,
+    delimiter: u8,
+    mut each: impl FnMut(&csv::StringRecord, &str) -> bool,
+) -> Result<usize, String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .flexible(true)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut record = csv::StringRecord::new();
+    loop {
+        let from = reader.position().byte() as usize;
+        if !reader.read_record(&mut record).map_err(|e| e.to_string())? {
+            return Ok(text.len());
+        }
+        let end = reader.position().byte() as usize;
+        let row = text[from..end].trim_matches(['\r', '\n']);
+        if record.iter().any(|cell| !cell.is_empty()) && !each(&record, row) {
+            return Ok(end);
+        }
+    }
+}
+
+/// Finds the header. Where two lines one below the other are headers, the one that says more is taken.
+fn find_header(text: &str, delimiter: u8) -> Result<ListHeader<'_>, String> {
+    let mut found: Result<ListHeader, String> = Err(NO_HEADER.to_owned());
+    let mut lines = 0;
+    for_each_record(text, delimiter, |record, row| {
+        lines += 1;
+        let columns = ColumnLayout::from_header(record.iter());
+        let is_header = match &columns {
+            // A title line may contain one header word. A header has at least two, or only one column.
+            Ok(columns) => columns.known_count() > 1 || record.len() == 1,
+            Err(why) => why != NO_HEADER,
+        };
+        let is_first = found.as_ref().is_err_and(|why| why == NO_HEADER);
+        let says_more = |columns: &ColumnLayout| {
+            found.as_ref().is_ok_and(|above| columns.known_count() >= above.columns.known_count())
+        };
+        if is_header && (is_first || columns.as_ref().is_ok_and(says_more)) {
+            let from = row.as_ptr() as usize - text.as_ptr() as usize;
+            let end = from + row.len();
+            found = columns.map(|columns| ListHeader { columns, text: &text[from..end], end });
+        }
+        is_first && lines < HEADER_WITHIN + usize::from(is_header)
+    })?;
+    found
+}
+
+/// Recognises a list of two columns without a header, where it is clear which column holds files and which holds
+/// copies.
+fn infer_columns(text: &str, delimiter: u8) -> Option<ListHeader<'_>> {
+    let mut file_at = None;
+    let mut is_clear = true;
+    for_each_record(text, delimiter, |record, _| {
+        let is_file = |at: usize| record.get(at).is_some_and(|cell| is_part_name(OsStr::new(cell)));
+        let is_count = |at: usize| record.get(at).is_some_and(|cell| parse_whole_number("", cell).is_ok());
+        let here = (0..2).find(|&at| is_file(at) && is_count(1 - at) && !is_file(1 - at));
+        let has_more = record.iter().skip(2).any(|cell| !cell.is_empty());
+        is_clear = here.is_some() && !has_more && file_at.is_none_or(|at| Some(at) == here);
+        file_at = here;
+        is_clear
+    })
+    .ok()?;
+    let file = file_at.filter(|_| is_clear)?;
+    Some(ListHeader { columns: ColumnLayout::without_header(file, 1 - file), text: "", end: 0 })
+}
+
+/// Parses the instructions of a row.
+fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Result<Ticket, String> {
+    // A dash for a number of copies may mean none.
+    let is_empty =
+        |column, cell: &str| if column == ListColumn::Copies { cell.is_empty() } else { is_placeholder(cell) };
+    let cell = |column| Some(columns.cell_text(record, column)).filter(|cell: &&str| !is_empty(column, cell));
+    let number =
+        |column: ListColumn| cell(column).map(|text| parse_whole_number(column.ticket_word(), text)).transpose();
+    if record.iter().skip(columns.count).any(|cell| !cell.is_empty()) {
+        return Err(format!("it has {} cells for {} columns", record.len(), columns.count));
+    }
+    if columns.cell_text(record, ListColumn::File).split(['/', '\\']).any(|folder| folder == "..") {
+        return Err("it names a path; a list is for the files of its own folder".to_owned());
+    }
+    let orientation = |word: &str| {
+        let lower = word.to_lowercase();
+        let word = serde::de::value::StrDeserializer::<serde::de::value::Error>::new(&lower);
+        serde::Deserialize::deserialize(word).map_err(|error| error.to_string())
+    };
+    Ok(Ticket {
+        copies: number(ListColumn::Copies)?.map(check_copies).transpose()?,
+        due: cell(ListColumn::Due).map(parse_due_cell).transpose()?,
+        priority: number(ListColumn::Priority)?.map(check_priority).transpose()?,
+        orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
+        order: cell(ListColumn::Order).map(|order| check_text("order", escape_invisible(order))).transpose()?,
+        unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
+        clearance_mm: cell(ListColumn::Clearance)
+            .map(|c| parse_decimal("clearance", c))
+            .transpose()?
+            .map(check_clearance)
+            .transpose()?,
+        note: combine_notes(&cell).map(|note| check_text("note", escape_invisible_lines(&note))).transpose()?,
+        ..Ticket::default()
+    })
+}
+
+/// Combines the note with the other columns that are meant for people.
+fn combine_notes<'a>(cell: &impl Fn(ListColumn) -> Option<&'a str>) -> Option<String> {
+    let own = cell(ListColumn::Note).map(Cow::from);
+    let others = [ListColumn::Customer, ListColumn::Material].into_iter();
+    let others = others.filter_map(|column| Some(Cow::from(format!("{}: {}", column.ticket_word(), cell(column)?))));
+    let all: Vec<Cow<str>> = own.into_iter().chain(others).collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+#[cfg(test)]
+#[path = "tests/order_list_tests.rs"]
+mod tests;
+
+#[cfg(test)]
+#[path = "tests/list_samples_tests.rs"]
+mod list_samples_tests;

@@ -1,0 +1,92 @@
+//! The database, the only source of truth. All SQL of nestd is in this crate, one file per kind of row.
+//!
+//! Each change of state is one function: a short `BEGIN IMMEDIATE` transaction that checks the transition against the
+//! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. No other crate contains
+//! SQL.
+
+pub use base::error::LedgerError;
+pub use base::event_kind::EventKind;
+pub use base::id::{BuildId, CommandId, PartId};
+pub use base::in_queue_error::InQueueError;
+pub use base::refusal_cause::RefusalCause;
+pub use base::server_error::ServerError;
+pub use base::state::{BuildState, IllegalMove, PartState};
+pub use base::time::UtcTimestamp;
+pub use builds::move_build::{FoundPlace, MoveEnd};
+pub use builds::night_search::{NightSearchRow, NightState};
+pub use builds::placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
+pub use keep::backup::prove_backup;
+pub use keep::build_record::ImportOutcome;
+pub use keep::copy::{CopyError, CopyReport, ExistingRows};
+pub use keep::decisions::ClaimDecisions;
+pub use keep::deep_check::{BuiltPartRow, PartFileRow};
+pub use keep::replace::{aside_path, clear_unfinished, replace_ledger, restoring_path};
+pub use orders::customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
+pub use orders::name_search::{NamePattern, NamedBuildRow, NamedPartRow};
+pub use orders::order_request::{NewOrderRequest, OrderedLine, RecordedRequest};
+pub use orders::request_key::AnsweredRequest;
+pub use parts::due_dates::DuePartRow;
+pub use parts::edit::{EditedPart, PartEdit};
+pub use parts::part::Namesake;
+pub use parts::part_list::PartQuery;
+pub use parts::part_question::{QuestionKind, QuestionedPart};
+pub use parts::part_size::is_same_size;
+pub use parts::waiting::{WaitingPart, rank_waiting_copies};
+pub use rows::build_row::{
+    BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, PrinterPlace, ProvedFile,
+    ProvedMeasures, SearchEffort, StagedFile, Verified,
+};
+pub use rows::part_measures::{PartMeasures, PartTimes};
+pub use rows::part_row::{
+    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRejection, PartRow, PartTerms,
+    RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+};
+pub use rows::precedence::compare_precedence;
+pub use service::event::EventRow;
+pub use service::experience::PublishedExperience;
+pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
+pub use service::machine::{MachineRow, ObservedMachine};
+pub use service::month::{BadCopies, LatePart};
+pub use service::node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
+pub use service::printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
+pub use service::receiver::{ReceiverKind, ReceiverRow};
+pub use service::status::{
+    DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,
+};
+pub use service::totals::{BuildCount, FarmTotals, MeasuredBuild};
+pub use store::address::{LedgerAddress, ServerAddress};
+pub use store::consistency::RuleScope;
+pub use store::ledger::Ledger;
+pub use store::location::find_network_file_system;
+pub use store::service::{LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
+pub use words::command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
+pub use words::operator_word::{OperatorWord, SeenFile, SeenFiles, TakenBackFor, WordAnswer};
+pub use words::outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
+pub use words::pick::{BreakOutAnswer, PickMark, PickMarkRow};
+pub use words::put_back::{PartCopies, PutBackReport, ReprintTarget};
+pub use words::withdrawal::{WITHDRAWN_BY_NESTD, WithdrawalEnd};
+
+#[cfg(test)]
+extern crate self as ledger; // for the fixtures, which know it by that name
+
+mod base;
+mod builds;
+mod keep;
+mod orders;
+mod parts;
+mod rows;
+mod service;
+mod store;
+#[cfg(test)]
+mod tests;
+mod words;
+
+#[cfg(test)]
+#[path = "../../ledger-fixtures/src/ledgers.rs"]
+mod fixtures;
+#[cfg(test)]
+#[path = "../../ledger-fixtures/src/postgres_cluster.rs"]
+mod postgres_cluster;
+#[cfg(test)]
+#[path = "../../ledger-fixtures/src/server_link.rs"]
+mod server_link;

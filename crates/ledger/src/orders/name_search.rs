@@ -1,0 +1,156 @@
+//! The names that a search for a part of a name looks at: those of parts, orders and build files.
+//!
+//! The databases compare letters beyond ASCII differently, or not at all without regard to case. So they only leave out what cannot
+//! match ([`NamePattern`]), and whoever searches compares what is left.
+
+use serde::Serialize;
+
+use crate::{
+    BuildId, BuildState, Ledger, OrderRow, PartId, PartState, UtcTimestamp,
+    base::{
+        error::Result,
+        sql::{self, sql_row},
+    },
+    rows::part_row::name_with_solid,
+};
+
+/// What names must resemble: a pattern for `LIKE` with the escape character `!`, in lower case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamePattern(String);
+
+impl NamePattern {
+    /// The pattern of all names that can contain a text, without regard to case. Anything may stand for a letter beyond ASCII:
+    /// its other case, or the same letter in two characters.
+    pub fn containing(text: &str) -> Self {
+        let mut pattern = "%".to_owned();
+        for letter in text.chars() {
+            match letter {
+                '%' | '_' | '!' => pattern.extend(['!', letter]),
+                letter if letter.is_ascii() => pattern.push(letter.to_ascii_lowercase()),
+                _ if pattern.ends_with('%') && !pattern.ends_with("!%") => {}
+                _ => pattern.push('%'),
+            }
+        }
+        pattern.push('%');
+        Self(pattern)
+    }
+}
+
+/// A part with the texts by which people know it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NamedPartRow {
+    /// Its number.
+    pub id: PartId,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped.
+    pub name: String,
+    /// Name of the solid inside a 3MF, "" otherwise.
+    pub object_name: String,
+    /// Its order, "" = none.
+    pub order_name: String,
+    /// The note that came with it; a list's customer and material stand there.
+    pub note: String,
+    /// Its state.
+    pub state: PartState,
+}
+
+sql_row!(NamedPartRow { id, profile, name, object_name, order_name, note, state });
+
+impl NamedPartRow {
+    /// Name of the part together with the name of its solid.
+    pub fn full_name(&self) -> String {
+        name_with_solid(&self.name, &self.object_name)
+    }
+}
+
+/// A build with the name of its file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NamedBuildRow {
+    /// Its number.
+    pub id: BuildId,
+    /// Machine profile.
+    pub profile: String,
+    /// Its state.
+    pub state: BuildState,
+    /// When it entered its state.
+    pub state_at: UtcTimestamp,
+    /// Name of the build file; `None` = it has none yet.
+    pub file_name: Option<String>,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// Copies in it.
+    pub copies: Option<u32>,
+}
+
+sql_row!(NamedBuildRow { id, profile, state, state_at, file_name, height_mm, copies });
+
+impl Ledger {
+    /// Hands the parts whose file, solid, order or note can match to `take`, newest first, until that returns `false`. It looks at
+    /// every part that was ever taken.
+    pub async fn parts_resembling(
+        &self,
+        pattern: &NamePattern,
+        take: impl FnMut(NamedPartRow) -> bool + Send,
+    ) -> Result<()> {
+        let query = sql::select_as(
+            "FROM part \
+             WHERE lower(name || ' ' || object_name || ' ' || order_name || ' ' || note) LIKE $1 ESCAPE '!' ORDER BY id DESC",
+        );
+        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+    }
+
+    /// Hands the orders whose name can match to `take`, open ones first, newest first, until that returns `false`.
+    pub async fn orders_resembling(
+        &self,
+        pattern: &NamePattern,
+        take: impl FnMut(OrderRow) -> bool + Send,
+    ) -> Result<()> {
+        let query = sql::select_as(
+            "FROM customer_order WHERE lower(name) LIKE $1 ESCAPE '!' \
+             ORDER BY state <> 'open', opened_at DESC, name",
+        );
+        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+    }
+
+    /// Hands the builds whose file name can match to `take`, newest first, until that returns `false`. It looks at every build.
+    pub async fn builds_resembling(
+        &self,
+        pattern: &NamePattern,
+        take: impl FnMut(NamedBuildRow) -> bool + Send,
+    ) -> Result<()> {
+        let query = sql::select_as(
+            "FROM build \
+             WHERE lower(file_name) LIKE $1 ESCAPE '!' ORDER BY id DESC",
+        );
+        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+    }
+
+    /// The part with this number, with its names.
+    pub async fn named_part(&self, id: PartId) -> Result<Option<NamedPartRow>> {
+        let query = sql::select_as("FROM part WHERE id = $1");
+        Ok(query.bind(id).fetch_optional(self.reader()?).await?)
+    }
+
+    /// The build with this number, with its names.
+    pub async fn named_build(&self, id: BuildId) -> Result<Option<NamedBuildRow>> {
+        let query = sql::select_as("FROM build WHERE id = $1");
+        Ok(query.bind(id).fetch_optional(self.reader()?).await?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pattern_lets_anything_stand_for_letters_beyond_ascii_and_takes_signs_as_they_are() {
+        let pattern = |text: &str| NamePattern::containing(text).0;
+        assert_eq!(pattern("Hinge_50%!"), "%hinge!_50!%!!%");
+        assert_eq!(
+            (pattern("mÜÜller"), pattern("ä"), pattern("")),
+            ("%m%ller%".to_owned(), "%%".to_owned(), "%%".to_owned())
+        );
+        assert_eq!(pattern("%ß"), "%!%%%");
+    }
+}

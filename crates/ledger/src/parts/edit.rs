@@ -1,0 +1,358 @@
+//! Changes of what was asked, after the drop: allowed until the final nesting of a copy begins. Each change is an event
+//! that names who made it.
+
+use build_file::LengthUnit;
+use jiff::Timestamp;
+use nester::OrientationRule;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    EventKind, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause, RequiredTilts, UtcTimestamp,
+    base::{error::Result, sql},
+    store::change::LedgerChange,
+};
+
+/// Requested changes of a part; `None` = unchanged.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PartEdit {
+    /// Copies wanted in all, those in builds included.
+    pub copies: Option<u32>,
+    /// Order, "" = none.
+    pub order_name: Option<String>,
+    /// Priority from 0 to 100.
+    pub priority: Option<u8>,
+    /// When it is due, and the date as it was given; the inner `None` = no due date.
+    pub due: Option<Option<(Timestamp, String)>>,
+    /// Orientation rule.
+    pub orientation: Option<OrientationRule>,
+    /// Directions that must point nearly straight up.
+    pub tilts: Option<RequiredTilts>,
+    /// Its own clearance, mm; the inner `None` = the profile's.
+    pub clearance_mm: Option<Option<f64>>,
+    /// Unit of the file: the part is read again.
+    pub unit: Option<LengthUnit>,
+    /// Free text.
+    pub note: Option<String>,
+}
+
+impl PartEdit {
+    /// Whether it changes nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether it changes how or whether copies may stand in a layout.
+    pub fn changes_layout(&self) -> bool {
+        self.orientation.is_some() || self.tilts.is_some() || self.clearance_mm.is_some() || self.unit.is_some()
+    }
+
+    fn changes_terms(&self) -> bool {
+        Self { copies: None, ..self.clone() } != Self::default()
+    }
+}
+
+/// Result of an edit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EditedPart {
+    /// What changed, as parts of a sentence: "5 copies instead of 1". Empty = it was so already.
+    pub changes: Vec<String>,
+}
+
+impl Ledger {
+    /// Changes what was asked with a part. A part that is built can be ordered in more copies, nothing else.
+    pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
+        let mut change = self.begin_change().await?;
+        let edited = edit_part(&mut change, id, edit, by).await?;
+        if !edited.changes.is_empty() {
+            change.commit().await?;
+        }
+        Ok(edited)
+    }
+
+    /// Takes back waiting copies of a part; at least one copy must remain, waiting or in a build. (All copies of a part
+    /// are taken back by [`Ledger::cancel_part`].)
+    pub async fn cancel_copies(&self, id: PartId, copies: u32, by: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let part = change.require_part(id).await?;
+        let waiting = match part.state {
+            PartState::Waiting => change.waiting_count(id).await?,
+            _ => 0,
+        };
+        if copies > waiting {
+            return Err(LedgerError::TooFewWaiting { part: id, asked: copies, waiting });
+        }
+        take_back(&mut change, &part, copies, by).await?;
+        change.count_decision(id).await?;
+        change.update_order(&part.terms.order_name).await?;
+        change.commit().await
+    }
+
+    /// Number of copies of a part that wait for a build; 0 if the part does not wait.
+    pub async fn waiting_copies_of(&self, id: PartId) -> Result<u32> {
+        let mut change = self.begin_change().await?;
+        match change.require_part(id).await?.state {
+            PartState::Waiting => change.waiting_count(id).await,
+            _ => Ok(0),
+        }
+    }
+
+    /// Moves all parts of a claimed file to another machine, where it is read again; `is_elsewhere` = that is on another node, which must
+    /// fetch the file first. Returns the parts.
+    pub async fn move_to_machine(
+        &self,
+        id: PartId,
+        profile: &str,
+        is_elsewhere: bool,
+        by: &str,
+    ) -> Result<Vec<PartId>> {
+        let mut change = self.begin_change().await?;
+        let fetch_at = is_elsewhere.then_some(change.now);
+        let claim = change.require_part(id).await?.file.claim;
+        let parts: Vec<PartRow> = sql::select_as("FROM part WHERE claim = $1 ORDER BY object_index")
+            .bind(&claim)
+            .fetch_all(change.db())
+            .await?;
+        let mut moved = Vec::new();
+        for part in parts.iter().filter(|part| matches!(part.state, PartState::Waiting | PartState::Claimed)) {
+            ensure_terms_editable(&mut change, part).await?;
+            let set = sql::query(
+                "UPDATE part SET profile = $1, at_risk_at = NULL, fetch_at = coalesce($3, fetch_at) WHERE id = $2",
+            );
+            set.bind(profile).bind(part.id).bind(fetch_at).execute(change.db()).await?;
+            let detail = format!("{by}: from {} to {profile}", part.profile);
+            change.write_event(EventKind::Moved, profile, Some(part.id), None, &detail).await?;
+            change.count_decision(part.id).await?;
+            if part.state == PartState::Waiting {
+                change.read_again(part.id, &detail).await?;
+            }
+            moved.push(part.id);
+        }
+        match moved.is_empty() {
+            true => {
+                let state = change.require_part(id).await?.state;
+                Err(LedgerError::NotEditable { part: id, state })
+            }
+            false => change.commit().await.map(|()| moved),
+        }
+    }
+
+    /// A person confirms that a part is to be printed as it is. Returns whether it waited for that.
+    pub async fn confirm_part(&self, id: PartId, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let part = change.require_part(id).await?;
+        if part.owed.question.is_empty() {
+            return Ok(false);
+        }
+        let confirm = sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id);
+        confirm.execute(change.db()).await?;
+        if part.owed.size_differs {
+            change.ensure_not_being_built(id).await?;
+        }
+        change.begin_to_wait_again(&[id]).await?;
+        let detail = format!("{by}: {}", part.owed.question);
+        change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
+        change.count_decision(id).await?;
+        if part.owed.size_differs {
+            change.read_anew(id, &detail).await?;
+        }
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// Parts that wait for a person's yes, oldest first.
+    pub async fn parts_in_question(&self) -> Result<Vec<PartRow>> {
+        let query = sql::select_as("FROM part WHERE question <> '' AND state = 'waiting' ORDER BY id");
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+/// Changes what was asked with a part, within a change.
+pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
+    let part = change.require_part(id).await?;
+    let mut changes = Vec::new();
+    if edit.changes_terms() {
+        ensure_terms_editable(change, &part).await?;
+        edit_terms(change, &part, edit, &mut changes).await?;
+    }
+    if let Some(copies) = edit.copies.filter(|copies| *copies != part.wanted_copies()) {
+        changes.insert(0, format!("{copies} copies instead of {}", part.wanted_copies()));
+        edit_copies(change, &part, copies, by).await?;
+    }
+    if changes.is_empty() {
+        return Ok(EditedPart { changes });
+    }
+    let detail = format!("{by}: {}", changes.join(", "));
+    change.write_event(EventKind::Edited, &part.profile, Some(id), None, &detail).await?;
+    change.count_decision(id).await?;
+    if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) {
+        change.read_anew(id, &detail).await?;
+    }
+    change.update_order(&part.terms.order_name).await?;
+    if let Some(order) = &edit.order_name {
+        change.open_order(order).await?;
+        change.update_order(order).await?;
+    }
+    Ok(EditedPart { changes })
+}
+
+/// Terms can change while no copy is being nested and copies wait.
+async fn ensure_terms_editable(change: &mut LedgerChange, part: &PartRow) -> Result<()> {
+    change.ensure_not_being_built(part.id).await?;
+    match part.state {
+        PartState::Claimed | PartState::Waiting => Ok(()),
+        state => Err(LedgerError::NotEditable { part: part.id, state }),
+    }
+}
+
+async fn edit_terms(
+    change: &mut LedgerChange,
+    part: &PartRow,
+    edit: &PartEdit,
+    changes: &mut Vec<String>,
+) -> Result<()> {
+    let mut terms = part.terms.clone();
+    if let Some(order) = &edit.order_name {
+        terms.order_name.clone_from(order);
+    }
+    if let Some(priority) = edit.priority {
+        terms.priority = priority;
+    }
+    if let Some(due) = &edit.due {
+        terms.due_at = due.as_ref().map(|(at, _)| UtcTimestamp(*at));
+        terms.due_text = due.as_ref().map(|(_, text)| text.clone()).unwrap_or_default();
+    }
+    if let Some(rule) = edit.orientation {
+        terms.orientation = rule;
+    }
+    if let Some(tilts) = &edit.tilts {
+        terms.tilts.clone_from(tilts);
+    }
+    if let Some(clearance) = edit.clearance_mm {
+        terms.clearance_mm = clearance;
+    }
+    if let Some(unit) = edit.unit {
+        terms.unit = Some(unit);
+    }
+    if let Some(note) = &edit.note {
+        terms.note.clone_from(note);
+    }
+    changes.extend(describe_changes(&part.terms, &terms));
+    sql::query(
+        "UPDATE part SET order_name = $1, priority = $2, due_at = $3, due_text = $4, orientation = $5, tilts = $6, \
+         clearance_mm = $7, unit = $8, note = $9, at_risk_at = CASE WHEN due_at IS NOT DISTINCT FROM $3 THEN at_risk_at END WHERE id = $10",
+    )
+    .bind(&terms.order_name)
+    .bind(terms.priority)
+    .bind(terms.due_at)
+    .bind(&terms.due_text)
+    .bind(terms.orientation)
+    .bind(terms.tilts.to_string())
+    .bind(terms.clearance_mm)
+    .bind(terms.unit)
+    .bind(&terms.note)
+    .bind(part.id)
+    .execute(change.db())
+    .await?;
+    Ok(())
+}
+
+/// The differences between two sets of terms, as parts of a sentence.
+fn describe_changes(old: &crate::PartTerms, new: &crate::PartTerms) -> Vec<String> {
+    let none = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
+    let due = |terms: &crate::PartTerms| match (&terms.due_text[..], terms.due_at) {
+        ("", None) => "none".to_owned(),
+        ("", Some(at)) => at.to_string(),
+        (text, _) => text.to_owned(),
+    };
+    let unit =
+        |terms: &crate::PartTerms| terms.unit.map_or("none".to_owned(), |unit| format!("{unit:?}").to_lowercase());
+    let clearance =
+        |terms: &crate::PartTerms| terms.clearance_mm.map_or("the machine's".to_owned(), |mm| format!("{mm} mm"));
+    let rule = |terms: &crate::PartTerms| format!("{:?} {}", terms.orientation, terms.tilts).trim().to_lowercase();
+    let all = [
+        ("order", none(&old.order_name), none(&new.order_name)),
+        ("priority", old.priority.to_string(), new.priority.to_string()),
+        ("due", due(old), due(new)),
+        ("orientation", rule(old), rule(new)),
+        ("clearance", clearance(old), clearance(new)),
+        ("unit", unit(old), unit(new)),
+        ("note", none(&old.note), none(&new.note)),
+    ];
+    let changed = all.into_iter().filter(|(_, old, new)| old != new);
+    changed.map(|(what, old, new)| format!("{what} {new} instead of {old}")).collect()
+}
+
+/// Changes the number of copies wanted. More of a part that is built make it wait again.
+async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &str) -> Result<()> {
+    let placed = change.placed_count(part.id).await?;
+    let wanted = part.wanted_copies();
+    if copies < placed || copies == 0 {
+        return Err(LedgerError::TooManyPlaced { part: part.id, asked: copies, placed });
+    }
+    if copies < wanted {
+        if part.state != PartState::Waiting {
+            return Err(LedgerError::NotEditable { part: part.id, state: part.state });
+        }
+        return take_back(change, part, wanted - copies, by).await;
+    }
+    if matches!(part.state, PartState::Rejected | PartState::Claimed) {
+        return Err(LedgerError::NotEditable { part: part.id, state: part.state });
+    }
+    let (more, now) = (copies - wanted, change.now);
+    let back = more.min(part.owed.cancelled_copies);
+    let fetch = (part.state == PartState::Built).then_some(now);
+    // Where none waits yet, they wait from now on.
+    let since = matches!(part.state, PartState::Built | PartState::Batched).then_some(now);
+    sql::query(
+        "UPDATE part SET cancelled_copies = cancelled_copies - $1, copies = copies + $2, \
+         fetch_at = coalesce(fetch_at, $3), waits_since = coalesce($4, waits_since) WHERE id = $5",
+    )
+    .bind(back)
+    .bind(more - back)
+    .bind(fetch)
+    .bind(since)
+    .bind(part.id)
+    .execute(change.db())
+    .await?;
+    let detail = format!("{more} more wanted by {by}");
+    change.write_event(EventKind::CopiesWanted, &part.profile, Some(part.id), None, &detail).await?;
+    change.note_wanted_change(i64::from(more)).await?;
+    match part.state {
+        PartState::Built | PartState::Batched => change.move_part(part.id, PartState::Waiting, None, &detail).await,
+        _ => Ok(()),
+    }
+}
+
+/// Takes back waiting copies.
+async fn take_back(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &str) -> Result<()> {
+    change.change_cancelled(part.id, i64::from(copies)).await?;
+    let detail = format!("{copies} fewer wanted by {by}");
+    change.write_event(EventKind::CopiesCancelled, &part.profile, Some(part.id), None, &detail).await?;
+    change.note_wanted_change(-i64::from(copies)).await?;
+    if part.wanted_copies() == copies {
+        return change.reject_part(part.id, RefusalCause::Cancelled, &format!("Cancelled by {by}.")).await;
+    }
+    change.end_waiting(part.id, None).await
+}
+
+impl LedgerChange {
+    /// A person says in which size a part is meant: its file is read as if for the first time.
+    async fn read_anew(&mut self, id: PartId, why: &str) -> Result<()> {
+        let forget = sql::query(
+            "UPDATE part SET size_x_mm = NULL, size_y_mm = NULL, size_z_mm = NULL, size_differs = FALSE, \
+             question = CASE WHEN size_differs THEN '' ELSE question END WHERE id = $1",
+        );
+        forget.bind(id).execute(self.db()).await?;
+        match self.require_part(id).await?.state {
+            PartState::Waiting => self.read_again(id, why).await,
+            _ => Ok(()),
+        }
+    }
+
+    /// waiting -> claimed: the file is read again, and its attempts of reading are counted anew.
+    async fn read_again(&mut self, id: PartId, why: &str) -> Result<()> {
+        sql::query("UPDATE part SET reads = 0 WHERE id = $1").bind(id).execute(self.db()).await?;
+        self.move_part(id, PartState::Claimed, None, why).await
+    }
+}

@@ -1,0 +1,72 @@
+//! Waiting parts with an open question: a person must say or do something.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Ledger, PartRow, PartState,
+    base::{
+        error::Result,
+        sql::{self, sql_row},
+        text_column::own_word,
+    },
+};
+
+/// What a question is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum QuestionKind {
+    /// Whether the part is printed as it is.
+    Confirmation,
+    /// Its original must be dropped again.
+    Original,
+    /// How many copies are wanted.
+    Copies,
+}
+
+own_word!(QuestionKind);
+
+impl QuestionKind {
+    /// The open questions of a part, the most important first; `parts_with_questions` finds the first of them in SQL. A
+    /// part whose number of copies is asked for is wanted once, and a line of its warnings begins with `copies_question`.
+    pub fn of_part(part: &PartRow, copies_question: &str) -> Vec<Self> {
+        let is_waiting = part.state == PartState::Waiting;
+        let is_unclear =
+            part.wanted_copies() == 1 && part.warnings.lines().any(|warning| warning.starts_with(copies_question));
+        let asked = [
+            (Self::Confirmation, is_waiting && !part.owed.question.is_empty()),
+            (Self::Original, part.state.is_live() && part.times.damaged_at.is_some()),
+            (Self::Copies, is_waiting && is_unclear),
+        ];
+        asked.into_iter().filter_map(|(kind, is_open)| is_open.then_some(kind)).collect()
+    }
+}
+
+/// A waiting part with an open question.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuestionedPart {
+    /// The part.
+    pub part: PartRow,
+    /// What is asked first.
+    pub kind: QuestionKind,
+    /// Number of such parts of the profile.
+    pub total: u32,
+}
+
+sql_row!(QuestionedPart { kind, total; part });
+
+impl Ledger {
+    /// The first `most` waiting parts of each profile and kind with an open question, oldest first. A part whose number of
+    /// copies is asked for waits as one copy with a warning that contains `copies_question`.
+    pub async fn parts_with_questions(&self, copies_question: &str, most: u32) -> Result<Vec<QuestionedPart>> {
+        // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
+        let query = sql::select_as(
+            "FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
+             ROW_NUMBER() OVER (PARTITION BY profile, kind ORDER BY id) AS at FROM (\
+             SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
+             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
+             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY profile, id",
+        );
+        Ok(query.bind(copies_question).bind(most).fetch_all(self.reader()?).await?)
+    }
+}

@@ -1,0 +1,386 @@
+//! The row of a part, and the data recorded for a new one.
+
+use build_file::LengthUnit;
+use jiff::Timestamp;
+use nester::{OrientationLimits, OrientationRule, TiltLimit, TiltLimitError, write_tilts};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    PartId, PartMeasures, PartState, PartTimes, RefusalCause, UtcTimestamp,
+    base::{
+        sql::{bind_as_text, read_text_by, sql_row},
+        text_column::own_word,
+    },
+};
+
+/// The row for a claimed file that has not been read yet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NewPartRow {
+    /// Name of the claim, unique per dropped file. Recording it twice returns the same part.
+    pub claim: String,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped, escaped for display.
+    pub name: String,
+    /// BLAKE3 of the file, 64 hex digits.
+    pub content_hash: String,
+    /// Size of the file.
+    pub bytes: u64,
+    /// Ordered copies, at least 1.
+    pub copies: u32,
+    /// Requested terms other than the copies.
+    #[serde(flatten)]
+    pub terms: NewTerms,
+    /// Warnings, one sentence each.
+    pub warnings: Vec<String>,
+    /// The ticket as received.
+    pub ticket: Option<NewTicketRow>,
+    /// The file as it lay in the hot folder.
+    #[serde(flatten)]
+    pub dropped: DroppedFile,
+}
+
+/// A file as it lay in a hot folder.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DroppedFile {
+    /// Folders between the hot folder and the file, escaped for display and joined by `/`. Empty = none.
+    pub folder: String,
+    /// Its modification time, nanoseconds since 1970; `None` = it did not come through a folder, or that is not known.
+    pub mtime_ns: Option<i64>,
+    /// The claim of what was taken of this file before its writer went on.
+    pub rewrites: Option<String>,
+}
+
+/// Requested terms for a claimed file, other than the copies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NewTerms {
+    /// Order or kit, "" = none.
+    pub order_name: String,
+    /// Priority from 0 to 100. A part with 100 must be in the next build.
+    pub priority: u8,
+    /// When it is due.
+    pub due_at: Option<Timestamp>,
+    /// The due date as it was given, "" = none.
+    #[serde(default)]
+    pub due_text: String,
+    /// Orientation rule.
+    pub orientation: OrientationRule,
+    /// Directions that must point nearly straight up.
+    pub tilts: RequiredTilts,
+    /// Its own clearance, mm; `None` = the profile's.
+    pub clearance_mm: Option<f64>,
+    /// Unit from the ticket; `None` = that of the file or the profile.
+    pub unit: Option<LengthUnit>,
+    /// Unit of a file that states none: its machine's when it was claimed.
+    #[serde(default)]
+    pub read_unit: Option<LengthUnit>,
+    /// Free text of the ticket.
+    pub note: String,
+}
+
+/// Directions of the part's mesh that must point nearly straight up; all of them apply. Stored in SQL as one line of
+/// text.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct RequiredTilts(pub Vec<TiltLimit>);
+
+bind_as_text!(RequiredTilts);
+read_text_by!(RequiredTilts, |text: &str| RequiredTilts::try_from(text.to_owned()));
+
+impl TryFrom<String> for RequiredTilts {
+    type Error = TiltLimitError;
+
+    fn try_from(text: String) -> Result<Self, TiltLimitError> {
+        TiltLimit::parse_list(&text).map(Self)
+    }
+}
+
+impl std::fmt::Display for RequiredTilts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&write_tilts(&self.0))
+    }
+}
+
+/// A ticket as received.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NewTicketRow {
+    /// Kind of source.
+    pub source: TicketSource,
+    /// File that contained it.
+    pub file_name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Source of a ticket.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TicketSource {
+    /// Copies in the file name.
+    Name,
+    /// A sidecar file of the part.
+    Sidecar,
+    /// A line of an order list.
+    OrderList,
+}
+
+own_word!(TicketSource);
+
+/// Result of recording a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RecordedPart {
+    /// The part.
+    pub id: PartId,
+    /// Whether the claim was new. `false` = it was recorded before.
+    pub is_new: bool,
+}
+
+/// Data of one solid of a file, found by reading the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolidFacts {
+    /// Index of the solid in the file, from 0. Solid 0 uses the row of the claim itself.
+    pub object_index: u32,
+    /// Name of the solid inside a 3MF, "" otherwise.
+    pub object_name: String,
+    /// Total copies of this solid: the ordered copies times the build items in the file. Not changed if the part was
+    /// read before (a retry).
+    pub copies: u32,
+    /// Copies of it that the file itself holds.
+    pub file_copies: u32,
+    /// Triangles.
+    pub triangles: u64,
+    /// Volume, mm3.
+    pub volume_mm3: f64,
+    /// Bounds as dropped, mm.
+    pub size_mm: [f64; 3],
+    /// Unit of a file that states none, in which it was read.
+    pub read_unit: LengthUnit,
+    /// What a person must confirm before it is printed, "" = nothing. It is not asked again once it was confirmed.
+    pub question: String,
+    /// Warnings, one sentence each, added to those of the claim.
+    pub warnings: Vec<String>,
+    /// What the file asks for it itself; `None` = nothing. Not asked again when it is read once more.
+    pub request: Option<RequestedTerms>,
+}
+
+impl SolidFacts {
+    /// Adds to what a person must confirm; "" = nothing.
+    pub fn ask(&mut self, doubt: &str) {
+        let between = if self.question.is_empty() || doubt.is_empty() { "" } else { "; " };
+        self.question.push_str(&format!("{between}{doubt}"));
+    }
+}
+
+/// A part: one solid of one dropped file, for one machine profile, with its copies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartRow {
+    /// Its number.
+    pub id: PartId,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped, escaped for display.
+    pub name: String,
+    /// Which solid of the file it is.
+    #[serde(flatten)]
+    pub solid: SolidOfFile,
+    /// The file itself.
+    #[serde(flatten)]
+    pub file: ClaimedFile,
+    /// Current state.
+    pub state: PartState,
+    /// Why it was rejected, if it was.
+    #[serde(flatten)]
+    pub rejection: PartRejection,
+    /// Warnings, one per line.
+    pub warnings: String,
+    /// Its copies, and what the part waits for.
+    #[serde(flatten)]
+    pub owed: OwedCopies,
+    /// Requested terms other than the copies.
+    #[serde(flatten)]
+    pub terms: PartTerms,
+    /// Its measurements.
+    #[serde(flatten)]
+    pub measures: PartMeasures,
+    /// Times of its states.
+    #[serde(flatten)]
+    pub times: PartTimes,
+}
+
+sql_row!(PartRow { id, profile, name, state, warnings; solid, file, rejection, owed, terms, measures, times });
+
+/// Which solid of a file a part is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct SolidOfFile {
+    /// Index of the solid in the file, from 0.
+    pub object_index: u32,
+    /// Name of the solid inside a 3MF.
+    pub object_name: String,
+}
+
+sql_row!(SolidOfFile { object_index, object_name });
+
+/// The file of a part as it was claimed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ClaimedFile {
+    /// Name of the claim, unique per dropped file.
+    pub claim: String,
+    /// BLAKE3 of the file, 64 hex digits.
+    pub content_hash: String,
+    /// Size of the file.
+    pub bytes: u64,
+    /// Number of times that reading it was started.
+    pub reads: u32,
+}
+
+sql_row!(ClaimedFile { claim, content_hash, bytes, reads });
+
+/// Why a part was rejected.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PartRejection {
+    /// The reason in words, "" if it was not rejected.
+    pub reason: String,
+    /// The cause; `None` = it was not rejected, or it was rejected before causes were recorded.
+    pub refusal: Option<RefusalCause>,
+}
+
+sql_row!(PartRejection { reason, refusal });
+
+/// The copies of a part, and what it waits for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct OwedCopies {
+    /// Copies ever wanted. Copy numbers are below this.
+    pub copies: u32,
+    /// How many copies are not wanted any more.
+    pub cancelled_copies: u32,
+    /// When copies that were printed badly were first put back among the waiting ones since it was last built. They go first.
+    pub put_back_at: Option<UtcTimestamp>,
+    /// When its original was requested from the archive. The part waits until the store has it.
+    pub fetch_at: Option<UtcTimestamp>,
+    /// What a person must confirm before it is printed, "" = nothing.
+    pub question: String,
+    /// Whether that is its size: its file was read in another one than the first time.
+    pub size_differs: bool,
+    /// The newer revision that replaced it.
+    pub replaced_by: Option<PartId>,
+}
+
+impl OwedCopies {
+    /// Whether the part waits for its original to come from the archive or from another node.
+    pub fn is_being_fetched(&self) -> bool {
+        self.fetch_at.is_some()
+    }
+}
+
+sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question, size_differs, replaced_by });
+
+/// Requested terms for a part, other than the copies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartTerms {
+    /// Order or kit, "" = none.
+    pub order_name: String,
+    /// Priority from 0 to 100.
+    pub priority: u8,
+    /// When it is due.
+    pub due_at: Option<UtcTimestamp>,
+    /// The due date as it was given, "" = none.
+    pub due_text: String,
+    /// Orientation rule.
+    pub orientation: OrientationRule,
+    /// Directions that must point nearly straight up.
+    pub tilts: RequiredTilts,
+    /// Its own clearance, mm; `None` = the profile's.
+    pub clearance_mm: Option<f64>,
+    /// Unit from the ticket.
+    pub unit: Option<LengthUnit>,
+    /// Free text of the ticket.
+    pub note: String,
+    /// What the customer's own system calls the line, "" = not said.
+    pub reference: String,
+}
+
+sql_row!(PartTerms { order_name, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reference });
+
+/// What the file of a part asks for it itself, as CAMSPEC packages do. `None` = not said: then the terms of the file's claim hold.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RequestedTerms {
+    /// What the customer's own system calls the line.
+    pub reference: String,
+    /// Priority from 0 to 100.
+    pub priority: Option<u8>,
+    /// Its own clearance, mm.
+    pub clearance_mm: Option<f64>,
+    /// Orientation rule.
+    pub orientation: Option<OrientationRule>,
+    /// Directions that must point nearly straight up, beside those of the claim.
+    pub tilts: RequiredTilts,
+}
+
+impl PartTerms {
+    /// These terms with what the file asks for itself.
+    pub fn with_request(mut self, request: &RequestedTerms) -> Self {
+        self.reference.clone_from(&request.reference);
+        self.priority = request.priority.unwrap_or(self.priority);
+        // Nobody asked for less than either.
+        self.clearance_mm = request.clearance_mm.into_iter().chain(self.clearance_mm).reduce(f64::max);
+        self.orientation = request.orientation.unwrap_or(self.orientation);
+        for tilt in &request.tilts.0 {
+            if !self.tilts.0.contains(tilt) {
+                self.tilts.0.push(*tilt);
+            }
+        }
+        self
+    }
+}
+
+impl PartRow {
+    /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
+    pub fn has_unknown_copies(&self) -> bool {
+        self.rejection.refusal == Some(RefusalCause::Ticket)
+    }
+}
+
+/// Name of a file together with the name of its solid.
+pub(crate) fn name_with_solid(name: &str, solid: &str) -> String {
+    match solid {
+        "" => name.to_owned(),
+        // In a file with one solid, the solid often has the name of the file.
+        _ if name.rsplit_once('.').is_some_and(|(stem, _)| stem == solid) => name.to_owned(),
+        _ => format!("{name} ({solid})"),
+    }
+}
+
+impl PartRow {
+    /// When it arrived among the waiting parts: it was read, taken back, moved or left out, copies
+    /// of it were put back, or a person confirmed it or dropped its original again.
+    pub fn arrived_at(&self) -> UtcTimestamp {
+        self.owed.put_back_at.unwrap_or(self.times.state_at).max(self.times.state_at)
+    }
+
+    /// Since when copies of it wait for a build: what `max_wait_secs` and `at` count from.
+    pub fn waits_since(&self) -> UtcTimestamp {
+        self.times.waits_since.unwrap_or(self.times.claimed_at)
+    }
+
+    /// Copies wanted: those ever wanted without the cancelled ones.
+    pub fn wanted_copies(&self) -> u32 {
+        self.owed.copies.saturating_sub(self.owed.cancelled_copies)
+    }
+
+    /// Name of the part together with the name of its solid.
+    pub fn full_name(&self) -> String {
+        name_with_solid(&self.name, &self.solid.object_name)
+    }
+
+    /// The complete orientation rules: rule and tilts.
+    pub fn orientation_limits(&self) -> OrientationLimits {
+        OrientationLimits { rule: self.terms.orientation, tilts: self.terms.tilts.0.clone() }
+    }
+
+    /// Bounds as dropped, mm; `None` until read.
+    pub fn size_mm(&self) -> Option<[f64; 3]> {
+        Some([self.measures.size_x_mm?, self.measures.size_y_mm?, self.measures.size_z_mm?])
+    }
+}

@@ -1,0 +1,345 @@
+//! Status per machine profile: what is waiting, what is being nested, and what was published last.
+
+use std::collections::BTreeMap;
+
+use jiff::{SignedDuration, Timestamp};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::printer::BUILDS_AHEAD;
+use crate::{
+    BuildId, BuildState, BuildsAhead, Ledger, NightState, OccupyingBuild, PauseCause, ToldPrint, UtcTimestamp,
+    base::{
+        error::Result,
+        sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
+    },
+};
+
+/// Time for which a refused part can be retried and counts as refused.
+pub const RETRY_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
+
+/// Current status of a machine profile. A profile without any rows in the ledger has none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
+pub struct ProfileStatus {
+    /// Its name.
+    pub profile: String,
+    /// Claimed parts that are not read yet.
+    pub claimed_parts: u32,
+    /// Parts with a waiting copy.
+    pub waiting_parts: u32,
+    /// Waiting copies.
+    pub waiting_copies: u32,
+    /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]) and nobody has taken back; cancelled ones do not count.
+    pub rejected_parts: u32,
+    /// When the oldest waiting part was claimed.
+    pub oldest_at: Option<UtcTimestamp>,
+    /// Since when the part waits that has waited longest of those that can be built.
+    pub waits_since: Option<UtcTimestamp>,
+    /// The nearest due date of the waiting parts.
+    pub due_at: Option<UtcTimestamp>,
+    /// That date as it was given, "" = none, or not known.
+    pub due_text: String,
+    /// What is due first of what can be built: the order, or else the file; "" = nothing.
+    pub due_of: String,
+    /// The due dates of the waiting parts that can be built, the earliest first.
+    #[serde(skip)]
+    pub due_arrivals: Vec<DueArrival>,
+    /// When the newest part arrived, be it read or not.
+    #[serde(skip)]
+    pub newest_at: Option<UtcTimestamp>,
+    /// The builds that occupy its printers, where a part that can be built has a due date.
+    #[serde(skip)]
+    pub occupying: Vec<OccupyingBuild>,
+    /// The prints from which is learned how long one takes, as for `occupying`.
+    #[serde(skip)]
+    pub told_prints: Vec<ToldPrint>,
+    /// When this was read.
+    #[serde(skip)]
+    pub read_at: Option<UtcTimestamp>,
+    /// The open build.
+    pub open: Option<OpenBuildForecast>,
+    /// Builds that are being nested or published.
+    pub nesting: Vec<NestingBuild>,
+    /// Builds that are made for each printer that is in use, or lie in its queue; "" = the printer is not decided.
+    #[serde(skip)]
+    pub ahead: Vec<BuildsAhead>,
+    /// The pause of the profile, if any.
+    pub paused: Option<PauseStatus>,
+    /// The build that was published last.
+    pub last_published: Option<PublishedBuild>,
+}
+
+/// A due date, and when the first waiting part with that date arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DueArrival {
+    /// The due date.
+    pub due_at: UtcTimestamp,
+    /// When the part began to wait, or copies of it were put back.
+    pub arrived_at: UtcTimestamp,
+}
+
+/// The forecast of the next build.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct OpenBuildForecast {
+    /// Its number.
+    pub build: BuildId,
+    /// Height of its layout so far, mm.
+    pub height_mm: Option<f64>,
+    /// Density of its layout so far, 0..1.
+    pub density: Option<f64>,
+    /// Copies in its layout so far.
+    pub copies: Option<u32>,
+    /// Whether its layout is lowered further while it waits; `None` = that has not begun, or is switched off.
+    pub night: Option<NightState>,
+    /// CPU seconds of that since the last arrival.
+    pub night_cpu_secs: Option<f64>,
+    /// What that has gained since the last arrival, mm.
+    pub night_gain_mm: Option<f64>,
+}
+
+sql_row!(OpenBuildForecast { build, height_mm, density, copies, night, night_cpu_secs, night_gain_mm });
+
+/// A build that has been started and is not published.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct NestingBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// Nesting or verified.
+    pub state: BuildState,
+    /// Copies taken into it.
+    pub copies: u32,
+    /// Trigger.
+    pub fired_by: String,
+    /// Number of nesting attempts.
+    pub attempts: u32,
+    /// When it was started ("fired").
+    pub nesting_at: Option<UtcTimestamp>,
+}
+
+sql_row!(NestingBuild { build, state, copies, fired_by, attempts, nesting_at });
+
+/// A pause.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct PauseStatus {
+    /// user@host, or the name of the daemon.
+    pub paused_by: String,
+    /// Why.
+    #[serde(skip)]
+    pub cause: PauseCause,
+    /// When it was paused.
+    pub paused_at: UtcTimestamp,
+}
+
+sql_row!(PauseStatus { paused_by, cause, paused_at });
+
+/// A build in the queue.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PublishedBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// When its file was put into the queue.
+    pub published_at: UtcTimestamp,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// Density, 0..1.
+    pub density: Option<f64>,
+    /// Number of placed copies.
+    pub copies: Option<u32>,
+    /// Name of the build file.
+    pub file_name: Option<String>,
+}
+
+sql_row!(PublishedBuild { build, published_at, height_mm, density, copies, file_name });
+
+/// A row together with its machine profile.
+struct WithProfile<T> {
+    profile: String,
+    row: T,
+}
+
+impl<T: FromSqlRow> FromSqlRow for WithProfile<T> {
+    fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
+        Ok(Self { profile: row.column("profile")?, row: T::from_sql_row(row)? })
+    }
+}
+
+/// Numbers of parts of a profile.
+struct PartCounts {
+    claimed_parts: u32,
+    waiting_parts: u32,
+    waiting_copies: u32,
+    oldest_at: Option<UtcTimestamp>,
+    waits_since: Option<UtcTimestamp>,
+    newest_at: Option<UtcTimestamp>,
+}
+
+sql_row!(PartCounts { claimed_parts, waiting_parts, waiting_copies, oldest_at, waits_since, newest_at });
+
+/// The nearest due date.
+struct NearestDue {
+    due_at: UtcTimestamp,
+    due_text: String,
+}
+
+sql_row!(NearestDue { due_at, due_text });
+
+/// A due date of parts that can be built.
+struct DueDateRow {
+    due_at: UtcTimestamp,
+    arrived_at: UtcTimestamp,
+    due_of: String,
+}
+
+sql_row!(DueDateRow { due_at, arrived_at, due_of });
+
+const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
+    count(*) FILTER (WHERE p.state = 'waiting') AS waiting_parts, \
+    CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
+    (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
+    min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
+    min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.state = 'waiting' AND p.damaged_at IS NULL \
+    AND p.fetch_at IS NULL AND p.question = '' AND p.replaced_by IS NULL) AS waits_since, \
+    max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
+    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
+
+/// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
+/// rejected.
+const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= $1 \
+    AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
+    NOT IN ('cancelled', 'replaced') GROUP BY p.profile";
+
+/// For each profile, the part that is due first.
+const DUE: &str = "SELECT profile, due_text, due_at FROM (\
+    SELECT profile, due_text, due_at, ROW_NUMBER() OVER (PARTITION BY profile ORDER BY due_at, id) AS place \
+    FROM part WHERE state = 'waiting' AND due_at IS NOT NULL) AS ranked WHERE place = 1";
+
+/// The due dates of what can be built, each with its earliest arrival and the part or order of that.
+const DUE_ARRIVALS: &str = "SELECT profile, due_at, arrived_at, due_of FROM (\
+    SELECT profile, due_at, arrived_at, due_of, \
+    ROW_NUMBER() OVER (PARTITION BY profile, due_at ORDER BY arrived_at, id) AS place FROM (\
+    SELECT id, profile, due_at, CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END AS arrived_at, \
+    CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
+    WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
+    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY profile, due_at";
+
+const OPEN: &str = "SELECT b.profile, b.id AS build, b.height_mm, b.density, b.copies, n.state AS night, \
+    n.cpu_secs AS night_cpu_secs, \
+    CASE WHEN n.first_height_mm > b.height_mm THEN n.first_height_mm - b.height_mm \
+    WHEN n.first_height_mm IS NOT NULL THEN 0.0 END AS night_gain_mm FROM build b LEFT JOIN night_search n ON n.build_id = b.id WHERE b.state = 'open'";
+
+const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
+    FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
+
+/// Paused machines.
+const PAUSES: &str = "SELECT profile, paused_by, cause, paused_at FROM pause";
+/// The newest published build of each profile. The query jumps in the index from one profile to the next, and there to
+/// the newest row, so it does not read the other rows.
+const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
+    SELECT min(profile) FROM build WHERE state NOT IN ('open', 'nesting') UNION ALL \
+    SELECT (SELECT min(b.profile) FROM build b WHERE b.profile > machine.profile \
+    AND b.state NOT IN ('open', 'nesting')) FROM machine \
+    WHERE machine.profile IS NOT NULL) \
+    SELECT b.profile, b.id AS build, b.published_at, b.height_mm, b.density, b.copies, b.file_name FROM machine \
+    JOIN build b ON b.id = (SELECT n.id FROM build n WHERE n.profile = machine.profile \
+    AND n.state NOT IN ('open', 'nesting') AND n.published_at IS NOT NULL AND n.withdrawn_at IS NULL \
+    ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
+
+impl Ledger {
+    /// Parts that were refused before this time do not count any more.
+    pub(crate) fn refused_since(&self) -> UtcTimestamp {
+        UtcTimestamp(self.now().checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN))
+    }
+
+    /// All profiles with rows in the ledger, by name.
+    pub async fn profile_statuses(&self) -> Result<Vec<ProfileStatus>> {
+        let mut snapshot = self.begin_snapshot().await?;
+        let db = &mut snapshot;
+        let mut profiles = BTreeMap::new();
+        for WithProfile { profile, row } in fetch_by_profile::<PartCounts>(db, COUNTS).await? {
+            let counted = ProfileStatus {
+                claimed_parts: row.claimed_parts,
+                waiting_parts: row.waiting_parts,
+                waiting_copies: row.waiting_copies,
+                oldest_at: row.oldest_at,
+                waits_since: row.waits_since,
+                newest_at: row.newest_at,
+                ..profile_entry(&mut profiles, &profile).clone()
+            };
+            profiles.insert(profile, counted);
+        }
+        let rejected = sql::query_as::<(String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
+        for (profile, parts) in rejected {
+            profile_entry(&mut profiles, &profile).rejected_parts = parts;
+        }
+        for WithProfile { profile, row } in fetch_by_profile::<NearestDue>(db, DUE).await? {
+            let status = profile_entry(&mut profiles, &profile);
+            (status.due_at, status.due_text) = (Some(row.due_at), row.due_text);
+        }
+        for WithProfile { profile, row } in fetch_by_profile::<DueDateRow>(db, DUE_ARRIVALS).await? {
+            let status = profile_entry(&mut profiles, &profile);
+            if status.due_arrivals.is_empty() {
+                status.due_of = row.due_of;
+            }
+            status.due_arrivals.push(DueArrival { due_at: row.due_at, arrived_at: row.arrived_at });
+        }
+        for WithProfile { profile, row } in fetch_by_profile::<OpenBuildForecast>(db, OPEN).await? {
+            let status = profile_entry(&mut profiles, &profile);
+            // A layout with more copies than are waiting contains parts that were cancelled since, so it is not a
+            // forecast any more.
+            let is_of_now = row.copies.unwrap_or(0) <= status.waiting_copies;
+            status.open = Some(match is_of_now {
+                true => row,
+                false => OpenBuildForecast {
+                    height_mm: None,
+                    density: None,
+                    copies: None,
+                    night: None,
+                    night_cpu_secs: None,
+                    night_gain_mm: None,
+                    ..row
+                },
+            });
+        }
+        for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {
+            profile_entry(&mut profiles, &profile).nesting.push(row);
+        }
+        for WithProfile { profile, row } in fetch_by_profile(db, BUILDS_AHEAD).await? {
+            profile_entry(&mut profiles, &profile).ahead.push(row);
+        }
+        for WithProfile { profile, row } in fetch_by_profile(db, PAUSES).await? {
+            profile_entry(&mut profiles, &profile).paused = Some(row);
+        }
+        for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {
+            profile_entry(&mut profiles, &profile).last_published = Some(row);
+        }
+        drop(snapshot);
+        let read_at = self.now();
+        for (profile, status) in profiles.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
+            status.occupying = self.occupying_builds(profile, read_at).await?;
+            (status.told_prints, status.read_at) = (self.told_prints(profile).await?, Some(read_at));
+        }
+        Ok(profiles.into_values().collect())
+    }
+}
+
+impl Ledger {
+    /// When the newest part of a profile that waits or is read arrived.
+    pub async fn newest_arrival(&self, profile: &str) -> Result<Option<UtcTimestamp>> {
+        let query = "SELECT max(CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END) FROM part \
+            WHERE profile = $1 AND state IN ('claimed', 'waiting')";
+        Ok(sql::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
+    }
+}
+
+async fn fetch_by_profile<T: FromSqlRow + Send>(
+    db: &mut SqlTransaction,
+    query: &'static str,
+) -> Result<Vec<WithProfile<T>>> {
+    Ok(sql::query_as(query).fetch_all(db).await?)
+}
+
+/// Returns the status entry of a profile, and inserts it if it is missing.
+fn profile_entry<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
+    let fresh = || ProfileStatus { profile: profile.to_owned(), ..ProfileStatus::default() };
+    profiles.entry(profile.to_owned()).or_insert_with(fresh)
+}

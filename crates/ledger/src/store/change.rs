@@ -1,0 +1,263 @@
+//! A change of the ledger: one short immediate transaction. Every state transition of a row goes through this type,
+//! together with its event.
+
+use std::{path::PathBuf, sync::Arc};
+
+use super::{
+    consistency::{self, RuleScope},
+    health,
+    last_change::{self, LastChangeSeen},
+};
+use crate::{
+    BuildId, BuildState, CommandId, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
+    base::{
+        error::Result,
+        sql::{self, SqlTransaction},
+    },
+    rows::build_row::state_word,
+};
+
+/// A change that is not committed yet. Dropping it rolls everything back.
+pub struct LedgerChange {
+    transaction: SqlTransaction,
+    /// The time used for everything in this change.
+    pub now: UtcTimestamp,
+    origin: ChangeOrigin,
+    /// The commands that are done with this change.
+    commands: CommandsDone,
+    /// Number of the last event that this change wrote.
+    last_event: i64,
+}
+
+/// Commands that are carried out by one change.
+#[derive(Debug, Clone, Default)]
+pub struct CommandsDone {
+    /// The commands.
+    pub commands: Arc<[CommandId]>,
+    /// The answer to them, "" = they get it later.
+    pub answer: Arc<str>,
+}
+
+/// Where a change is made.
+pub enum ChangeOrigin {
+    /// In this file, whose last change is compared.
+    File(PathBuf, Arc<LastChangeSeen>),
+    /// On a server. A daemon's changes are counted.
+    Server(Option<super::postgres::CountedChange>),
+}
+
+impl LedgerChange {
+    /// Creates a change from a transaction that holds the write lock.
+    pub fn new(transaction: SqlTransaction, now: UtcTimestamp, origin: ChangeOrigin, commands: CommandsDone) -> Self {
+        Self { transaction, now, origin, commands, last_event: 0 }
+    }
+
+    /// The connection to run queries on.
+    pub fn db(&mut self) -> &mut SqlTransaction {
+        &mut self.transaction
+    }
+
+    /// Commits the change.
+    pub async fn commit(mut self) -> Result<()> {
+        let CommandsDone { commands, answer } = std::mem::take(&mut self.commands);
+        for command in commands.iter() {
+            let done = sql::query(
+                "UPDATE command SET state = 'done', answered_at = $1, answer = $2 WHERE id = $3 AND state = 'asked'",
+            );
+            let now = self.now;
+            done.bind(now).bind(&*answer).bind(*command).execute(self.db()).await?;
+        }
+        if cfg!(debug_assertions) {
+            let faults = consistency::find_inconsistencies(self.db(), &RuleScope::ALL).await?;
+            debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
+        }
+        match self.transaction {
+            SqlTransaction::Sqlite(mut transaction) => {
+                let counted = last_change::count_change(&mut transaction).await?;
+                transaction.commit().await?;
+                if let ChangeOrigin::File(file, seen) = &self.origin {
+                    seen.record(counted);
+                    health::note_changes(file, counted);
+                }
+            }
+            SqlTransaction::Postgres(transaction) => {
+                transaction.commit().await.map_err(crate::ServerError::mark_unreachable)?;
+                if let ChangeOrigin::Server(Some(counted)) = self.origin {
+                    counted.confirm();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a part within this change.
+    pub async fn require_part(&mut self, id: PartId) -> Result<PartRow> {
+        let part = sql::select_as("FROM part WHERE id = $1").bind(id).fetch_optional(self.db()).await?;
+        part.ok_or(LedgerError::UnknownPart(id))
+    }
+
+    /// Reads profile and state of a build within this change.
+    pub async fn require_build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
+        let query = sql::query_as("SELECT profile, state FROM build WHERE id = $1");
+        query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
+    }
+
+    /// Number of copies of a part that are in builds and count.
+    pub async fn placed_count(&mut self, id: PartId) -> Result<u32> {
+        let count = sql::query_scalar("SELECT count(*) FROM placement WHERE part_id = $1").bind(id);
+        Ok(count.fetch_one(self.db()).await?)
+    }
+
+    /// Fails if a copy of the part is in a build that is not published yet.
+    pub async fn ensure_not_being_built(&mut self, part: PartId) -> Result<()> {
+        let nested: Option<(BuildId, BuildState)> = sql::query_as(
+            "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = $1 AND b.published_at IS NULL LIMIT 1",
+        )
+        .bind(part)
+        .fetch_optional(self.db())
+        .await?;
+        match nested {
+            Some((build, state)) => Err(LedgerError::BeingBuilt { part, build, state }),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails unless the build is in one of these states. Returns its profile.
+    pub async fn ensure_build_state(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
+        match self.require_build(build).await? {
+            (profile, state) if needed.contains(&state) => Ok(profile),
+            (_, state) => {
+                let state = state_word(state, self.withdrawn_at(build).await?);
+                Err(LedgerError::WrongState { build, state, needed })
+            }
+        }
+    }
+
+    /// When the file of a build was taken back out of the queue untouched; `None` = it was not.
+    pub async fn withdrawn_at(&mut self, build: BuildId) -> Result<Option<UtcTimestamp>> {
+        let query = sql::query_scalar("SELECT withdrawn_at FROM build WHERE id = $1").bind(build);
+        Ok(query.fetch_one(self.db()).await?)
+    }
+
+    /// Moves a part to another state. `detail` is stored in the event.
+    pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
+        let profile = self.set_part_state(id, next, None, "").await?;
+        self.write_event(next, &profile, Some(id), build, detail).await
+    }
+
+    /// What kept these parts out of a build is gone: those that wait do so from now on, and a due build gathers after them.
+    pub async fn begin_to_wait_again(&mut self, parts: &[PartId]) -> Result<()> {
+        let now = self.now;
+        for part in parts {
+            let arrive = sql::query("UPDATE part SET state_at = $1 WHERE id = $2 AND state = 'waiting'");
+            arrive.bind(now).bind(*part).execute(self.db()).await?;
+        }
+        Ok(())
+    }
+
+    /// Rejects a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
+    pub async fn reject_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+        let reason = if reason.is_empty() { "no reason was given" } else { reason };
+        let unwanted = match cause {
+            RefusalCause::Replaced => self.waiting_count(id).await?,
+            _ => 0,
+        };
+        let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
+        self.change_cancelled(id, i64::from(unwanted)).await?;
+        self.count_decision(id).await?;
+        self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await?;
+        if unwanted > 0 {
+            self.note_wanted_change(-i64::from(unwanted)).await?;
+        }
+        self.update_orders_of([id]).await
+    }
+
+    /// Sets the state of a part. Returns its profile.
+    async fn set_part_state(
+        &mut self,
+        id: PartId,
+        next: PartState,
+        cause: Option<RefusalCause>,
+        reason: &str,
+    ) -> Result<String> {
+        let part = self.require_part(id).await?;
+        let next = part.state.move_to(next)?;
+        let now = self.now;
+        sql::query("UPDATE part SET state = $1, state_at = $2, refusal = $3, reason = $4 WHERE id = $5")
+            .bind(next)
+            .bind(now)
+            .bind(cause)
+            .bind(reason)
+            .bind(id)
+            .execute(self.db())
+            .await?;
+        Ok(part.profile)
+    }
+
+    /// Moves a build to another state. `detail` is the reason of a failure and is stored in the event. Returns its
+    /// profile.
+    pub async fn move_build(&mut self, id: BuildId, next: BuildState, detail: &str) -> Result<String> {
+        let (profile, state) = self.require_build(id).await?;
+        let next = state.move_to(next)?;
+        let now = self.now;
+        sql::query(
+            "UPDATE build SET state = $1, state_at = $2, \
+             nesting_at = CASE $1 WHEN 'nesting' THEN coalesce(nesting_at, $2) ELSE nesting_at END, \
+             verified_at = CASE $1 WHEN 'verified' THEN $2 ELSE verified_at END, \
+             published_at = CASE $1 WHEN 'published' THEN $2 ELSE published_at END, \
+             layout = CASE $1 WHEN 'nesting' THEN layout END, \
+             reason = CASE WHEN $1 IN ('interrupted', 'complete', 'failed') THEN $3 ELSE reason END \
+             WHERE id = $4",
+        )
+        .bind(next)
+        .bind(now)
+        .bind(detail)
+        .bind(id)
+        .execute(self.db())
+        .await?;
+        sql::query("DELETE FROM night_search WHERE build_id = $1").bind(id).execute(self.db()).await?;
+        self.write_event(next, &profile, None, Some(id), detail).await?;
+        Ok(profile)
+    }
+
+    /// Writes an event.
+    pub async fn write_event(
+        &mut self,
+        kind: impl Into<EventKind>,
+        profile: &str,
+        part: Option<PartId>,
+        build: Option<BuildId>,
+        detail: &str,
+    ) -> Result<()> {
+        let now = self.now;
+        let insert = sql::query_scalar(
+            "INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES ($1, $2, $3, $4, $5, $6) RETURNING id",
+        );
+        let insert = insert.bind(now).bind(kind.into()).bind(profile).bind(part).bind(build).bind(detail);
+        self.last_event = insert.fetch_one(self.db()).await?;
+        Ok(())
+    }
+
+    /// Adds to the last event by how many the copies wanted of its part changed.
+    pub async fn note_wanted_change(&mut self, by: i64) -> Result<()> {
+        let note = sql::query("UPDATE event SET wanted_change = $1 WHERE id = $2").bind(by).bind(self.last_event);
+        note.execute(self.db()).await?;
+        Ok(())
+    }
+
+    /// Writes the event of a refusal.
+    pub async fn write_refusal_event(
+        &mut self,
+        kind: impl Into<EventKind>,
+        profile: &str,
+        part: Option<PartId>,
+        cause: RefusalCause,
+        reason: &str,
+    ) -> Result<()> {
+        self.write_event(kind, profile, part, None, reason).await?;
+        let cause = sql::query("UPDATE event SET cause = $1 WHERE id = $2").bind(cause).bind(self.last_event);
+        cause.execute(self.db()).await?;
+        Ok(())
+    }
+}

@@ -1,0 +1,18 @@
+//! Tests of the ledger, on real SQLite files.
+
+mod lifecycle;
+mod night_search;
+mod nodes;
+mod on_postgres;
+mod order_requests;
+mod orders;
+mod pick;
+mod printers;
+mod store;
+mod told_words;
+mod withdrawals;
+
+use jiff::Timestamp;
+use nester::{OrientationRule, TiltLimit};
+
+use super::{fixtures::*, *};

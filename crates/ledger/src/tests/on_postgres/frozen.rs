@@ -1,0 +1,72 @@
+//! A connection that is dead without having ended, or that somebody has forgotten, holds what all changes wait for.
+
+use std::time::{Duration, Instant};
+
+use super::*;
+use crate::{
+    postgres_cluster::PostgresCluster,
+    server_link::{LinkState, ServerLink},
+};
+
+const LEASE: Duration = Duration::from_secs(60);
+/// A frozen farm is one that did not go on within this time.
+const FROZEN: Duration = Duration::from_secs(40);
+
+fn node(name: &str) -> ServingNode {
+    ServingNode { right: ServingRight::Node(name.to_owned()), owner: name.to_owned(), lease: LEASE }
+}
+
+#[tokio::test]
+async fn a_node_that_is_cut_off_in_a_change_keeps_the_others_from_theirs_for_seconds() {
+    let server = crate::postgres_cluster::shared();
+    let database = server.make_database(None).await;
+    let link = ServerLink::to_server(server.folder());
+    let dead = LedgerAddress::parse(&PostgresCluster::url_in(link.folder(), &database), None);
+    let direct = LedgerAddress::parse(&server.url(&database), None);
+    let dead = Ledger::open_to_serve(&dead, &node("print1")).await.unwrap();
+    let other = Ledger::open_to_serve(&direct, &node("print2")).await.unwrap();
+    let person = Ledger::open_existing(&direct).await.unwrap();
+    let change = dead.begin_change().await.unwrap();
+    link.set(LinkState::Silent);
+    let began = Instant::now();
+    // The daemon tries again, and says why it waits; the command of a person waits until it is its turn.
+    let waits = async {
+        loop {
+            match other.write_event(EventKind::Paused, "fuse-1", None, None, "").await {
+                Ok(()) => break,
+                Err(LedgerError::Server(ServerError::ChangesWait { holder })) => {
+                    // On a slow machine the person's command, whose turn came first, may be at its change.
+                    let is_dead_node = holder.contains("print1") && holder.contains("idle in transaction");
+                    assert!(is_dead_node || holder.contains("a command on"), "{holder}")
+                }
+                Err(error) => panic!("{error}"),
+            }
+        }
+    };
+    let both = async { tokio::join!(waits, person.write_event(EventKind::Resumed, "fuse-1", None, None, "")) };
+    let ((), told) = tokio::time::timeout(FROZEN, both).await.expect("all changes wait for a dead node");
+    told.unwrap();
+    assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());
+    drop(change);
+}
+
+#[tokio::test]
+async fn each_connection_has_limits_and_a_transfer_of_all_rows_has_its_own() {
+    let address = fresh_address().await;
+    let daemon = Ledger::open_to_serve(&address, &node("print1")).await.unwrap();
+    let person = Ledger::open_existing(&address).await.unwrap();
+    let setting = async |db: &mut sql::SqlTransaction, name: &str| {
+        let setting = sql::query_scalar::<String>("SELECT current_setting($1)").bind(name);
+        setting.fetch_one(db).await.unwrap()
+    };
+    let mut change = daemon.begin_change().await.unwrap();
+    assert_eq!(setting(change.db(), "application_name").await, "print1");
+    assert_eq!(setting(change.db(), "idle_in_transaction_session_timeout").await, "10s");
+    drop(change);
+    let mut snapshot = person.begin_snapshot().await.unwrap();
+    assert!(setting(&mut snapshot, "application_name").await.starts_with("a command on "));
+    assert_eq!(setting(&mut snapshot, "statement_timeout").await, "1min");
+    snapshot.allow_whole_ledger().await.unwrap();
+    assert_eq!(setting(&mut snapshot, "statement_timeout").await, "6h");
+    assert_eq!(setting(&mut snapshot, "idle_in_transaction_session_timeout").await, "10min");
+}

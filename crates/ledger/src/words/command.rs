@@ -1,0 +1,255 @@
+//! Commands from users to the daemon. The daemon answers in the row, so commands work from another server too.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp,
+    base::{
+        error::Result,
+        sql::{self, sql_row},
+        text_column::own_word,
+    },
+    store::change::LedgerChange,
+};
+
+/// Kind of command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CommandKind {
+    /// Nest and publish the waiting parts of a profile now.
+    Flush,
+    /// Start no batch of a profile until it is resumed.
+    Pause,
+    /// Let a profile start batches again.
+    Resume,
+    /// Retry a rejected part.
+    Retry,
+    /// Reject a waiting part.
+    Cancel,
+    /// Scan the hot folders now.
+    Scan,
+    /// Change what was asked with a part.
+    Edit,
+    /// Move a part to another machine.
+    Move,
+    /// Print a part as it is.
+    Confirm,
+}
+
+own_word!(CommandKind);
+
+/// State of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CommandState {
+    /// Not answered yet.
+    Asked,
+    /// Done.
+    Done,
+    /// Refused. The answer says why.
+    Refused,
+}
+
+own_word!(CommandState);
+
+/// Why a profile is paused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PauseCause {
+    /// A person paused it.
+    #[default]
+    Person,
+    /// The daemon paused it after a build failed, until a person resumes it.
+    BuildFailed,
+}
+
+own_word!(PauseCause);
+
+/// What a command says beyond its kind and its part. Stored as JSON.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CommandArgument {
+    /// Number of copies to cancel; `None` = all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub copies: Option<u32>,
+    /// Changes of an edit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edit: Option<PartEdit>,
+}
+
+impl CommandArgument {
+    fn to_json(&self) -> String {
+        match *self == Self::default() {
+            true => String::new(),
+            false => serde_json::to_string(self).unwrap_or_default(),
+        }
+    }
+}
+
+/// A command to submit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewCommand {
+    /// Kind of command.
+    pub kind: CommandKind,
+    /// Machine profile of flush, pause and resume, "" otherwise.
+    pub profile: String,
+    /// Part of retry, cancel, edit, move and confirm.
+    pub part: Option<PartId>,
+    /// Changes of an edit, copies to cancel.
+    pub argument: CommandArgument,
+    /// user@host.
+    pub asked_by: String,
+}
+
+/// A command with its current state.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct CommandRow {
+    /// Its number.
+    pub id: CommandId,
+    /// Kind of command.
+    pub kind: CommandKind,
+    /// Machine profile, "" = none.
+    pub profile: String,
+    /// Part of retry, cancel, edit, move and confirm.
+    pub part_id: Option<PartId>,
+    /// What it says as JSON, "" = nothing.
+    pub argument: String,
+    /// user@host.
+    pub asked_by: String,
+    /// When it was submitted.
+    pub asked_at: UtcTimestamp,
+    /// Current state.
+    pub state: CommandState,
+    /// Answer of the daemon.
+    pub answer: String,
+    /// When the daemon answered.
+    pub answered_at: Option<UtcTimestamp>,
+}
+
+sql_row!(CommandRow { id, kind, profile, part_id, argument, asked_by, asked_at, state, answer, answered_at });
+
+impl CommandRow {
+    /// Whether its answer is there: what is done through [`Ledger::for_command`] is done a moment before.
+    pub fn is_answered(&self) -> bool {
+        match self.state {
+            CommandState::Asked => false,
+            CommandState::Done => !self.answer.is_empty(),
+            CommandState::Refused => true,
+        }
+    }
+
+    /// What it says beyond its kind and its part.
+    pub fn read_argument(&self) -> CommandArgument {
+        serde_json::from_str(&self.argument).unwrap_or_default()
+    }
+}
+
+impl Ledger {
+    /// Submits a command to the daemon.
+    pub async fn submit_command(&self, command: &NewCommand) -> Result<CommandId> {
+        let mut change = self.begin_change().await?;
+        if let Some(part) = command.part {
+            change.require_part(part).await?;
+        }
+        let now = change.now;
+        let id = sql::query_scalar(
+            "INSERT INTO command (kind, profile, part_id, argument, asked_by, asked_at, state) \
+             VALUES ($1, $2, $3, $4, $5, $6, 'asked') RETURNING id",
+        )
+        .bind(command.kind)
+        .bind(&command.profile)
+        .bind(command.part)
+        .bind(command.argument.to_json())
+        .bind(&command.asked_by)
+        .bind(now)
+        .fetch_one(change.db())
+        .await?;
+        change.commit().await?;
+        Ok(id)
+    }
+
+    /// The machine whose node carries a command out: that of its part, else the one that it names; "" = none.
+    pub async fn machine_of_command(&self, part: Option<PartId>, profile: &str) -> Result<String> {
+        match part {
+            Some(part) => Ok(self.find_part(part).await?.map(|part| part.profile).unwrap_or_default()),
+            None => Ok(profile.to_owned()),
+        }
+    }
+
+    /// The commands that are not answered yet, oldest first.
+    pub async fn pending_commands(&self) -> Result<Vec<CommandRow>> {
+        let query = sql::select_as("FROM command WHERE state = 'asked' ORDER BY id");
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
+    /// Answers a command. A command can be answered only once. One that is done through [`Ledger::for_command`] has no answer
+    /// yet.
+    pub async fn answer_command(&self, id: CommandId, done: bool, answer: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let state = if done { CommandState::Done } else { CommandState::Refused };
+        let now = change.now;
+        let answered = sql::query(
+            "UPDATE command SET state = $1, answer = $2, answered_at = $3 \
+             WHERE id = $4 AND (state = 'asked' OR state = 'done' AND $1 = 'done' AND answer = '')",
+        )
+        .bind(state)
+        .bind(answer)
+        .bind(now)
+        .bind(id)
+        .execute(change.db())
+        .await?;
+        if answered == 0 {
+            return Err(LedgerError::UnknownCommand(id));
+        }
+        change.commit().await
+    }
+
+    /// Finds a command by its number.
+    pub async fn find_command(&self, id: CommandId) -> Result<Option<CommandRow>> {
+        let query = sql::select_as("FROM command WHERE id = $1").bind(id);
+        Ok(query.fetch_optional(self.reader()?).await?)
+    }
+
+    /// Pauses a profile. Returns `false` if it was paused already.
+    pub async fn pause_profile(&self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let is_new = change.pause_profile(profile, by, cause).await?;
+        if is_new {
+            change.commit().await?;
+        }
+        Ok(is_new)
+    }
+
+    /// Resumes a profile. Returns `false` if it was not paused.
+    pub async fn resume_profile(&self, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
+        let lift = sql::query("DELETE FROM pause WHERE profile = $1").bind(profile);
+        if lift.execute(change.db()).await? == 0 {
+            return Ok(false);
+        }
+        change.write_event(EventKind::Resumed, profile, None, None, by).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// The paused profiles, by name.
+    pub async fn paused_profiles(&self) -> Result<Vec<String>> {
+        let query = sql::query_scalar("SELECT profile FROM pause ORDER BY profile");
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+impl LedgerChange {
+    /// Pauses a profile. Returns `false` if it was paused.
+    pub async fn pause_profile(&mut self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
+        let now = self.now;
+        let insert =
+            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
+        let paused = sql::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(self.db()).await?;
+        if paused == 0 {
+            return Ok(false);
+        }
+        self.write_event(EventKind::Paused, profile, None, None, by).await?;
+        Ok(true)
+    }
+}

@@ -52,7 +52,7 @@ async fn wait_until_taken_back(ledger: &Ledger, id: BuildId) -> Result<(String, 
     if build.place.withdrawn_at.is_none() {
         let text = format!(
             "Build {id} stays: its printer took the file first, its outcome was told, or what lies in the queue is not its file \
-             (`nestd status` says so)."
+             (`nestd status` says so). Where it was found at another printer (`nestd show b{id}`), say it once more."
         );
         return Ok((text, CommandExit::Failure));
     }

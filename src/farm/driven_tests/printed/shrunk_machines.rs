@@ -161,6 +161,10 @@ fn a_part_that_has_no_place_in_the_smaller_machine_waits_again_and_a_person_is_t
     assert_eq!((row.measures.height_mm, row.measures.layers, row.measures.lower_bound_mm), (None, None, None));
     farm.pass_secs(2.0);
     assert!(farm.status_text().contains("PAUSED"), "{}", farm.status_text());
+    // It is refused then, and nothing says that it waits.
+    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.pass_secs(10.0);
+    assert!(farm.status_text().contains("Nothing waits."), "{}", farm.status_text());
     farm.assert_ledger_agrees_with_folders();
 }
 

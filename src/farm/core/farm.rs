@@ -112,7 +112,7 @@ impl Farm {
     pub(crate) fn halt_farm(&mut self, kind: AlertKind, why: &str) {
         if !self.lifecycle.is_halted {
             self.lifecycle.is_halted = true;
-            self.nesting.final_searches.values().for_each(|search| search.budget.cancel());
+            self.nesting.searches.stop_all();
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();

@@ -3,13 +3,12 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    sync::{Arc, PoisonError},
+    sync::Arc,
     time::{Duration, Instant},
 };
 
 use jiff::Timestamp;
 use ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies};
-use nester::SearchBudget;
 
 use super::printer_state::MachinePrinters;
 use crate::{
@@ -22,7 +21,7 @@ use crate::{
             trigger::{DueFacts, FireTrigger, TriggerFacts},
         },
         leases::{folder_leases::FolderLeases, lease_holder::LeaseHolder},
-        nesting::{nesting_search::SharedBestLayout, open_night::OpenNight},
+        nesting::{layout_search::LayoutSearch, open_night::OpenNight},
         process::{time_source::TimeSource, time_text::written_stamp},
         records::ledger_freshness::FolderIdentities,
         scanning::{
@@ -103,19 +102,13 @@ pub struct MachineState {
     pub status: (String, serde_json::Value),
 }
 
-/// A running search for the open build.
+/// A running search for what has arrived.
 #[derive(Debug)]
-pub struct RunningSearch {
-    /// Its number; results of older searches are ignored.
-    pub round: u64,
-    /// Its time budget.
-    pub budget: SearchBudget,
-    /// Its best layout so far.
-    pub best: SharedBestLayout,
+pub struct ArrivalSearch {
+    /// The search. Where it was stopped, its layout may lack copies that would have fitted.
+    pub search: LayoutSearch,
     /// The copies to nest.
     pub copies: BTreeSet<CopyId>,
-    /// Whether it was cancelled, since other copies wait now. Its layout may lack copies that would have fitted.
-    pub is_cancelled: bool,
 }
 
 /// The layout of the waiting copies that were tried so far.
@@ -127,8 +120,8 @@ pub struct OpenBuildState {
     pub tried: BTreeSet<CopyId>,
     /// The copies that have stood in the open build since the last completed search.
     pub standing: BTreeSet<CopyId>,
-    /// The running search.
-    pub search: Option<RunningSearch>,
+    /// The running search for what has arrived.
+    pub search: Option<ArrivalSearch>,
     /// The search that goes on while the build waits, after the one for the last arrival.
     pub night: OpenNight,
     /// Number of searches started.
@@ -257,10 +250,9 @@ impl OpenBuildState {
                 now
             }
         };
-        if let Some(search) = &mut self.search {
-            if search.copies != *wanted {
-                search.budget.cancel();
-                search.is_cancelled = true;
+        if let Some(running) = &self.search {
+            if running.copies != *wanted {
+                running.search.stop();
             }
             return false;
         }
@@ -279,19 +271,21 @@ impl OpenBuildState {
         self.retry_at = Some(now + RETRY_AFTER);
     }
 
-    /// Records the result of a search. After a cancelled one, the copies count as not tried: which of them are in was
-    /// not decided.
-    pub fn take_search_result(&mut self, round: u64, layout: Option<BatchLayout>, now: Instant) {
-        if self.search.as_ref().is_none_or(|s| s.round != round) {
-            return;
-        }
-        let Some(search) = self.search.take() else { return };
+    /// The running search for what has arrived, if it is this one: something else may be wanted of the open build by now.
+    pub fn running(&self, search: &LayoutSearch) -> Option<&ArrivalSearch> {
+        self.search.as_ref().filter(|running| running.search.is(search))
+    }
+
+    /// Records the result of a search. After one that was stopped, the copies count as not tried: which of them are in
+    /// was not decided.
+    pub fn take_search_result(&mut self, search: &LayoutSearch, layout: Option<BatchLayout>, now: Instant) {
+        let Some(running) = self.search.take_if(|running| running.search.is(search)) else { return };
         match layout {
             Some(layout) => {
                 self.tried.clear();
-                if !search.is_cancelled {
+                if !running.search.is_stopped() {
                     self.standing = layout.copies();
-                    self.tried = search.copies;
+                    self.tried = running.copies;
                 }
                 self.layout = layout;
                 self.retry_at = None;
@@ -303,10 +297,8 @@ impl OpenBuildState {
     /// The placements to continue from: those of the running search if it has found a layout, otherwise those of the
     /// last layout.
     pub fn best_placements(&self) -> Vec<LayoutPlacement> {
-        let running = self.search.as_ref().and_then(|search| {
-            search.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|l| l.placed.clone())
-        });
-        running.unwrap_or_else(|| self.layout.placed.clone())
+        let running = self.search.as_ref().and_then(|running| running.search.best_layout());
+        running.map_or_else(|| self.layout.placed.clone(), |layout| layout.placed)
     }
 
     /// Ends the search that goes on while the build waits, since something else is wanted of it, and takes its best layout.
@@ -345,8 +337,8 @@ impl OpenBuildState {
 
     /// Resets everything: the copies are in a build now, or no part waits any more.
     pub fn reset(&mut self) {
-        if let Some(search) = &self.search {
-            search.budget.cancel();
+        if let Some(running) = &self.search {
+            running.search.stop();
         }
         self.night.stop();
         *self = Self { rounds: self.rounds, ..Self::default() };

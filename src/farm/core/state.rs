@@ -10,14 +10,13 @@ use std::{
 use intake::InboxWatcher;
 use jiff::Timestamp;
 use ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause};
-use nester::SearchBudget;
 
 use crate::{
     farm::{
         alerts::alert_registry::ServiceBridge,
         files::standing_claim::StandingClaim,
         leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
-        nesting::nesting_search::SharedBestLayout,
+        nesting::running_searches::RunningSearches,
         process::{
             ledger_changes::LedgerChangeDetector, retry_backoff::RetryBackoff, tick_tasks::TaskTimes,
             time_source::TimeSource, wall_clock::WallClockMonitor,
@@ -66,24 +65,13 @@ pub(crate) struct ReadingState {
     pub(crate) reads_alone: bool,
 }
 
-/// A final search that runs.
-#[derive(Debug)]
-pub(crate) struct RunningFinalSearch {
-    /// Its budget, by which it is cancelled.
-    pub(crate) budget: SearchBudget,
-    /// The best layout so far.
-    pub(crate) best_layout: SharedBestLayout,
-}
-
 /// State of fired builds, until they are published.
 #[derive(Debug, Default)]
 pub(crate) struct NestingState {
-    /// Maximum number of searches at once.
-    pub(crate) slots: usize,
+    /// The searches that run.
+    pub(crate) searches: RunningSearches,
     /// Builds fired by this process that have not been started.
     pub(crate) just_fired: HashSet<BuildId>,
-    /// Running final searches.
-    pub(crate) final_searches: HashMap<BuildId, RunningFinalSearch>,
     /// Number of failed attempts to make each build in this run, and the last reason.
     pub(crate) failures: HashMap<BuildId, (u32, String)>,
     /// Builds that failed and wait for a retry.
@@ -103,7 +91,7 @@ impl NestingState {
     /// The state before the first build is nested. The clocks of `time` measure the wait before a failed build is
     /// retried.
     pub(crate) fn by(time: TimeSource) -> Self {
-        Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
+        Self { searches: RunningSearches::of_slots(1), backoff: RetryBackoff::by(time), ..Self::default() }
     }
 }
 

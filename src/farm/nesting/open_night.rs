@@ -1,11 +1,8 @@
 //! What an open build knows of the search that lowers it while it waits.
 
-use std::sync::PoisonError;
-
 use ledger::NightSearchRow;
-use nester::SearchBudget;
 
-use super::nesting_search::SharedBestLayout;
+use super::layout_search::LayoutSearch;
 use crate::farm::decisions::layout::BatchLayout;
 
 /// The search that lowers an open build while it waits.
@@ -16,33 +13,15 @@ pub struct OpenNight {
     /// How far it is; `None` = it has not begun, or is switched off.
     pub row: Option<NightSearchRow>,
     /// The search that runs.
-    pub search: Option<RunningNight>,
-}
-
-/// A search that runs.
-#[derive(Debug)]
-pub struct RunningNight {
-    /// Its number; what another one finds is not taken.
-    pub number: u64,
-    /// By this it is stopped. It has no limit.
-    pub stop: SearchBudget,
-    /// The time that it has, CPU seconds.
-    pub asked_secs: f64,
-    /// Its best layout so far.
-    pub best: SharedBestLayout,
+    pub search: Option<LayoutSearch>,
 }
 
 impl OpenNight {
     /// Stops the search that runs, because something else needs its thread. It goes on later.
     pub fn stop(&self) {
         if let Some(search) = &self.search {
-            search.stop.cancel();
+            search.stop();
         }
-    }
-
-    /// Whether a search runs and was not stopped.
-    pub fn is_running(&self) -> bool {
-        self.search.as_ref().is_some_and(|search| !search.stop.is_cancelled())
     }
 
     /// Keeps how far it is until the ledger has stored it.
@@ -58,7 +37,6 @@ impl OpenNight {
     /// Ends the search for good, because other copies or rules count now. Returns its best layout, if it has found any.
     pub fn end(&mut self) -> Option<BatchLayout> {
         self.stop();
-        let search = std::mem::take(self).search?;
-        search.best.lock().unwrap_or_else(PoisonError::into_inner).take()
+        std::mem::take(self).search?.best_layout()
     }
 }

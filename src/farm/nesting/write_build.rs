@@ -9,7 +9,7 @@ use jiff::Timestamp;
 use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
 use nester::{SearchSummary, Separability};
 
-use super::nesting_search::NestingResult;
+use super::layout_search::NestingResult;
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
     farm::decisions::layout::CopyId,

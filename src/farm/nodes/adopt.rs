@@ -84,9 +84,7 @@ pub(super) async fn give_up_taken_over_claims(farm: &mut Farm, profile: &str, cl
         return Ok(());
     }
     for build in farm.ledger.nesting_builds_of_claims(claims).await? {
-        if let Some(search) = farm.nesting.final_searches.get(&build) {
-            search.budget.cancel();
-        }
+        farm.nesting.searches.stop_for(build);
         farm.nesting.just_fired.remove(&build);
         farm.ledger.fail_build(build, REASON).await?;
     }

@@ -7,49 +7,40 @@ use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
 use ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
-use nester::SearchBudget;
 use tracing::{info, warn};
 
-use crate::{
-    farm::{
-        again::fetch_originals,
-        alerts::failure::PartFault,
-        core::{
-            command_answer::CommandAnswer, crash_guard, farm::Farm, machine_state::RunningSearch, state::ReadingState,
-        },
-        decisions::{
-            batch_decision::{BatchDecision, BatchFacts, decide_batch},
-            kept_layouts::find_kept_layout,
-            layout::{BatchLayout, CopyId, waiting_copy_ids},
-            left_out::{LeftOutNotice, find_cut_off, find_left_out},
-            queue_depth::has_queue_room,
-            trigger::FireTrigger,
-        },
-        nesting::nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
-        operate::commands,
-        printers::printers,
-        process::thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
-        publish::withdrawal,
-        receive::{damaged_files, deferred_refusal},
+use super::searches::start_search;
+use crate::farm::{
+    again::fetch_originals,
+    alerts::failure::PartFault,
+    core::{command_answer::CommandAnswer, crash_guard, farm::Farm, machine_state::ArrivalSearch, state::ReadingState},
+    decisions::{
+        batch_decision::{BatchDecision, BatchFacts, decide_batch},
+        kept_layouts::find_kept_layout,
+        layout::{BatchLayout, CopyId, waiting_copy_ids},
+        left_out::{LeftOutNotice, find_cut_off, find_left_out},
+        queue_depth::has_queue_room,
+        trigger::FireTrigger,
     },
-    settings::MachineProfile,
+    nesting::{
+        layout_search::{LayoutSearch, NestingRequest, NestingResult},
+        search_policy::{SearchPolicy, arrival_search_secs},
+    },
+    operate::commands,
+    printers::printers,
+    publish::withdrawal,
+    receive::{damaged_files, deferred_refusal},
 };
-
-/// Minimum time of a search for each copy, seconds: long enough to try all of them.
-const SECS_PER_COPY: f64 = 0.02;
 
 /// After batching, a profile rests for this many times the time that it took: a long queue of parts must not occupy the
 /// farm.
 const BATCH_REST_FACTOR: u32 = 9;
 
-/// A search may end so much after its time before others begin beside it, seconds.
-const OVERDUE_SECS: f64 = 2.0;
-
 /// Improves the layout of a profile's open build.
 #[derive(Clone)]
 pub(crate) struct ImproveLayoutJob {
     profile: String,
-    round: u64,
+    search: LayoutSearch,
 }
 
 impl BackgroundJob<Farm> for ImproveLayoutJob {
@@ -61,18 +52,18 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     }
 
     async fn on_done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
-        let taken = on_layout_improved(farm, &self.profile, self.round, nested).await;
+        let taken = on_layout_improved(farm, &self.profile, &self.search, nested).await;
         self.search_again_unless(taken, farm)
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        let taken = on_search_panicked(farm, &self.profile, message).await;
+        let taken = on_search_panicked(farm, &self.profile, &self.search, message).await;
         self.search_again_unless(taken, farm)
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
         if let Some(machine) = farm.machines.get_mut(&self.profile) {
-            machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
+            machine.open.take_search_result(&self.search, None, farm.schedule.time.instant());
         }
     }
 }
@@ -83,7 +74,7 @@ impl ImproveLayoutJob {
     fn search_again_unless(&self, taken: Result<()>, farm: &mut Farm) -> Result<()> {
         if let (Err(_), Some(machine)) = (&taken, farm.machines.get_mut(&self.profile)) {
             let now = farm.schedule.time.instant();
-            machine.open.take_search_result(self.round, None, now);
+            machine.open.take_search_result(&self.search, None, now);
             machine.open.retry_tried_later(now);
         }
         taken
@@ -201,7 +192,7 @@ async fn start_layout_search(
     head: Vec<WaitingPart>,
     wanted: BTreeSet<CopyId>,
 ) -> Result<()> {
-    if !has_free_slot(farm) {
+    if !farm.nesting.searches.has_free_slot() {
         return Ok(());
     }
     let meshes = farm.meshes.clone();
@@ -222,42 +213,39 @@ async fn start_layout_search(
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open = &mut machine.open;
     open.rounds += 1;
-    let (round, best) = (open.rounds, SharedBestLayout::default());
     let secs = arrival_search_secs(&machine.profile, wanted.len());
-    let budget = SearchBudget::of_secs(secs);
+    let search = LayoutSearch::begin(SearchPolicy::Arrival { secs, round: open.rounds });
     let request = NestingRequest {
         profile: machine.profile.clone(),
         wanted: parts,
         starts: std::iter::once(open.layout.placed.clone()).chain(kept).collect(),
-        budget: budget.clone(),
-        seed: machine.profile.search.nest.seed.wrapping_add(round),
-        best_layout: best.clone(),
+        search: search.clone(),
     };
-    open.search = Some(RunningSearch { round, budget, best, copies: wanted, is_cancelled: false });
-    let profile = name.to_owned();
-    farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
-        lower_thread_priority(ARRIVAL_NICENESS);
-        request.run_search(&meshes)
-    });
+    open.search = Some(ArrivalSearch { search: search.clone(), copies: wanted });
+    let job = ImproveLayoutJob { profile: name.to_owned(), search: search.clone() };
+    let work = move || request.run_search(&meshes);
+    start_search(&mut farm.nesting, &mut farm.jobs, (build.id, &search), job, work);
     Ok(())
 }
 
-/// Time of a search for an arrival, seconds.
-pub(super) fn arrival_search_secs(profile: &MachineProfile, copies: usize) -> f64 {
-    profile.search.arrival_secs.max(SECS_PER_COPY * copies as f64)
-}
-
 /// Takes in the result of a search for an open build.
-async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Result<NestingResult>) -> Result<()> {
+async fn on_layout_improved(
+    farm: &mut Farm,
+    name: &str,
+    search: &LayoutSearch,
+    nested: Result<NestingResult>,
+) -> Result<()> {
     let build = farm.ledger.open_build(name).await?;
     crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let Some(search) = machine.open.search.as_ref().filter(|search| search.round == round) else { return Ok(()) };
-    let is_complete = !search.is_cancelled;
+    if machine.open.running(search).is_none() {
+        return Ok(());
+    }
+    let is_complete = !search.is_stopped();
     let nested = match nested {
         Ok(nested) => nested,
         Err(failure) => {
-            machine.open.take_search_result(round, None, farm.schedule.time.instant());
+            machine.open.take_search_result(search, None, farm.schedule.time.instant());
             if let Some(fault) = PartFault::find_in_chain(&failure) {
                 return damaged_files::hold_faulty_part(farm, fault).await;
             }
@@ -266,7 +254,7 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
         }
     };
     let stood = machine.open.standing.clone();
-    machine.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
+    machine.open.take_search_result(search, Some(nested.layout.clone()), farm.schedule.time.instant());
     if is_complete {
         let placed = machine.open.standing.clone();
         machine.left_out.retain_copies(|copy| !placed.contains(copy));
@@ -310,12 +298,12 @@ async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayo
 
 /// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
 /// panics alone is refused.
-async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Result<()> {
+async fn on_search_panicked(farm: &mut Farm, name: &str, search: &LayoutSearch, message: &str) -> Result<()> {
     let build = farm.ledger.open_build(name).await?;
     crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let copies = machine.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
-    machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
+    let copies = machine.open.running(search).map(|running| running.copies.clone()).unwrap_or_default();
+    machine.open.take_search_result(search, None, farm.schedule.time.instant());
     let (true, Some(&(part, _))) = (machine.open.halve_after_empty_search(copies.len()), copies.first()) else {
         return Ok(());
     };
@@ -362,21 +350,4 @@ async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTree
     machine.pending_flushes.clear();
     info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
     save_layout(&farm.ledger, build, &layout).await
-}
-
-/// Whether another search may run beside the running ones. Those that go on while a build waits do not count: they give
-/// way.
-pub(super) fn has_free_slot(farm: &Farm) -> bool {
-    count_searches(farm) < farm.nesting.slots
-}
-
-/// Number of running searches for arrivals and fired builds. An overdue search does not count: a build that takes long to
-/// prove or prepare must not block other machines.
-pub(crate) fn count_searches(farm: &Farm) -> usize {
-    let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
-    let improving = farm.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
-        is_due(farm.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
-    });
-    let finals = farm.nesting.final_searches.values().filter(|search| is_due(Some(&search.budget)));
-    improving.count() + finals.count()
 }

@@ -8,23 +8,18 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use build_file::format_count;
-use jobs::{BackgroundJob, Carried};
+use jobs::BackgroundJob;
 use ledger::{
     BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
     rank_waiting_copies,
 };
-use nester::SearchBudget;
 use tracing::{info, warn};
 
-use super::batch;
+use super::{batch, searches::start_search};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::{
-            crash_guard,
-            farm::Farm,
-            state::{NestingState, RunningFinalSearch},
-        },
+        core::{crash_guard, farm::Farm, state::NestingState},
         decisions::{
             layout::{CopyId, placed_from_json, placed_from_rows},
             left_out::find_left_out,
@@ -32,8 +27,9 @@ use crate::{
         files::mesh_source::MeshSource,
         leases::folder_lease::FolderLease,
         nesting::{
+            layout_search::{LayoutSearch, NestingRequest, NestingResult},
             nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
-            nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+            search_policy::SearchPolicy,
             write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
         },
         printers::{
@@ -88,15 +84,6 @@ impl BackgroundJob<Farm> for FinalNestingJob {
     }
 }
 
-/// The mark that the final search of a build runs.
-struct SearchMark(BuildId);
-
-impl Carried<Farm> for SearchMark {
-    fn give_back(self, farm: &mut Farm) {
-        farm.nesting.final_searches.remove(&self.0);
-    }
-}
-
 /// Starts the final search of every fired build that has none. A build that cannot be started does not hold up the
 /// others.
 pub(crate) async fn nest_fired_builds(farm: &mut Farm) -> Result<()> {
@@ -115,7 +102,7 @@ pub(crate) async fn nest_fired_builds(farm: &mut Farm) -> Result<()> {
 async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
     if publish::is_build_resting(&farm.nesting, build.id)
         || farm.jobs.is_running::<FinalNestingJob>(build.id)
-        || !batch::has_free_slot(farm)
+        || !farm.nesting.searches.has_free_slot()
     {
         return Ok(());
     }
@@ -163,7 +150,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
     let queue = queue.context("the queue folder is not open")?;
     // The proved layout of an earlier build is issued once more: there is nothing to search.
     let secs = if build.search.repeats.is_some() { 0.0 } else { secs };
-    let budget = SearchBudget::of_secs(secs);
+    let search = LayoutSearch::begin(SearchPolicy::Final { secs, seed });
     let start = match build.kept.layout.as_deref() {
         Some(layout) => placed_from_json(layout),
         // The build was proved before, but its file was damaged.
@@ -181,17 +168,13 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
         profile: profile.clone(),
         wanted: wanted.into_iter().map(|wanted| (wanted.part, wanted.copies)).collect(),
         starts: vec![start],
-        budget: budget.clone(),
-        seed,
-        best_layout: SharedBestLayout::default(),
+        search: search.clone(),
     };
-    let running = RunningFinalSearch { budget, best_layout: request.best_layout.clone() };
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     let kept = find_kept_build(farm, &write.build).await?;
     let id = write.build.id;
-    farm.nesting.final_searches.insert(id, running);
-    farm.jobs.start_with(FinalNestingJob { build: id }, SearchMark(id), move |_| {
+    let work = move || {
         crate::farm::nodes::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
         if let Some((kept, placements)) = kept {
             let gone = request.wanted.iter().map(|(part, _)| part);
@@ -204,7 +187,8 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
             }
         }
         nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
-    });
+    };
+    start_search(&mut farm.nesting, &mut farm.jobs, (id, &search), FinalNestingJob { build: id }, work);
     Ok(())
 }
 

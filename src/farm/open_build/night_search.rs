@@ -1,15 +1,15 @@
 //! An open build that waits is lowered further, in rounds of growing CPU time and at the lowest priority, while nothing else
 //! needs the thread. What is reached is kept in the ledger, with a pool of different layouts to go on from.
 
-use std::{collections::BTreeSet, sync::PoisonError};
+use std::collections::BTreeSet;
 
 use anyhow::Result;
 use jobs::BackgroundJob;
 use ledger::{BuildId, Ledger, LedgerError, NightSearchRow, NightState, PartRow, WaitingPart};
-use nester::{NestingMethod, NestingSolution, SearchBudget, improve_layouts};
+use nester::NestingMethod;
 use tracing::{debug, info, warn};
 
-use super::batch::{arrival_search_secs, count_searches, save_layout};
+use super::{batch::save_layout, searches::start_search};
 use crate::farm::{
     alerts::failure::PartFault,
     core::{
@@ -18,55 +18,39 @@ use crate::farm::{
     },
     decisions::{
         kept_layouts::{find_row, hash_problem},
-        layout::{BatchLayout, CopyId, LayoutPlacement, layouts_from_json, layouts_to_json},
+        layout::{CopyId, layouts_from_json, layouts_to_json},
         night_decision::{MAX_STARTS, NightSearchEnd, begin_night, count_search, decide_search},
     },
-    files::mesh_source::MeshSource,
     nesting::{
-        nesting_search::{NestingRequest, SharedBestLayout},
-        open_night::RunningNight,
-    },
-    process::{
-        cpu_meter::CpuMeter,
-        thread_priority::{NIGHT_NICENESS, lower_thread_priority},
+        layout_search::{LayoutSearch, NestingRequest, NestingResult},
+        search_policy::{SearchPolicy, arrival_search_secs},
     },
     receive::damaged_files,
 };
 
 /// Height differences up to this count as equal, mm.
 const SAME_MM: f64 = 1e-6;
-/// The seeds of these searches begin here, far from those of the searches for arrivals.
-const FIRST_SEED: u64 = 1 << 40;
 
 /// Lowers the open build of a profile.
 #[derive(Clone)]
 pub(crate) struct NightSearchJob {
     profile: String,
     build: BuildId,
-    number: u64,
+    search: LayoutSearch,
     /// The copies and rules that it is for.
     problem: String,
 }
 
-/// What a search has found.
-pub(crate) struct NightSearchResult {
-    layout: BatchLayout,
-    pool: Vec<Vec<LayoutPlacement>>,
-    cpu_secs: f64,
-}
-
-impl NightSearchResult {
-    /// The pool to go on from: its own, or the `kept` one of a height if it is higher or lacks copies. A search that was stopped
-    /// before it had looked at its pool has built its own layout.
-    fn pool_beside(&self, kept: &str, height_mm: f64) -> String {
-        let is_of_use = self.layout.unplaced.is_empty() && self.layout.height_mm <= height_mm + SAME_MM;
-        if is_of_use { layouts_to_json(&self.pool) } else { kept.to_owned() }
-    }
+/// The pool to go on from: that of a search, or the `kept` one of a height if it is higher or lacks copies. A search that was stopped
+/// before it had looked at its pool has built its own layout.
+fn pool_beside(found: &NestingResult, kept: &str, height_mm: f64) -> String {
+    let is_of_use = found.layout.unplaced.is_empty() && found.layout.height_mm <= height_mm + SAME_MM;
+    if is_of_use { layouts_to_json(&found.pool) } else { kept.to_owned() }
 }
 
 impl BackgroundJob<Farm> for NightSearchJob {
     const KIND: &'static str = "Night";
-    type Outcome = Result<NightSearchResult>;
+    type Outcome = Result<NestingResult>;
 
     fn subject(&self) -> String {
         self.profile.clone()
@@ -90,7 +74,7 @@ impl BackgroundJob<Farm> for NightSearchJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        if let Some((machine, _, row)) = self.take_search(&mut farm.machines) {
+        if let Some((machine, row)) = self.take_search(&mut farm.machines) {
             machine.open.night.keep_unsaved(NightSearchRow { starts: row.starts.saturating_sub(1), ..row });
         }
     }
@@ -98,29 +82,26 @@ impl BackgroundJob<Farm> for NightSearchJob {
 
 impl NightSearchJob {
     /// The machine and the search, unless something else is wanted of its open build by now.
-    fn take_search<'m>(
-        &self,
-        machines: &'m mut MachineStates,
-    ) -> Option<(&'m mut MachineState, RunningNight, NightSearchRow)> {
+    fn take_search<'m>(&self, machines: &'m mut MachineStates) -> Option<(&'m mut MachineState, NightSearchRow)> {
         let machine = machines.get_mut(&self.profile)?;
         let night = &mut machine.open.night;
-        night.search.as_ref().filter(|search| search.number == self.number)?;
-        let (search, row) = (night.search.take()?, night.row.clone()?);
-        Some((machine, search, row))
+        night.search.take_if(|search| search.is(&self.search))?;
+        let row = night.row.clone()?;
+        Some((machine, row))
     }
 
-    async fn take_result(self, farm: &mut Farm, found: NightSearchResult) -> Result<()> {
-        let Some((machine, search, row)) = self.take_search(&mut farm.machines) else {
+    async fn take_result(self, farm: &mut Farm, found: NestingResult) -> Result<()> {
+        let Some((machine, row)) = self.take_search(&mut farm.machines) else {
             return self.count_ended(&farm.ledger, Some(found)).await;
         };
         let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
-        let pool = found.pool_beside(&row.pool, machine.open.layout.height_mm);
+        let pool = pool_beside(&found, &row.pool, machine.open.layout.height_mm);
         let is_lower = machine.open.take_lower_layout(found.layout);
         let end = NightSearchEnd {
-            asked_secs: search.asked_secs,
+            asked_secs: self.search.policy.limit_cpu_secs(),
             cpu_secs: found.cpu_secs,
             height_mm: machine.open.layout.height_mm,
-            is_stopped: search.stop.is_cancelled(),
+            is_stopped: self.search.is_stopped(),
         };
         let row = NightSearchRow { pool, ..count_search(row, &end, first_secs) };
         debug!(profile = %self.profile, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
@@ -135,7 +116,7 @@ impl NightSearchJob {
 
     /// Counts a search of which nothing is taken, because something else is wanted of the open build by now: its time was spent,
     /// and it did not end the daemon.
-    async fn count_ended(&self, ledger: &Ledger, found: Option<NightSearchResult>) -> Result<()> {
+    async fn count_ended(&self, ledger: &Ledger, found: Option<NestingResult>) -> Result<()> {
         let cpu_secs = found.as_ref().map_or(0.0, |found| found.cpu_secs);
         match ledger.add_cpu_secs(self.build, cpu_secs).await {
             // Its copies were built meanwhile.
@@ -144,14 +125,14 @@ impl NightSearchJob {
         }
         let Some(row) = find_row(ledger, self.build, &self.problem).await? else { return Ok(()) };
         let (spent_secs, round_cpu_secs) = (row.cpu_secs + cpu_secs, row.round_cpu_secs + cpu_secs);
-        let pool = found.map_or(row.pool.clone(), |found| found.pool_beside(&row.pool, row.round_height_mm));
+        let pool = found.map_or(row.pool.clone(), |found| pool_beside(&found, &row.pool, row.round_height_mm));
         let row = NightSearchRow { cpu_secs: spent_secs, round_cpu_secs, pool, starts: 0, ..row };
         Ok(ledger.save_night_search(self.build, &row).await?)
     }
 
     /// What failed would fail again: these copies are not searched further.
     async fn give_up(&self, farm: &mut Farm, why: &str) -> Result<()> {
-        let Some((machine, _, row)) = self.take_search(&mut farm.machines) else {
+        let Some((machine, row)) = self.take_search(&mut farm.machines) else {
             return self.count_ended(&farm.ledger, None).await;
         };
         warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
@@ -165,32 +146,17 @@ impl NightSearchJob {
 
 /// Stops what must give way, and goes on with the open builds that wait, as far as threads are free.
 pub(crate) async fn search_waiting_builds(farm: &mut Farm) -> Result<()> {
-    stop_surplus(farm);
+    farm.nesting.searches.stop_surplus();
     let names: Vec<String> =
         farm.machines.iter().filter(|(_, machine)| may_go_on(machine)).map(|(name, _)| name.clone()).collect();
     for name in names {
         let is_known = farm.machines[&name].open.night.is_known;
         // Without a thread, only how far it is: people see that.
-        if (!is_known || free_threads(farm) > 0) && !farm.jobs.is_running::<NightSearchJob>(&name) {
+        if (!is_known || farm.nesting.searches.has_idle_slot()) && !farm.jobs.is_running::<NightSearchJob>(&name) {
             go_on(farm, &name).await?;
         }
     }
     Ok(())
-}
-
-/// Number of further searches that may run now.
-fn free_threads(farm: &Farm) -> usize {
-    farm.nesting.slots.saturating_sub(count_searches(farm) + running_nights(farm).count())
-}
-
-fn running_nights(farm: &Farm) -> impl Iterator<Item = &MachineState> {
-    farm.machines.values().filter(|machine| machine.open.night.is_running())
-}
-
-/// Stops searches where others need their threads.
-fn stop_surplus(farm: &Farm) {
-    let may_run = farm.nesting.slots.saturating_sub(count_searches(farm));
-    running_nights(farm).skip(may_run).for_each(|machine| machine.open.night.stop());
 }
 
 /// Whether the open build of a machine waits for something else than a search, and its search is not known to have ended.
@@ -240,7 +206,7 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         }
     };
     let decision = decide_search(&row, arrival_search_secs(&profile, placed.len()), improve_secs);
-    let secs = decision.ok().filter(|_| free_threads(farm) > 0);
+    let secs = decision.ok().filter(|_| farm.nesting.searches.has_idle_slot());
     let state = decision.err().unwrap_or(NightState::GoesOn);
     let row = NightSearchRow { state, starts: row.starts + u32::from(secs.is_some()), ..row };
     if known.as_ref() != Some(&row) {
@@ -250,37 +216,20 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         let why = if row.starts >= MAX_STARTS { ", because the daemon ended during its last searches" } else { "" };
         info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
     }
-    let seed = profile.search.nest.seed.wrapping_add(FIRST_SEED).wrapping_add((1e3 * row.cpu_secs) as u64);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     (machine.open.night.row, machine.open.night.is_known) = (Some(row.clone()), true);
-    if let Some(secs) = secs {
+    if let Some(cpu_secs) = secs {
         machine.open.rounds += 1;
-        let (number, problem) = (machine.open.rounds, row.problem);
-        let job = NightSearchJob { profile: name.to_owned(), build, number, problem };
-        start_search(farm, job, wanted, &pool, (secs, seed));
+        let search = LayoutSearch::begin(SearchPolicy::Waiting { cpu_secs, earlier_cpu_secs: row.cpu_secs });
+        machine.open.night.search = Some(search.clone());
+        let starts = std::iter::once(machine.open.layout.placed.clone()).chain(pool).collect();
+        let request = NestingRequest { profile, wanted, starts, search: search.clone() };
+        let (name, problem, meshes) = (name.to_owned(), row.problem, farm.meshes.clone());
+        let job = NightSearchJob { profile: name, build, search: search.clone(), problem };
+        let work = move || request.run_search(&meshes);
+        start_search(&mut farm.nesting, &mut farm.jobs, (build, &search), job, work);
     }
     Ok(())
-}
-
-/// Starts a search of `secs` CPU seconds for what waits, from the layout that is there and the pool.
-fn start_search(
-    farm: &mut Farm,
-    job: NightSearchJob,
-    wanted: Vec<(PartRow, Vec<u32>)>,
-    pool: &[Vec<LayoutPlacement>],
-    (secs, seed): (f64, u64),
-) {
-    let Some(machine) = farm.machines.get_mut(&job.profile) else { return };
-    let (profile, stop, best) = (machine.profile.clone(), SearchBudget::until_cancelled(), SharedBestLayout::default());
-    let running = RunningNight { number: job.number, stop: stop.clone(), asked_secs: secs, best: best.clone() };
-    machine.open.night.search = Some(running);
-    let pool: Vec<_> = std::iter::once(&machine.open.layout.placed).chain(pool).cloned().collect();
-    let request = NestingRequest { profile, wanted, starts: Vec::new(), budget: stop, seed, best_layout: best };
-    let meshes = farm.meshes.clone();
-    farm.jobs.start(job, move || {
-        lower_thread_priority(NIGHT_NICENESS);
-        lower_layouts(&request, &pool, secs, &meshes)
-    });
 }
 
 /// The waiting parts with those of their copies that are `placed`.
@@ -290,29 +239,4 @@ fn keep_copies(waiting: Vec<WaitingPart>, placed: &BTreeSet<CopyId>) -> Vec<(Par
         (!copies.is_empty()).then_some((part, copies))
     };
     waiting.into_iter().filter_map(kept).collect()
-}
-
-/// Lowers the layouts of a pool for `limit_secs` CPU seconds. Runs on the job's thread.
-fn lower_layouts(
-    request: &NestingRequest,
-    pool: &[Vec<LayoutPlacement>],
-    limit_secs: f64,
-    meshes: &MeshSource,
-) -> Result<NightSearchResult> {
-    let batch = request.load_batch(meshes)?;
-    let instance = batch.create_instance(&request.profile)?;
-    let mut config = request.profile.search.nest.clone();
-    config.seed = request.seed;
-    let meter = CpuMeter::begin(&request.budget, limit_secs);
-    let pool: Vec<_> = pool.iter().map(|placed| batch.matching_placements(placed)).collect();
-    let mut listener = |solution: &NestingSolution, _evaluations: u64| {
-        *request.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
-            Some(batch.layout_from_solution(&instance, solution));
-    };
-    let found = improve_layouts(&instance, &config, &pool, &meshes.prepared, &meter, &mut listener);
-    Ok(NightSearchResult {
-        layout: batch.layout_from_solution(&instance, &found.best),
-        pool: found.pool.iter().map(|placements| batch.layout_placements(placements)).collect(),
-        cpu_secs: meter.spent_secs(),
-    })
 }

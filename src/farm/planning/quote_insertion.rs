@@ -11,7 +11,7 @@ use anyhow::{Result, ensure};
 use build_file::ReadLimits;
 use intake::ContentStore;
 use ledger::{PartId, PartRow, WaitingPart};
-use nester::{InterlockRule, NestingMethod, PreparedMeshCache, PreparedMeshes, SearchBudget, insert_copies};
+use nester::{PreparedMeshCache, PreparedMeshes};
 use solids::Mesh;
 use tracing::debug;
 
@@ -20,13 +20,10 @@ use crate::{
     farm::{
         decisions::layout::{LayoutPlacement, NestingBatch, NestingPart},
         files::{disk_cache::DiskCacheReader, isolated_read::READS_IN_THE_DAEMON, mesh_cache::MeshCache},
-        process::thread_priority::{ARRIVAL_NICENESS, lower_thread_priority},
+        nesting::{layout_search::LayoutSearch, search_policy::SearchPolicy},
     },
     settings::{MachineProfile, Settings},
 };
-
-/// Share of the time that is left in which parts make room for others. A copy that is being placed is placed to the end.
-const SEARCH_SHARE: f64 = 0.3;
 
 /// The meshes of waiting parts, for quotes.
 #[derive(Debug, Clone)]
@@ -86,8 +83,11 @@ impl QuoteInsertion {
         let (meshes, began, (done, found)) = (meshes.clone(), Instant::now(), mpsc::channel());
         let work = move || {
             let _busy = busy;
-            lower_thread_priority(ARRIVAL_NICENESS);
-            let height_mm = self.insert_quoted(&meshes, began + within);
+            let until = began + within;
+            let policy = SearchPolicy::Quote { until };
+            policy.lower_priority();
+            let height_mm =
+                self.load_batch(&meshes, until).and_then(|batch| self.insert_quoted(batch, policy, &meshes));
             meshes.keep_only(&self.waiting);
             // Nobody waits for it any more, if it took too long.
             let _ = done.send(height_mm);
@@ -102,17 +102,10 @@ impl QuoteInsertion {
         }
     }
 
-    fn insert_quoted(&self, meshes: &QuoteMeshes, until: Instant) -> Result<Option<f64>> {
-        let batch = self.load_batch(meshes, until)?;
-        let instance = batch.create_instance(&self.profile)?;
-        let mut config = self.profile.search.nest.clone();
-        // What a quote finds is never printed: whether parts come apart is not worth its time.
-        (config.method, config.interlock, config.threads) = (NestingMethod::Nestd, InterlockRule::Allow, 1);
-        let left_secs = until.saturating_duration_since(Instant::now()).as_secs_f64();
-        let budget = SearchBudget::of_secs(SEARCH_SHARE * left_secs);
-        let standing = batch.matching_placements(&self.placed);
-        let solution = insert_copies(&instance, &config, &standing, &meshes.prepared, &budget, &mut ());
-        Ok((solution.unplaced.is_empty() && !solution.placements.is_empty()).then_some(solution.height_mm))
+    fn insert_quoted(&self, batch: NestingBatch, policy: SearchPolicy, meshes: &QuoteMeshes) -> Result<Option<f64>> {
+        let search = LayoutSearch::begin(policy);
+        let layout = search.run(&self.profile, batch, std::slice::from_ref(&self.placed), &meshes.prepared)?.layout;
+        Ok((layout.unplaced.is_empty() && !layout.placed.is_empty()).then_some(layout.height_mm))
     }
 
     /// The copies that stand in the open build, and those that are quoted.

@@ -220,9 +220,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     farm.lifecycle.services.set_phase(ServicePhase::Closed);
     farm.lifecycle.is_stopping = true;
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
-    farm.nesting.final_searches.values().for_each(|search| search.budget.cancel());
-    farm.machines.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
-    farm.machines.values().for_each(|machine| machine.open.night.stop());
+    farm.nesting.searches.stop_all();
     let _ = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await;
     if farm.lifecycle.is_halted {
         status::write_stopped_status(farm).await;
@@ -255,11 +253,8 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
 
 /// Stores the layouts of searches that did not end in time.
 async fn save_found_layouts(farm: &mut Farm) {
-    for (build, search) in &farm.nesting.final_searches {
-        let found = search.best_layout.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
-        if let Some(layout) = found
-            && let Err(failure) = batch::save_layout(&farm.ledger, *build, &layout).await
-        {
+    for (build, layout) in farm.nesting.searches.found_layouts() {
+        if let Err(failure) = batch::save_layout(&farm.ledger, build, &layout).await {
             warn!(build.id = %build, "The layout of build {build} could not be stored: {failure:#}.");
         }
     }

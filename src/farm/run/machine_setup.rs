@@ -28,7 +28,7 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
         let cache = farm.meshes.preparation_cache.clone().map(|cache| cache as Arc<dyn PreparedMeshCache + Send>);
         farm.meshes.prepared = farm.meshes.prepared.clone().with_cache(cache);
     }
-    farm.nesting.slots = search_slots(&farm.settings);
+    farm.nesting.searches.slots = search_slots(&farm.settings);
     remove_gone_machines(farm);
     let names: Vec<String> = farm.settings.profiles.keys().cloned().collect();
     let of_others = farm.ledger.claim_machines(&farm.settings.node.name, &names).await?;

@@ -23,13 +23,13 @@ impl HandDrivenFarm {
 
     /// Whether a search lowers the open build of a machine now.
     pub fn is_lowering(&self, profile: &str) -> bool {
-        self.farm.as_ref().unwrap().machines[profile].open.night.is_running()
+        let night = &self.farm.as_ref().unwrap().machines[profile].open.night;
+        night.search.as_ref().is_some_and(|search| !search.is_stopped())
     }
 
     /// Whether a final search runs, and is within its time.
     pub fn is_nesting(&self) -> bool {
-        let searches = &self.farm.as_ref().unwrap().nesting.final_searches;
-        searches.values().any(|search| search.budget.secs_over() == 0.0)
+        self.farm.as_ref().unwrap().nesting.searches.finals().any(|(_, search)| search.secs_over() == 0.0)
     }
 
     /// The farm asks the ledger again how far the search for an open build is.

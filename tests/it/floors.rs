@@ -162,6 +162,32 @@ fn a_crate_depends_on_crates_of_lower_floors_only() {
     }
 }
 
+/// Files that see the whole farm: what is below `core`, the loop, and what opens the farm.
+const SEE_THE_WHOLE_FARM: [&str; 3] = ["core", "run/event_loop.rs", "run/open.rs"];
+
+#[test]
+fn a_step_gets_a_desk_and_never_the_whole_farm() {
+    let farm = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/farm");
+    let mut faults = Vec::new();
+    let mut lent = 0;
+    for file in rust_files(&farm).into_iter().filter(|file| !file.starts_with(farm.join("driven_tests"))) {
+        let text = fs::read_to_string(&file).unwrap();
+        let borrows = |(at, name): (usize, &str)| {
+            let (before, after) = (&text[..at], &text[at + name.len()..]);
+            (before.ends_with("&mut ") || before.ends_with('&') || before.ends_with("'f mut "))
+                && !after.starts_with(|c: char| c.is_alphanumeric() || c == '_')
+        };
+        let found = text.match_indices("Farm").filter(|&found| borrows(found)).count();
+        match SEE_THE_WHOLE_FARM.iter().any(|place| file.starts_with(farm.join(place))) {
+            true => lent += found,
+            false if found > 0 => faults.push(format!("{} borrows the farm", file.display())),
+            false => {}
+        }
+    }
+    assert!(lent > 10, "the test reads nothing");
+    assert!(faults.is_empty(), "give these steps a desk of their kind:\n{}", faults.join("\n"));
+}
+
 #[test]
 fn the_optimiser_knows_nothing_of_solids_and_layouts() {
     let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/nester/src/pollination");

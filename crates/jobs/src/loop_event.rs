@@ -59,17 +59,17 @@ impl<O: 'static> LoopEvent<O> {
     ) -> Self {
         let name = key.clone();
         let take = box_handler(move |owner: &mut O| {
-            carried.give_back(owner);
+            carried.give_back((&mut *owner).into());
             Box::pin(async move {
                 match end {
-                    JobEnd::Completed(outcome) => job.on_done(owner, outcome).await,
+                    JobEnd::Completed(outcome) => job.on_done(owner.into(), outcome).await,
                     JobEnd::Panicked(message) => {
                         warn!("A job panicked ({name}): {message}.");
-                        job.on_panic(owner, &message).await
+                        job.on_panic(owner.into(), &message).await
                     }
                     JobEnd::NotStarted(why) => {
                         warn!("A job could not be started ({name}): {why}.");
-                        job.on_not_started(owner, &why);
+                        job.on_not_started(owner.into(), &why);
                         Ok(())
                     }
                 }

@@ -93,7 +93,7 @@ impl<O: 'static> JobRunner<O> {
         // If the loop has ended, nobody needs an event: every step finds its work again.
         let sender = self.sender.clone();
         if !self.running.insert(key.clone()) {
-            let _ = sender.send(LoopEvent::new(|owner| carried.give_back(owner)));
+            let _ = sender.send(LoopEvent::new(|owner: &mut O| carried.give_back(owner.into())));
             return;
         }
         let name = key.to_string().chars().take(15).collect();

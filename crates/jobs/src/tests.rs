@@ -10,17 +10,18 @@ struct Add(u32);
 impl BackgroundJob<Vec<String>> for Add {
     const KIND: &'static str = "Add";
     type Outcome = u32;
+    type Desk<'a> = &'a mut Vec<String>;
 
     fn subject(&self) -> String {
         self.0.to_string()
     }
 
-    async fn on_done(self, owner: &mut Vec<String>, outcome: u32) -> Result<()> {
+    async fn on_done(self, owner: Self::Desk<'_>, outcome: u32) -> Result<()> {
         owner.push(format!("{} gave {outcome}", self.0));
         Ok(())
     }
 
-    async fn on_panic(self, owner: &mut Vec<String>, message: &str) -> Result<()> {
+    async fn on_panic(self, owner: Self::Desk<'_>, message: &str) -> Result<()> {
         owner.push(format!("{} panicked: {message}", self.0));
         anyhow::bail!("it cannot be taken in")
     }
@@ -30,7 +31,9 @@ impl BackgroundJob<Vec<String>> for Add {
 struct Text(String);
 
 impl Carried<Vec<String>> for Text {
-    fn give_back(self, owner: &mut Vec<String>) {
+    type Desk<'a> = &'a mut Vec<String>;
+
+    fn give_back(self, owner: Self::Desk<'_>) {
         owner.push(self.0);
     }
 }

@@ -7,12 +7,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use intake::{ContentStore, StoreError};
 use jobs::BackgroundJob;
-use ledger::{BuildState, PartRow, PartState};
+use ledger::{BuildState, Ledger, PartRow, PartState};
 use tracing::info;
 
 use crate::farm::{
     alerts::{alert::AlertKind, failure::LostFileError},
-    core::farm::Farm,
+    core::{
+        desks::{Receiving, Shared},
+        farm::Farm,
+    },
     files::claim_note::ClaimNote,
     leases::folder_leases::FolderLeases,
     nesting::node_content::{OtherNodes, archive_folders, find_original},
@@ -43,13 +46,14 @@ pub(crate) struct FetchedOriginals {
 impl BackgroundJob<Farm> for FetchOriginalsJob {
     const KIND: &'static str = "Fetch";
     type Outcome = FetchedOriginals;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, fetched: Self::Outcome) -> Result<()> {
-        on_fetched(farm, fetched).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, fetched: Self::Outcome) -> Result<()> {
+        on_fetched(&mut desk, fetched).await
     }
 }
 
@@ -68,23 +72,25 @@ struct WantedOriginal {
 }
 
 /// Starts to fetch the originals of parts that are printed again.
-pub(crate) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
-    if farm.jobs.is_running::<FetchOriginalsJob>("") || farm.schedule.step_backoff.is_waiting(&BACKOFF.to_owned()) {
+pub(crate) async fn fetch_originals(desk: &mut Receiving<'_>) -> Result<()> {
+    if desk.jobs.is_running::<FetchOriginalsJob>("")
+        || desk.shared.schedule.step_backoff.is_waiting(&BACKOFF.to_owned())
+    {
         return Ok(());
     }
     let mut wanted = Vec::new();
-    for part in farm.ledger.parts_to_fetch().await? {
+    for part in desk.shared.ledger.parts_to_fetch().await? {
         // The stored file is being removed, because its part was built: it is fetched after that.
-        if !farm.completion.forgetting.is_under_way(&part.file.content_hash) {
-            wanted.extend(wanted_original(farm, part).await?);
+        if !desk.completion.forgetting.is_under_way(&part.file.content_hash) {
+            wanted.extend(wanted_original(desk, part).await?);
         }
     }
     if wanted.is_empty() {
         return Ok(());
     }
-    let store = farm.meshes.store.clone();
-    let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
-    farm.jobs.start(FetchOriginalsJob, move || {
+    let store = desk.meshes.store.clone();
+    let nodes = OtherNodes::of_ledger(desk.shared.settings, desk.shared.ledger).await?;
+    desk.jobs.start(FetchOriginalsJob, move || {
         let mut fetched = FetchedOriginals::default();
         for original in &wanted {
             match original.copy_into_store(&store, &nodes) {
@@ -100,36 +106,36 @@ pub(crate) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
 }
 
 /// Whether a part of a machine waits for its original, and will have it soon.
-pub(crate) async fn awaits_original(farm: &Farm, profile: &str) -> Result<bool> {
-    let is_failing = farm.schedule.step_backoff.is_failing(&BACKOFF.to_owned());
-    Ok(!is_failing && farm.ledger.parts_to_fetch().await?.iter().any(|part| part.profile == profile))
+pub(crate) async fn awaits_original(shared: &Shared<'_>, profile: &str) -> Result<bool> {
+    let is_failing = shared.schedule.step_backoff.is_failing(&BACKOFF.to_owned());
+    Ok(!is_failing && shared.ledger.parts_to_fetch().await?.iter().any(|part| part.profile == profile))
 }
 
-async fn wanted_original(farm: &Farm, part: PartRow) -> Result<Option<WantedOriginal>> {
-    let Some(machine) = farm.machines.get(&part.profile) else { return Ok(None) };
-    let profile_named = |name: &str| farm.machines.get(name).map(|machine| &*machine.profile);
-    let mut folders = archive_folders(&farm.ledger, &part.file.content_hash, profile_named).await?;
+async fn wanted_original(desk: &Receiving<'_>, part: PartRow) -> Result<Option<WantedOriginal>> {
+    let Some(machine) = desk.machines.get(&part.profile) else { return Ok(None) };
+    let profile_named = |name: &str| desk.machines.get(name).map(|machine| &*machine.profile);
+    let mut folders = archive_folders(desk.shared.ledger, &part.file.content_hash, profile_named).await?;
     // The original of a part that was not read yet, where the machine came from another node.
     folders.push(intake::claim_dir(&machine.profile.folders.inbox, &part.file.claim));
     Ok(Some(WantedOriginal {
         hash: part.file.content_hash.clone(),
         name: part.full_name(),
         claim: part.file.claim.clone(),
-        decisions: farm.ledger.decision_count(&part.file.claim).await?,
-        note: ClaimNote::of_part(farm.lifecycle.holder.farm_id(), &part).to_text(),
+        decisions: desk.shared.ledger.decision_count(&part.file.claim).await?,
+        note: ClaimNote::of_part(desk.shared.lifecycle.holder.farm_id(), &part).to_text(),
         folders,
-        kept: find_kept_build(farm, &part, &machine.profile.folders.archive).await?,
+        kept: find_kept_build(desk.shared.ledger, &part, &machine.profile.folders.archive).await?,
         leases: machine.leases.clone(),
     }))
 }
 
 /// The kept file of a build that is issued once more with all wanted copies of a part.
-async fn find_kept_build(farm: &Farm, part: &PartRow, archive: &Path) -> Result<Option<KeptBuild>> {
-    for build in farm.ledger.builds_in_state(BuildState::Nesting).await? {
+async fn find_kept_build(ledger: &Ledger, part: &PartRow, archive: &Path) -> Result<Option<KeptBuild>> {
+    for build in ledger.builds_in_state(BuildState::Nesting).await? {
         let Some(printed) = build.search.repeats else { continue };
-        let parts = farm.ledger.parts_of_build(build.id).await?;
+        let parts = ledger.parts_of_build(build.id).await?;
         if part.state == PartState::Batched && parts.iter().any(|other| other.id == part.id) {
-            return Ok(farm.ledger.find_build(printed).await?.and_then(|row| KeptBuild::of_build(archive, &row)));
+            return Ok(ledger.find_build(printed).await?.and_then(|row| KeptBuild::of_build(archive, &row)));
         }
     }
     Ok(None)
@@ -160,28 +166,28 @@ impl WantedOriginal {
     }
 }
 
-async fn on_fetched(farm: &mut Farm, fetched: FetchedOriginals) -> Result<()> {
+async fn on_fetched(desk: &mut Receiving<'_>, fetched: FetchedOriginals) -> Result<()> {
     for hash in &fetched.stored {
         info!("The original with the BLAKE3 {hash} is in the store again: its copies wait.");
-        farm.ledger.mark_fetched(hash).await?;
+        desk.shared.ledger.mark_fetched(hash).await?;
     }
     for hash in &fetched.unneeded {
         info!("No archive holds the original with the BLAKE3 {hash} any more: its build is issued from the kept file.");
-        farm.ledger.mark_fetched(hash).await?;
+        desk.shared.ledger.mark_fetched(hash).await?;
     }
     for (hash, name) in &fetched.missing {
         let lost = LostFileError { name: name.clone(), content_hash: hash.clone(), aside: None };
-        damaged_files::request_file_again(farm, &lost).await?;
-        farm.ledger.mark_fetched(hash).await?;
+        damaged_files::request_file_again(&mut desk.shared, desk.machines, desk.meshes, &lost).await?;
+        desk.shared.ledger.mark_fetched(hash).await?;
     }
     match fetched.failures.first() {
         None => {
-            farm.schedule.step_backoff.record_success(&BACKOFF.to_owned());
-            farm.alerts.clear(AlertKind::StepFails, "", BACKOFF);
+            desk.shared.schedule.step_backoff.record_success(&BACKOFF.to_owned());
+            desk.shared.alerts.clear(AlertKind::StepFails, "", BACKOFF);
         }
         Some(first) => {
-            farm.schedule.step_backoff.record_failure(BACKOFF.to_owned());
-            farm.report_failure(AlertKind::StepFails, "", BACKOFF, &anyhow::anyhow!("{first}"));
+            desk.shared.schedule.step_backoff.record_failure(BACKOFF.to_owned());
+            desk.shared.report_failure(AlertKind::StepFails, "", BACKOFF, &anyhow::anyhow!("{first}"));
         }
     }
     Ok(())

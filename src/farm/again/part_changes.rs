@@ -5,13 +5,13 @@ use ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 use super::fetch_originals;
 use crate::farm::{
-    core::{command_answer::CommandAnswer, farm::Farm},
+    core::{command_answer::CommandAnswer, desks::Receiving},
     receive::{deferred_refusal, intake_jobs::PartReadJob, mark_note},
 };
 
 /// Carries out a command that changes a part; `None` = it waits, because the part is being read or moved.
 pub(crate) async fn execute_change(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>> {
@@ -20,16 +20,16 @@ pub(crate) async fn execute_change(
         return Ok(row.times.damaged_at.map(|_| CommandAnswer::FileMissing(row.id)));
     }
     let done = match command.kind {
-        CommandKind::Edit => edit_part(farm, command, row).await,
-        CommandKind::Move if leaves_before_release(farm, command, row).await? => return Ok(None),
-        CommandKind::Move => move_part(farm, command, row).await,
-        CommandKind::Confirm => confirm_part(farm, command, row.id).await,
+        CommandKind::Edit => edit_part(desk, command, row).await,
+        CommandKind::Move if leaves_before_release(desk, command, row).await? => return Ok(None),
+        CommandKind::Move => move_part(desk, command, row).await,
+        CommandKind::Confirm => confirm_part(desk, command, row.id).await,
         _ => return Ok(None),
     };
     match done {
         Ok(answer) => {
-            mark_note::update_decision_count(farm, row).await;
-            fetch_originals::fetch_originals(farm).await?;
+            mark_note::update_decision_count(desk, row).await;
+            fetch_originals::fetch_originals(desk).await?;
             Ok(Some(answer))
         }
         // The disk or the database failed: the command stays open and is retried.
@@ -38,41 +38,60 @@ pub(crate) async fn execute_change(
     }
 }
 
-async fn edit_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
+async fn edit_part(
+    desk: &mut Receiving<'_>,
+    command: &CommandRow,
+    row: &PartRow,
+) -> Result<CommandAnswer, LedgerError> {
     let edit = command.read_argument().edit.unwrap_or_default();
-    let edited = farm.ledger.for_command(command.id).edit_part(row.id, &edit, &command.asked_by).await?;
+    let edited = desk.shared.ledger.for_command(command.id).edit_part(row.id, &edit, &command.asked_by).await?;
     if edit.changes_layout() {
-        forget_layout(farm, &row.profile);
+        forget_layout(desk, &row.profile);
     }
     Ok(CommandAnswer::PartEdited(row.id, edited.changes))
 }
 
 /// Whether a part is to go to another node before its original was released here, which only this node can do.
-async fn leaves_before_release(farm: &Farm, command: &CommandRow, row: &PartRow) -> Result<bool, LedgerError> {
-    let is_released = deferred_refusal::is_without_original(&farm.completion, row);
+async fn leaves_before_release(desk: &Receiving<'_>, command: &CommandRow, row: &PartRow) -> Result<bool, LedgerError> {
+    let is_released = deferred_refusal::is_without_original(desk.completion, row);
     Ok(!is_released
-        && farm.machines.contains_key(&row.profile)
-        && !farm.machines.contains_key(&command.profile)
-        && farm.ledger.node_of_machine(&command.profile).await?.is_some_and(|node| node != farm.settings.node.name))
+        && desk.machines.contains_key(&row.profile)
+        && !desk.machines.contains_key(&command.profile)
+        && desk
+            .shared
+            .ledger
+            .node_of_machine(&command.profile)
+            .await?
+            .is_some_and(|node| node != desk.shared.settings.node.name))
 }
 
-async fn move_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
+async fn move_part(
+    desk: &mut Receiving<'_>,
+    command: &CommandRow,
+    row: &PartRow,
+) -> Result<CommandAnswer, LedgerError> {
     let profile = &command.profile;
-    let is_own = farm.machines.contains_key(profile);
-    if !is_own && farm.ledger.node_of_machine(profile).await?.is_none_or(|node| node == farm.settings.node.name) {
+    let is_own = desk.machines.contains_key(profile);
+    if !is_own
+        && desk.shared.ledger.node_of_machine(profile).await?.is_none_or(|node| node == desk.shared.settings.node.name)
+    {
         return Ok(CommandAnswer::UnknownProfile(profile.clone()));
     }
     if *profile == row.profile {
         return Ok(CommandAnswer::PartIsThere(row.id, profile.clone()));
     }
     let parts =
-        farm.ledger.for_command(command.id).move_to_machine(row.id, profile, !is_own, &command.asked_by).await?;
-    forget_layout(farm, &row.profile);
+        desk.shared.ledger.for_command(command.id).move_to_machine(row.id, profile, !is_own, &command.asked_by).await?;
+    forget_layout(desk, &row.profile);
     Ok(CommandAnswer::PartMoved(parts, profile.clone()))
 }
 
-async fn confirm_part(farm: &mut Farm, command: &CommandRow, part: PartId) -> Result<CommandAnswer, LedgerError> {
-    Ok(match farm.ledger.for_command(command.id).confirm_part(part, &command.asked_by).await? {
+async fn confirm_part(
+    desk: &mut Receiving<'_>,
+    command: &CommandRow,
+    part: PartId,
+) -> Result<CommandAnswer, LedgerError> {
+    Ok(match desk.shared.ledger.for_command(command.id).confirm_part(part, &command.asked_by).await? {
         true => CommandAnswer::PartConfirmed(part),
         false => CommandAnswer::NothingToConfirm(part),
     })
@@ -80,30 +99,30 @@ async fn confirm_part(farm: &mut Farm, command: &CommandRow, part: PartId) -> Re
 
 /// Takes back some of a part's copies; `None` = all of them, which is the cancellation of the part.
 pub(crate) async fn cancel_copies(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>, LedgerError> {
     let Some(copies) = command.read_argument().copies else { return Ok(None) };
-    let waiting = farm.ledger.waiting_copies_of(row.id).await?;
+    let waiting = desk.shared.ledger.waiting_copies_of(row.id).await?;
     // The whole part goes to the error folder, as it does when it is cancelled without a number.
     if copies == waiting && row.wanted_copies() == waiting {
         return Ok(None);
     }
-    farm.ledger.for_command(command.id).cancel_copies(row.id, copies, &command.asked_by).await?;
-    mark_note::update_decision_count(farm, row).await;
+    desk.shared.ledger.for_command(command.id).cancel_copies(row.id, copies, &command.asked_by).await?;
+    mark_note::update_decision_count(desk, row).await;
     Ok(Some(CommandAnswer::CopiesCancelled(row.id, copies)))
 }
 
 /// The layout of the open build was made for other rules: the next search starts anew.
-fn forget_layout(farm: &mut Farm, profile: &str) {
-    if let Some(machine) = farm.machines.get_mut(profile) {
+fn forget_layout(desk: &mut Receiving<'_>, profile: &str) {
+    if let Some(machine) = desk.machines.get_mut(profile) {
         machine.open.reset();
     }
 }
 
 /// Whether a job reads a part again, and may remove from the error folder what was refused of it: nothing may refuse the part
 /// meanwhile.
-pub(crate) fn is_read_again(farm: &Farm, part: &PartRow) -> bool {
-    farm.jobs.is_running::<PartReadJob>(part.id) && deferred_refusal::is_without_original(&farm.completion, part)
+pub(crate) fn is_read_again(desk: &Receiving<'_>, part: &PartRow) -> bool {
+    desk.jobs.is_running::<PartReadJob>(part.id) && deferred_refusal::is_without_original(desk.completion, part)
 }

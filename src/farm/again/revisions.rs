@@ -5,15 +5,15 @@ use ledger::{PartState, RefusalCause};
 
 use super::part_changes;
 use crate::farm::{
-    core::farm::Farm,
+    core::desks::Receiving,
     receive::{claim_completion, deferred_refusal},
 };
 
 /// Takes out the parts that a newer revision replaced.
-pub(crate) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
-    for part in farm.ledger.replaced_parts().await? {
-        if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
-            || part_changes::is_read_again(farm, &part)
+pub(crate) async fn take_out_replaced(desk: &mut Receiving<'_>) -> Result<()> {
+    for part in desk.shared.ledger.replaced_parts().await? {
+        if claim_completion::is_completing(desk.completion, desk.jobs, &part)
+            || part_changes::is_read_again(desk, &part)
             || part.owed.is_being_fetched()
         {
             continue;
@@ -29,9 +29,9 @@ pub(crate) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
         );
         match part.state {
             PartState::Waiting => {
-                deferred_refusal::start_refusal(farm, part, RefusalCause::Replaced, &reason, None);
+                deferred_refusal::start_refusal(desk, part, RefusalCause::Replaced, &reason, None);
             }
-            _ => claim_completion::refuse_part(farm, &part, RefusalCause::Replaced, &reason).await?,
+            _ => claim_completion::refuse_part(desk, &part, RefusalCause::Replaced, &reason).await?,
         }
     }
     Ok(())

@@ -11,7 +11,10 @@ use tracing::info;
 
 use crate::farm::{
     alerts::alert::AlertKind,
-    core::farm::Farm,
+    core::{
+        desks::{Serving, Shared},
+        farm::Farm,
+    },
     nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
 };
 
@@ -30,36 +33,37 @@ impl BackgroundJob<Farm> for SecondCopyJob {
     const KIND: &'static str = "Copy";
     /// Number of files that were copied.
     type Outcome = Result<usize>;
+    type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
+    async fn on_done(self, mut shared: Self::Desk<'_>, copied: Self::Outcome) -> Result<()> {
         match copied {
             Ok(count) => {
-                farm.alerts.clear(AlertKind::StepFails, "", STEP);
+                shared.alerts.clear(AlertKind::StepFails, "", STEP);
                 if count > 0 {
                     info!("{} of the node {} copied.", format_count(count, "file", "files"), self.node);
                 }
             }
-            Err(failure) => farm.report_failure(AlertKind::StepFails, "", STEP, &failure),
+            Err(failure) => shared.report_failure(AlertKind::StepFails, "", STEP, &failure),
         }
         Ok(())
     }
 }
 
 /// Starts to copy what is missing, and to remove what is not needed any more.
-pub(crate) async fn keep_second_copies(farm: &mut Farm) -> Result<()> {
-    if farm.ledger.file().is_some() || farm.jobs.is_running::<SecondCopyJob>("") {
+pub(crate) async fn keep_second_copies(desk: &mut Serving<'_>) -> Result<()> {
+    if desk.shared.ledger.file().is_some() || desk.jobs.is_running::<SecondCopyJob>("") {
         return Ok(());
     }
-    let rows = farm.ledger.list_nodes().await?;
-    let node = node_before(&farm.settings.node.name, &rows).unwrap_or_default();
-    let nodes = OtherNodes::from_rows(&farm.settings, rows);
-    let (state_dir, ledger) = (farm.settings.state_dir.clone(), farm.ledger.clone());
+    let rows = desk.shared.ledger.list_nodes().await?;
+    let node = node_before(&desk.shared.settings.node.name, &rows).unwrap_or_default();
+    let nodes = OtherNodes::from_rows(desk.shared.settings, rows);
+    let (state_dir, ledger) = (desk.shared.settings.state_dir.clone(), desk.shared.ledger.clone());
     let runtime = tokio::runtime::Handle::current();
-    farm.jobs.start(SecondCopyJob { node: node.clone() }, move || {
+    desk.jobs.start(SecondCopyJob { node: node.clone() }, move || {
         let contents = runtime.block_on(ledger.live_contents())?;
         copy_files(&state_dir, &node, &contents, &nodes)
     });

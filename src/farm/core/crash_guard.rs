@@ -8,7 +8,7 @@ use anyhow::Result;
 use jiff::SignedDuration;
 use ledger::{BuildRow, Ledger, PartRow};
 
-use super::farm::Farm;
+use super::desks::Shared;
 use crate::farm::alerts::{alert::AlertKind, alert_registry::AlertRegistry};
 
 /// This many searches without an end are taken for accidents: kills, power cuts.
@@ -48,11 +48,16 @@ fn decide_after_crashes(begun: u32, running: SignedDuration) -> CrashDecision {
 }
 
 /// Whether a build must wait because too many of its searches had no end; an alert names its parts.
-pub(crate) fn must_wait_after_crashes(farm: &mut Farm, build: &BuildRow, begun: u32, parts: &[&PartRow]) -> bool {
-    let decision = decide_after_crashes(begun, farm.date().duration_since(farm.lifecycle.started_at));
+pub(crate) fn must_wait_after_crashes(
+    shared: &mut Shared<'_>,
+    build: &BuildRow,
+    begun: u32,
+    parts: &[&PartRow],
+) -> bool {
+    let decision = decide_after_crashes(begun, shared.date().duration_since(shared.lifecycle.started_at));
     let (CrashDecision::WarnAndBegin(wait) | CrashDecision::WarnAndWait(wait)) = decision else { return false };
     let about = format!("ended at build {}", build.id);
-    farm.alerts.raise(AlertKind::NestingFails, &build.profile, &about, &describe_crashes(build, begun, wait, parts));
+    shared.alerts.raise(AlertKind::NestingFails, &build.profile, &about, &describe_crashes(build, begun, wait, parts));
     matches!(decision, CrashDecision::WarnAndWait(_))
 }
 

@@ -1,15 +1,13 @@
-//! The farm: its state, and what all steps share. It depends on no step.
+//! The farm: its state, and how it halts. It depends on no step; what each step may touch of it is in `desks`.
 
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
-use jiff::Timestamp;
 use jobs::JobRunner;
 use ledger::Ledger;
 
 use super::{
     machine_state::MachineStates,
-    state::{CompletionState, DaemonLifecycle, DisplayState, LoopSchedule, NestingState, ReadingState},
+    state::{CompletionState, DaemonLifecycle, DisplayState, HotFolderWatch, LoopSchedule, NestingState, ReadingState},
 };
 use crate::{
     farm::{
@@ -19,7 +17,6 @@ use crate::{
         },
         files::mesh_source::MeshSource,
         process::systemd,
-        records::lost_ledger::ledger_alert,
     },
     settings::Settings,
 };
@@ -43,6 +40,7 @@ pub struct Farm {
     pub(crate) completion: CompletionState,
     pub(crate) reading: ReadingState,
     pub(crate) nesting: NestingState,
+    pub(crate) watch: HotFolderWatch,
     pub(crate) display: DisplayState,
     pub(crate) schedule: LoopSchedule,
     pub(crate) lifecycle: DaemonLifecycle,
@@ -54,57 +52,6 @@ impl Farm {
     /// Now, by the clock that only passes.
     pub(crate) fn now(&self) -> Instant {
         self.schedule.time.instant()
-    }
-
-    /// Now, by the clock that people set.
-    pub(crate) fn date(&self) -> Timestamp {
-        self.schedule.time.date()
-    }
-
-    /// Whether this node looks after the parts of a machine. The one node of a file looks after all, also after those of a machine that
-    /// is not configured any more.
-    pub(crate) fn looks_after(&self, profile: &str) -> bool {
-        self.ledger.file().is_some() || self.machines.contains_key(profile)
-    }
-
-    /// Runs a step. A step that fails is logged, waits, and is retried.
-    pub(crate) async fn run_step(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
-        if self.schedule.step_backoff.is_waiting(&what.to_owned()) {
-            return;
-        }
-        let done = step(self).await;
-        // Each step ends in time, also while all changes wait for another one's.
-        systemd::notify_watchdog();
-        match done {
-            Ok(()) => {
-                self.schedule.step_backoff.record_success(&what.to_owned());
-                self.alerts.clear(AlertKind::StepFails, "", what);
-            }
-            Err(failure) => {
-                self.schedule.step_backoff.record_failure(what.to_owned());
-                self.report_failure(AlertKind::StepFails, "", what, &failure);
-            }
-        }
-    }
-
-    /// Reports a failure that is retried. If the ledger is damaged, the farm halts instead.
-    pub(crate) fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, failure: &anyhow::Error) {
-        let ledger_alert = ledger_alert(failure);
-        self.schedule.is_cut_off |= ledger_alert.as_ref().is_some_and(|(kind, _)| kind.cuts_ledger_off());
-        match ledger_alert {
-            // The next tick detects it and saves what is known.
-            Some((AlertKind::LedgerReplaced, _)) => {}
-            // The next tick sees it, and what failed is done again when the lock is free.
-            Some((AlertKind::LedgerLocked, _)) => {}
-            // What failed is done again when the server is back.
-            Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
-            // What failed is done again when it is its turn.
-            Some((kind @ AlertKind::ChangesWait, holder)) => self.alerts.raise(kind, "", "", &holder),
-            // The next tick sees it.
-            Some((AlertKind::RepairDue, _)) => {}
-            Some((kind, detail)) => self.halt_farm(kind, &detail),
-            None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
-        }
     }
 
     /// Halts the farm, since the ledger cannot be relied on: files could be claimed and builds published without being

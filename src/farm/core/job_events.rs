@@ -15,6 +15,7 @@ pub(crate) async fn handle_event(farm: &mut Farm, event: LoopEvent<Farm>) {
     if let Err(failure) = event.apply_to(farm).await {
         farm.report_failure(AlertKind::StepFails, "", "taking in what a job has done", &failure);
     }
+    farm.halt_if_asked();
 }
 
 /// Takes in the results of jobs until none runs, or until the deadline.

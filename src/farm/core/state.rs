@@ -13,7 +13,7 @@ use ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause};
 
 use crate::{
     farm::{
-        alerts::alert_registry::ServiceBridge,
+        alerts::{alert::AlertKind, alert_registry::ServiceBridge},
         files::standing_claim::StandingClaim,
         leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
         nesting::running_searches::RunningSearches,
@@ -105,6 +105,15 @@ pub(crate) struct DisplayState {
 }
 
 /// The watch on the hot folders of all machines.
+#[derive(Debug, Default)]
+pub(crate) struct HotFolderWatch {
+    /// What is watched; `None` = nothing is, or a job has it.
+    pub(crate) watched: Option<WatchedInboxes>,
+    /// The warning that the hot folders send no file-system events was logged.
+    pub(crate) is_unwatched: bool,
+}
+
+/// The hot folders that are watched.
 #[derive(Debug)]
 pub(crate) struct WatchedInboxes {
     pub(crate) watcher: InboxWatcher,
@@ -116,13 +125,12 @@ pub(crate) struct LoopSchedule {
     pub(crate) time: TimeSource,
     pub(crate) clock: WallClockMonitor,
     pub(crate) ledger_changes: LedgerChangeDetector,
-    pub(crate) watched: Option<WatchedInboxes>,
-    /// The warning that the hot folders send no file-system events was logged.
-    pub(crate) is_unwatched: bool,
     /// Steps that failed and wait for a retry, by name.
     pub(crate) step_backoff: RetryBackoff<String>,
     /// Whether anything has failed, or was not begun, because the ledger could not be reached or changed.
     pub(crate) is_cut_off: bool,
+    /// What makes the farm halt, as soon as the step that has found it has ended.
+    pub(crate) halts_for: Option<(AlertKind, String)>,
     /// When each task of the tick is due.
     pub(crate) tasks: TaskTimes,
 }
@@ -133,10 +141,9 @@ impl LoopSchedule {
         Self {
             clock: WallClockMonitor::with_reader(time.clone()),
             ledger_changes: LedgerChangeDetector::default(),
-            watched: None,
-            is_unwatched: false,
             step_backoff: RetryBackoff::by(time.clone()),
             is_cut_off: false,
+            halts_for: None,
             tasks: TaskTimes::starting_at(time.instant(), scan_secs),
             time,
         }

@@ -10,7 +10,7 @@ use tracing::warn;
 use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{farm::Farm, machine_state::MachineStates},
+        core::{desks::Batching, machine_state::MachineStates},
         leases::{
             folder_lease::{FolderLease, LeaseError},
             lease_holder::{FarmIdentity, LeaseHolder},
@@ -78,22 +78,22 @@ pub fn check_claims_released(profile: &MachineProfile, farm: &str, claims: &Hash
 }
 
 /// Gives up the parts of claims that another farm has taken over, before anything else is done with them.
-pub(super) async fn give_up_taken_over_claims(farm: &mut Farm, profile: &str, claims: &[String]) -> Result<()> {
+pub(super) async fn give_up_taken_over_claims(desk: &mut Batching<'_>, profile: &str, claims: &[String]) -> Result<()> {
     const REASON: &str = "Another nestd has taken over this file while this one did not answer, and prints it.";
     if claims.is_empty() {
         return Ok(());
     }
-    for build in farm.ledger.nesting_builds_of_claims(claims).await? {
-        farm.nesting.searches.stop_for(build);
-        farm.nesting.just_fired.remove(&build);
-        farm.ledger.fail_build(build, REASON).await?;
+    for build in desk.shared.ledger.nesting_builds_of_claims(claims).await? {
+        desk.nesting.searches.stop_for(build);
+        desk.nesting.just_fired.remove(&build);
+        desk.shared.ledger.fail_build(build, REASON).await?;
     }
-    for part in farm.ledger.give_up_claims(claims, REASON).await? {
+    for part in desk.shared.ledger.give_up_claims(claims, REASON).await? {
         warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
-        mark_note::update_decision_count(farm, &part).await;
-        claim_completion::copy_given_up_part(farm, &part, REASON);
+        mark_note::update_decision_count(&mut desk.receiving(), &part).await;
+        claim_completion::copy_given_up_part(&mut desk.receiving(), &part, REASON);
     }
-    claims.iter().for_each(|claim| drop(farm.completion.claims.remove(claim)));
+    claims.iter().for_each(|claim| drop(desk.completion.claims.remove(claim)));
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use jobs::BackgroundJob;
 
 use crate::farm::{
     alerts::alert::AlertKind,
-    core::farm::Farm,
+    core::{desks::Serving, farm::Farm},
     records::ledger_freshness::{FolderComparison, StoreComparison, compare_machine_folders},
 };
 
@@ -22,16 +22,17 @@ pub(crate) struct FolderComparisonJob {
 impl BackgroundJob<Farm> for FolderComparisonJob {
     const KIND: &'static str = "Compare";
     type Outcome = FolderComparison;
+    type Desk<'f> = Serving<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, compared: Self::Outcome) -> Result<()> {
-        let leases = farm.machines.get(&self.profile).map(|machine| &machine.leases);
+    async fn on_done(self, mut desk: Self::Desk<'_>, compared: Self::Outcome) -> Result<()> {
+        let leases = desk.machines.get(&self.profile).map(|machine| &machine.leases);
         match leases.is_some_and(|leases| leases.interruption_count() != self.interruptions) {
-            true => start_folder_comparison(farm),
-            false => on_folders_compared(farm, &self.profile, compared),
+            true => start_folder_comparison(&mut desk),
+            false => on_folders_compared(&mut desk, &self.profile, compared),
         }
         Ok(())
     }
@@ -39,24 +40,25 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
 
 /// Starts to compare the folders of every machine with the ledger. Until they agree, nothing is printed; if they
 /// disagree, nothing is claimed.
-pub(crate) fn start_folder_comparison(farm: &mut Farm) {
+pub(crate) fn start_folder_comparison(desk: &mut Serving<'_>) {
     // Each machine has a job of its own, because its folders may hang.
     let store = Arc::new(StoreComparison::default());
-    for (name, machine) in &farm.machines {
+    for (name, machine) in desk.machines.iter() {
         let store = store.clone();
-        let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), machine.profile.clone());
+        let (settings, ledger, profile) =
+            (desk.shared.settings.clone(), desk.shared.ledger.clone(), machine.profile.clone());
         let interruptions = machine.leases.interruption_count();
         let (before, runtime) = (machine.agreed_folders.clone(), tokio::runtime::Handle::current());
-        farm.jobs.start(FolderComparisonJob { profile: name.clone(), interruptions }, move || {
+        desk.jobs.start(FolderComparisonJob { profile: name.clone(), interruptions }, move || {
             runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &profile, before))
         });
     }
 }
 
 /// Takes in the result.
-fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) {
-    let Some(machine) = farm.machines.get_mut(name) else { return };
-    let is_behind = farm.alerts.is_active(AlertKind::LedgerBehind, name, "comparison");
+fn on_folders_compared(desk: &mut Serving<'_>, name: &str, compared: FolderComparison) {
+    let Some(machine) = desk.machines.get_mut(name) else { return };
+    let is_behind = desk.shared.alerts.is_active(AlertKind::LedgerBehind, name, "comparison");
     let is_away = match &compared {
         FolderComparison::FolderAway => true,
         // What the folder of one printer held is not settled by its absence.
@@ -72,7 +74,7 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
         FolderComparison::FolderAway => (None, None),
         FolderComparison::LedgerCurrent(seen) => {
             machine.agreed_folders = Some(seen);
-            machine.pacing.next_batch_at = farm.schedule.time.instant();
+            machine.pacing.next_batch_at = desk.shared.now();
             (None, None)
         }
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),
@@ -84,8 +86,8 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
     }
     for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::ArchiveAway, unreadable)] {
         match detail {
-            Some(detail) => farm.alerts.raise(kind, name, "comparison", &detail),
-            None => farm.alerts.clear(kind, name, "comparison"),
+            Some(detail) => desk.shared.alerts.raise(kind, name, "comparison", &detail),
+            None => desk.shared.alerts.clear(kind, name, "comparison"),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
         core::{
+            desks::{Batching, Serving},
             farm::Farm,
             machine_state::{MachineState, MachineStates},
             printer_state::{MachinePrinters, alert_subject},
@@ -37,13 +38,14 @@ pub(crate) struct LeaseRenewalJob {
 impl BackgroundJob<Farm> for LeaseRenewalJob {
     const KIND: &'static str = "Lease";
     type Outcome = ();
+    type Desk<'f> = Batching<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, (): ()) -> Result<()> {
-        on_leases_renewed(farm, &self.profile).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, (): ()) -> Result<()> {
+        on_leases_renewed(&mut desk, &self.profile).await
     }
 }
 
@@ -57,12 +59,14 @@ struct CarriedLeases {
 }
 
 impl Carried<Farm> for CarriedLeases {
-    fn give_back(self, farm: &mut Farm) {
+    type Desk<'f> = Serving<'f>;
+
+    fn give_back(self, mut desk: Self::Desk<'_>) {
         let Self { profile: name, leases, replaced } = self;
         // After a reload the folders may have changed.
         let is_same = |machine: &&mut MachineState| machine.leases.are_of_same_folders(&leases);
-        let Some(machine) = farm.machines.get_mut(&name).filter(is_same) else { return };
-        update_lease_alerts(&mut farm.alerts, &name, &machine.printers, &leases);
+        let Some(machine) = desk.machines.get_mut(&name).filter(is_same) else { return };
+        update_lease_alerts(desk.shared.alerts, &name, &machine.printers, &leases);
         let is_interrupted = machine.leases.interruption_count() != leases.interruption_count();
         if is_interrupted {
             // Another daemon, perhaps a copy of this farm, may have taken and printed the same parts: nothing is taken or
@@ -82,9 +86,9 @@ impl Carried<Farm> for CarriedLeases {
                 profile = name,
                 "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
             );
-            folder_comparison::start_folder_comparison(farm);
+            folder_comparison::start_folder_comparison(&mut desk);
         }
-        adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, &name, before, now);
+        adopt::update_foreign_claims_alert(desk.machines, desk.shared.alerts, &name, before, now);
     }
 }
 
@@ -116,20 +120,20 @@ pub(crate) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut
 
 /// Renews all leases when they are due, and at once those of a machine whose folders were not checked for too long.
 /// Nothing is done with its parts meanwhile.
-pub(crate) fn renew_leases(farm: &mut Farm, is_due: bool) {
+pub(crate) fn renew_leases(desk: &mut Serving<'_>, is_due: bool) {
     if is_due {
-        let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-        farm.schedule.tasks.record_done(TimedTask::RenewLeases, now, scan_secs);
+        let (now, scan_secs) = (desk.shared.now(), desk.shared.settings.scan_secs);
+        desk.shared.schedule.tasks.record_done(TimedTask::RenewLeases, now, scan_secs);
     }
-    for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
+    for (name, machine) in desk.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
         // A copy of what it renews is older than what it brings back.
-        if farm.jobs.is_running::<LeaseRenewalJob>(name) {
+        if desk.jobs.is_running::<LeaseRenewalJob>(name) {
             continue;
         }
         let (profile, leases) = (name.clone(), Box::new(machine.leases.clone()));
         let queues: Vec<QueueFolder> = machine.printers.0.iter().filter_map(|printer| printer.opened.clone()).collect();
         let carried = CarriedLeases { profile: profile.clone(), leases, replaced: Vec::new() };
-        farm.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
+        desk.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
             carried.leases.renew_all();
             let replaced = queues.iter().filter(|queue| queue.check_marker().is_err());
             carried.replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
@@ -139,11 +143,11 @@ pub(crate) fn renew_leases(farm: &mut Farm, is_due: bool) {
 
 /// Gives up what another farm has taken over. The folders count as checked only from there on: what fails is done again by the next
 /// renewal.
-async fn on_leases_renewed(farm: &mut Farm, name: &str) -> Result<()> {
-    let Some(machine) = farm.machines.get(name) else { return Ok(()) };
+async fn on_leases_renewed(desk: &mut Batching<'_>, name: &str) -> Result<()> {
+    let Some(machine) = desk.machines.get(name) else { return Ok(()) };
     let taken_over = machine.leases.taken_over.clone();
-    adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
-    farm.machines.get_mut(name).into_iter().for_each(|machine| machine.leases.confirm_renewal());
+    adopt::give_up_taken_over_claims(desk, name, &taken_over).await?;
+    desk.machines.get_mut(name).into_iter().for_each(|machine| machine.leases.confirm_renewal());
     Ok(())
 }
 

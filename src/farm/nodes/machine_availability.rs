@@ -9,7 +9,7 @@ use crate::farm::{
         alert::{AlertKind, FarmAlert},
         alert_registry::AlertRegistry,
     },
-    core::{farm::Farm, machine_state::MachineState},
+    core::{desks::Showing, machine_state::MachineState},
     receive::scan_jobs::HotFolderScanJob,
 };
 
@@ -41,17 +41,21 @@ fn hinders(alert: &FarmAlert, machine: &MachineState) -> bool {
 }
 
 /// The current state of every machine.
-pub(crate) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
-    let now = farm.date();
-    let machines = farm.machines.iter().map(|(name, machine)| {
-        let alerts: Vec<FarmAlert> =
-            farm.alerts.active_alerts().filter(|alert| alert.profile == *name && hinders(alert, machine)).collect();
+pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
+    let now = desk.shared.date();
+    let machines = desk.machines.iter().map(|(name, machine)| {
+        let alerts: Vec<FarmAlert> = desk
+            .shared
+            .alerts
+            .active_alerts()
+            .filter(|alert| alert.profile == *name && hinders(alert, machine))
+            .collect();
         let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
         let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
         // After a start nothing is known until everything was checked once.
         let was_checked = machine.inbox.scanned_at.is_some()
             && machine.printers.has_open_queue()
-            && farm.display.updated_at.is_some();
+            && desk.display.updated_at.is_some();
         ObservedMachine {
             profile: name.clone(),
             scanned_at: machine.inbox.scanned_at,
@@ -65,7 +69,7 @@ pub(crate) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
     });
     // A machine that has left the configuration is this node's until the last scan of its hot folder has ended: another one would take
     // apart what that scan puts together.
-    let scanned = farm.jobs.running_subjects::<HotFolderScanJob>().filter(|name| !farm.machines.contains_key(*name));
+    let scanned = desk.jobs.running_subjects::<HotFolderScanJob>().filter(|name| !desk.machines.contains_key(*name));
     let leaving = scanned.map(|name| ObservedMachine {
         profile: name.to_owned(),
         scanned_at: None,

@@ -12,7 +12,12 @@ use super::{folder_comparison, lease_renewal};
 use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{farm::Farm, machine_state::MachineStates, state::WatchedInboxes},
+        core::{
+            desks::{Serving, Watching},
+            farm::Farm,
+            machine_state::MachineStates,
+            state::WatchedInboxes,
+        },
         leases::folder_leases::FolderLeases,
         receive::scan_jobs,
     },
@@ -26,13 +31,14 @@ struct WatchJob;
 impl BackgroundJob<Farm> for WatchJob {
     const KIND: &'static str = "Watch";
     type Outcome = Result<(), WatchError>;
+    type Desk<'f> = Watching<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
-        on_watched(farm, watched);
+    async fn on_done(self, mut desk: Self::Desk<'_>, watched: Self::Outcome) -> Result<()> {
+        on_watched(&mut desk, watched);
         Ok(())
     }
 }
@@ -41,8 +47,10 @@ impl BackgroundJob<Farm> for WatchJob {
 struct CarriedWatch(Option<WatchedInboxes>);
 
 impl Carried<Farm> for CarriedWatch {
-    fn give_back(self, farm: &mut Farm) {
-        farm.schedule.watched = self.0;
+    type Desk<'f> = Watching<'f>;
+
+    fn give_back(self, desk: Self::Desk<'_>) {
+        desk.watch.watched = self.0;
     }
 }
 
@@ -55,34 +63,35 @@ struct FoldersJob {
 impl BackgroundJob<Farm> for FoldersJob {
     const KIND: &'static str = "Folders";
     type Outcome = Vec<String>;
+    type Desk<'f> = Watching<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
-        on_folders_made(farm, &self.profile, &failed);
+    async fn on_done(self, mut desk: Self::Desk<'_>, failed: Self::Outcome) -> Result<()> {
+        on_folders_made(&mut desk, &self.profile, &failed);
         Ok(())
     }
 }
 
 /// Watches the hot folders, including those that were created or replaced. If a folder cannot be watched, the
 /// periodic scan finds its files.
-pub(crate) fn start_watcher(farm: &mut Farm) {
-    if farm.jobs.is_running::<WatchJob>("") {
+pub(crate) fn start_watcher(desk: &mut Watching<'_>) {
+    if desk.jobs.is_running::<WatchJob>("") {
         return;
     }
-    let (inboxes, before) = (list_inboxes(&farm.machines), CarriedWatch(farm.schedule.watched.take()));
-    let events = farm.jobs.event_sender();
-    farm.jobs.start_with(WatchJob, before, move |CarriedWatch(watched)| {
+    let (inboxes, before) = (list_inboxes(desk.machines), CarriedWatch(desk.watch.watched.take()));
+    let events = desk.jobs.event_sender();
+    desk.jobs.start_with(WatchJob, before, move |CarriedWatch(watched)| {
         if let Some(watched) = watched.as_mut().filter(|watched| watched.inboxes == inboxes) {
             for (path, why) in watched.watcher.check_roots() {
                 debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
             }
             return Ok(());
         }
-        let watcher =
-            InboxWatcher::start(inboxes.clone(), move || drop(events.send(LoopEvent::new(scan_jobs::schedule_scan))))?;
+        let something_happened = || LoopEvent::<Farm>::new(|farm| scan_jobs::schedule_scan(&mut farm.desk()));
+        let watcher = InboxWatcher::start(inboxes.clone(), move || drop(events.send(something_happened())))?;
         *watched = Some(WatchedInboxes { watcher, inboxes });
         Ok(())
     });
@@ -92,18 +101,18 @@ fn list_inboxes(machines: &MachineStates) -> Vec<PathBuf> {
     machines.values().map(|machine| machine.profile.folders.inbox.clone()).collect()
 }
 
-fn on_watched(farm: &mut Farm, watched: Result<(), WatchError>) {
+fn on_watched(desk: &mut Watching<'_>, watched: Result<(), WatchError>) {
     match watched {
         Ok(()) => {
-            let watched = farm.schedule.watched.as_ref();
-            let is_current = watched.is_some_and(|watched| watched.inboxes == list_inboxes(&farm.machines));
-            farm.schedule.is_unwatched = false;
+            let watched = desk.watch.watched.as_ref();
+            let is_current = watched.is_some_and(|watched| watched.inboxes == list_inboxes(desk.machines));
+            desk.watch.is_unwatched = false;
             if !is_current {
-                start_watcher(farm);
+                start_watcher(desk);
             }
         }
         Err(failure) => {
-            if !std::mem::replace(&mut farm.schedule.is_unwatched, true) {
+            if !std::mem::replace(&mut desk.watch.is_unwatched, true) {
                 warn!("No file-system events; the periodic scan goes on without them: {failure}.");
             }
         }
@@ -111,12 +120,12 @@ fn on_watched(farm: &mut Farm, watched: Result<(), WatchError>) {
 }
 
 /// Creates the folders of all machines, before anything else is done with them.
-pub(crate) fn make_folders_at_start(farm: &mut Farm) {
+pub(crate) fn make_folders_at_start(desk: &mut Serving<'_>) {
     let machines: Vec<(Arc<MachineProfile>, FolderLeases)> =
-        farm.machines.values().map(|machine| (machine.profile.clone(), machine.leases.clone())).collect();
+        desk.machines.values().map(|machine| (machine.profile.clone(), machine.leases.clone())).collect();
     for (profile, leases) in machines {
         let failed = make_folders(&profile, &leases);
-        update_folder_alert(&mut farm.alerts, &profile.name, &failed);
+        update_folder_alert(desk.shared.alerts, &profile.name, &failed);
     }
 }
 
@@ -132,14 +141,14 @@ pub(crate) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut Jo
 }
 
 /// Scans the folders of a machine as soon as they exist.
-fn on_folders_made(farm: &mut Farm, name: &str, failed: &[String]) {
-    update_folder_alert(&mut farm.alerts, name, failed);
-    let now = farm.now();
-    if let Some(machine) = farm.machines.get_mut(name).filter(|machine| machine.inbox.scanned_at.is_none()) {
+fn on_folders_made(desk: &mut Watching<'_>, name: &str, failed: &[String]) {
+    update_folder_alert(desk.shared.alerts, name, failed);
+    let now = desk.shared.now();
+    if let Some(machine) = desk.machines.get_mut(name).filter(|machine| machine.inbox.scanned_at.is_none()) {
         machine.inbox.next_scan_at = now;
-        lease_renewal::renew_leases(farm, true);
-        start_watcher(farm);
-        folder_comparison::start_folder_comparison(farm);
+        lease_renewal::renew_leases(&mut desk.serving(), true);
+        start_watcher(desk);
+        folder_comparison::start_folder_comparison(&mut desk.serving());
     }
 }
 

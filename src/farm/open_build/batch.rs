@@ -13,7 +13,14 @@ use super::searches::start_search;
 use crate::farm::{
     again::fetch_originals,
     alerts::failure::PartFault,
-    core::{command_answer::CommandAnswer, crash_guard, farm::Farm, machine_state::ArrivalSearch, state::ReadingState},
+    core::{
+        command_answer::CommandAnswer,
+        crash_guard,
+        desks::Batching,
+        farm::Farm,
+        machine_state::{ArrivalSearch, MachineStates},
+        state::ReadingState,
+    },
     decisions::{
         batch_decision::{BatchDecision, BatchFacts, decide_batch},
         kept_layouts::find_kept_layout,
@@ -46,24 +53,25 @@ pub(crate) struct ImproveLayoutJob {
 impl BackgroundJob<Farm> for ImproveLayoutJob {
     const KIND: &'static str = "Improve";
     type Outcome = Result<NestingResult>;
+    type Desk<'f> = Batching<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
-        let taken = on_layout_improved(farm, &self.profile, &self.search, nested).await;
-        self.search_again_unless(taken, farm)
+    async fn on_done(self, mut desk: Self::Desk<'_>, nested: Self::Outcome) -> Result<()> {
+        let taken = on_layout_improved(&mut desk, &self.profile, &self.search, nested).await;
+        self.search_again_unless(taken, &mut desk)
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        let taken = on_search_panicked(farm, &self.profile, &self.search, message).await;
-        self.search_again_unless(taken, farm)
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        let taken = on_search_panicked(&mut desk, &self.profile, &self.search, message).await;
+        self.search_again_unless(taken, &mut desk)
     }
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        if let Some(machine) = farm.machines.get_mut(&self.profile) {
-            machine.open.take_search_result(&self.search, None, farm.schedule.time.instant());
+    fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
+        if let Some(machine) = desk.machines.get_mut(&self.profile) {
+            machine.open.take_search_result(&self.search, None, desk.shared.now());
         }
     }
 }
@@ -71,9 +79,9 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
 impl ImproveLayoutJob {
     /// If its end could not be taken in, because the ledger cannot be reached, the same copies are searched again after a
     /// while.
-    fn search_again_unless(&self, taken: Result<()>, farm: &mut Farm) -> Result<()> {
-        if let (Err(_), Some(machine)) = (&taken, farm.machines.get_mut(&self.profile)) {
-            let now = farm.schedule.time.instant();
+    fn search_again_unless(&self, taken: Result<()>, desk: &mut Batching<'_>) -> Result<()> {
+        if let (Err(_), Some(machine)) = (&taken, desk.machines.get_mut(&self.profile)) {
+            let now = desk.shared.now();
             machine.open.take_search_result(&self.search, None, now);
             machine.open.retry_tried_later(now);
         }
@@ -82,39 +90,39 @@ impl ImproveLayoutJob {
 }
 
 /// Same as [`update_open_build`], but skipped while the rest after a slow run is not over.
-pub(crate) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
-    let (began, now) = (Instant::now(), farm.now());
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str) -> Result<()> {
+    let (began, now) = (Instant::now(), desk.shared.now());
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     if now < machine.pacing.next_batch_at || machine.agreed_folders.is_none() {
         machine.pacing.is_idle = false;
         return Ok(());
     }
-    let result = match update_open_build(farm, name).await {
-        Ok(()) => withdrawal::consider_withdrawal(farm, name).await,
+    let result = match update_open_build(desk, name).await {
+        Ok(()) => withdrawal::consider_withdrawal(&desk.shared, desk.machines, desk.completion, name).await,
         failed => failed,
     };
-    if let Some(machine) = farm.machines.get_mut(name) {
-        machine.pacing.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
+    if let Some(machine) = desk.machines.get_mut(name) {
+        machine.pacing.next_batch_at = desk.shared.now() + BATCH_REST_FACTOR * began.elapsed();
     }
     result
 }
 
 /// Keeps a profile's open build up to date and fires it when a trigger holds.
-pub(crate) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()> {
-    if farm.machines.get(name).is_some_and(|machine| !machine.leases.are_fresh()) {
+pub(crate) async fn update_open_build(desk: &mut Batching<'_>, name: &str) -> Result<()> {
+    if desk.machines.get(name).is_some_and(|machine| !machine.leases.are_fresh()) {
         return Ok(());
     }
-    let mut waiting = farm.ledger.waiting_copies(name).await?;
-    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
-    let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
-    let takes_over = takes_over_withdrawn(farm, name, waiting.is_empty()).await?;
+    let mut waiting = desk.shared.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !desk.completion.deferred_refusals.contains_key(&waiting.part.id));
+    let flush = desk.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
+    let takes_over = takes_over_withdrawn(desk, name, waiting.is_empty()).await?;
     let has_unread_claims = flush
-        && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
-            || fetch_originals::awaits_original(farm, name).await?);
+        && (has_unread_claims(desk.shared.ledger, desk.reading, name).await?
+            || fetch_originals::awaits_original(&desk.shared, name).await?);
     if waiting.is_empty() {
-        empty_open_build(farm, name).await?;
+        empty_open_build(desk, name).await?;
     }
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     let waiting_ids: BTreeSet<CopyId> = waiting_copy_ids(&waiting).into_iter().collect();
     machine.left_out.retain_copies(|copy| waiting_ids.contains(copy));
     let waiting = machine.open.rank_queue(waiting);
@@ -125,13 +133,14 @@ pub(crate) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
         machine.open.end_night();
     }
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
-    report_left_out(farm, name, None, cut_off).await?;
-    let is_held = is_queue_full(farm, name).await?;
-    let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
-    let outlook = printers::printer_outlook(farm, name, &waiting).await?;
-    let now = farm.date();
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let is_date_trusted = farm.schedule.clock.is_date_trusted();
+    report_left_out(desk.shared.ledger, desk.machines, name, None, cut_off).await?;
+    let is_held = is_queue_full(desk, name).await?;
+    let newest = desk.shared.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
+    let outlook =
+        printers::printer_outlook(desk.shared.ledger, &desk.machines[name], &waiting, desk.shared.date()).await?;
+    let now = desk.shared.date();
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
+    let is_date_trusted = desk.shared.schedule.clock.is_date_trusted();
     let open = machine.trigger_facts(&waiting, &wanted, newest, &outlook, (flush, takes_over), is_date_trusted);
     let is_paused = machine.paused || machine.printers.are_all_down();
     machine.pacing.is_held = is_held;
@@ -141,41 +150,43 @@ pub(crate) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
         BatchDecision::AnswerFlushes => {
             let answer = CommandAnswer::NothingWaits(name.to_owned());
             while let Some(&flush) = machine.pending_flushes.first() {
-                commands::answer_command(&farm.ledger, flush, &answer).await?;
+                commands::answer_command(desk.shared.ledger, flush, &answer).await?;
                 machine.pending_flushes.remove(0);
             }
             Ok(())
         }
-        BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
-        BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
+        BatchDecision::Fire(by) => fire_build(desk, name, by, &wanted).await,
+        BatchDecision::Search => start_layout_search(desk, name, head, wanted).await,
     }
 }
 
 /// No part waits any more: nothing is told of a layout.
-async fn empty_open_build(farm: &mut Farm, name: &str) -> Result<()> {
-    if let Some(machine) = farm.machines.get_mut(name) {
+async fn empty_open_build(desk: &mut Batching<'_>, name: &str) -> Result<()> {
+    if let Some(machine) = desk.machines.get_mut(name) {
         machine.open.reset();
     }
-    Ok(farm.ledger.forget_layout(name).await?)
+    Ok(desk.shared.ledger.forget_layout(name).await?)
 }
 
 /// Whether the open build fires at once because it holds the copies of a build that nestd withdrew: as soon as their originals are
 /// there. Nothing is taken over where none of them waits any more.
-async fn takes_over_withdrawn(farm: &Farm, name: &str, is_nothing_waiting: bool) -> Result<bool> {
-    let Some(build) = farm.ledger.withdrawn_for_open(name).await? else { return Ok(false) };
-    let awaits_originals = farm.ledger.awaits_originals_of(build).await?;
+async fn takes_over_withdrawn(desk: &Batching<'_>, name: &str, is_nothing_waiting: bool) -> Result<bool> {
+    let Some(build) = desk.shared.ledger.withdrawn_for_open(name).await? else { return Ok(false) };
+    let awaits_originals = desk.shared.ledger.awaits_originals_of(build).await?;
     if is_nothing_waiting && !awaits_originals {
-        farm.ledger.forget_withdrawn(name).await?;
+        desk.shared.ledger.forget_withdrawn(name).await?;
     }
     Ok(!awaits_originals)
 }
 
 /// Whether every printer that can be given a build has as many ahead as may lie in its queue. While none can be given one, builds
 /// wait after they fired, as without a limit.
-async fn is_queue_full(farm: &Farm, name: &str) -> Result<bool> {
-    let Some(machine) = farm.machines.get(name) else { return Ok(false) };
+async fn is_queue_full(desk: &Batching<'_>, name: &str) -> Result<bool> {
+    let Some(machine) = desk.machines.get(name) else { return Ok(false) };
     let (depth, usable) = (machine.profile.printing.queue_depth, printers::usable_printers(machine));
-    Ok(depth > 0 && !usable.is_empty() && !has_queue_room(depth, &usable, &farm.ledger.builds_ahead(name).await?))
+    Ok(depth > 0
+        && !usable.is_empty()
+        && !has_queue_room(depth, &usable, &desk.shared.ledger.builds_ahead(name).await?))
 }
 
 /// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
@@ -187,30 +198,28 @@ async fn has_unread_claims(ledger: &Ledger, reading: &ReadingState, name: &str) 
 
 /// Starts a search for the open build if one is needed and a slot is free.
 async fn start_layout_search(
-    farm: &mut Farm,
+    desk: &mut Batching<'_>,
     name: &str,
     head: Vec<WaitingPart>,
     wanted: BTreeSet<CopyId>,
 ) -> Result<()> {
-    if !farm.nesting.searches.has_free_slot() {
+    if !desk.nesting.searches.has_free_slot() {
         return Ok(());
     }
-    let meshes = farm.meshes.clone();
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    if !machine.open.wants_search(&wanted, farm.schedule.time.instant())
-        || farm.jobs.is_running::<ImproveLayoutJob>(name)
-    {
+    let meshes = desk.meshes.clone();
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
+    if !machine.open.wants_search(&wanted, desk.shared.now()) || desk.jobs.is_running::<ImproveLayoutJob>(name) {
         return Ok(());
     }
-    let build = farm.ledger.open_build(name).await?;
+    let build = desk.shared.ledger.open_build(name).await?;
     let parts: Vec<&PartRow> = head.iter().map(|waiting| &waiting.part).collect();
-    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts) {
+    if crash_guard::must_wait_after_crashes(&mut desk.shared, &build, build.searches, &parts) {
         return Ok(());
     }
     let parts: Vec<(PartRow, Vec<u32>)> = head.into_iter().map(|w| (w.part, w.copies)).collect();
-    let kept = find_kept_layout(&farm.ledger, build.id, &farm.machines[name].profile, &parts).await?;
-    farm.ledger.begin_search(build.id).await?;
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let kept = find_kept_layout(desk.shared.ledger, build.id, &desk.machines[name].profile, &parts).await?;
+    desk.shared.ledger.begin_search(build.id).await?;
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     let open = &mut machine.open;
     open.rounds += 1;
     let secs = arrival_search_secs(&machine.profile, wanted.len());
@@ -224,20 +233,20 @@ async fn start_layout_search(
     open.search = Some(ArrivalSearch { search: search.clone(), copies: wanted });
     let job = ImproveLayoutJob { profile: name.to_owned(), search: search.clone() };
     let work = move || request.run_search(&meshes);
-    start_search(&mut farm.nesting, &mut farm.jobs, (build.id, &search), job, work);
+    start_search(&mut desk.nesting.searches, desk.jobs, (build.id, &search), job, work);
     Ok(())
 }
 
 /// Takes in the result of a search for an open build.
 async fn on_layout_improved(
-    farm: &mut Farm,
+    desk: &mut Batching<'_>,
     name: &str,
     search: &LayoutSearch,
     nested: Result<NestingResult>,
 ) -> Result<()> {
-    let build = farm.ledger.open_build(name).await?;
-    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let build = desk.shared.ledger.open_build(name).await?;
+    crash_guard::record_search_end(desk.shared.ledger, desk.shared.alerts, &build).await?;
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     if machine.open.running(search).is_none() {
         return Ok(());
     }
@@ -245,46 +254,48 @@ async fn on_layout_improved(
     let nested = match nested {
         Ok(nested) => nested,
         Err(failure) => {
-            machine.open.take_search_result(search, None, farm.schedule.time.instant());
+            machine.open.take_search_result(search, None, desk.shared.now());
             if let Some(fault) = PartFault::find_in_chain(&failure) {
-                return damaged_files::hold_faulty_part(farm, fault).await;
+                return damaged_files::hold_faulty_part(&mut desk.shared, desk.machines, desk.meshes, fault).await;
             }
             warn!(profile = %name, "The open build could not be nested: {failure:#}.");
             return Ok(());
         }
     };
     let stood = machine.open.standing.clone();
-    machine.open.take_search_result(search, Some(nested.layout.clone()), farm.schedule.time.instant());
+    machine.open.take_search_result(search, Some(nested.layout.clone()), desk.shared.now());
     if is_complete {
         let placed = machine.open.standing.clone();
         machine.left_out.retain_copies(|copy| !placed.contains(copy));
         let parts: Vec<_> = nested.batch.parts.iter().map(|part| (&part.part, &part.copies[..])).collect();
-        report_left_out(farm, name, Some(build.id), find_left_out(&parts, &placed, &stood)).await?;
+        let left_out = find_left_out(&parts, &placed, &stood);
+        report_left_out(desk.shared.ledger, desk.machines, name, Some(build.id), left_out).await?;
     }
-    save_layout(&farm.ledger, build.id, &nested.layout).await?;
-    farm.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
-    refuse_unplaceable_part(farm, name, &nested.layout).await
+    save_layout(desk.shared.ledger, build.id, &nested.layout).await?;
+    desk.shared.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
+    refuse_unplaceable_part(desk, name, &nested.layout).await
 }
 
 /// Tells of copies that are not in the next build, each once.
 pub(super) async fn report_left_out(
-    farm: &mut Farm,
+    ledger: &Ledger,
+    machines: &mut MachineStates,
     name: &str,
     build: Option<BuildId>,
     notices: Vec<LeftOutNotice>,
 ) -> Result<()> {
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let Some(machine) = machines.get_mut(name) else { return Ok(()) };
     for notice in machine.left_out.add_new(notices) {
         warn!(part.id = %notice.part, profile = %name, "{}", notice.text);
-        farm.ledger.write_event(notice.cause.event_kind(), name, Some(notice.part), build, &notice.text).await?;
+        ledger.write_event(notice.cause.event_kind(), name, Some(notice.part), build, &notice.text).await?;
     }
     Ok(())
 }
 
 /// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.
-async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayout) -> Result<()> {
+async fn refuse_unplaceable_part(desk: &mut Batching<'_>, name: &str, layout: &BatchLayout) -> Result<()> {
     let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     if !machine.open.halve_after_empty_search(layout.unplaced.len()) {
         return Ok(());
     }
@@ -293,30 +304,30 @@ async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayo
          orientation or a smaller clearance_mm in its ticket."
     );
     warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-    refuse_waiting_part(farm, part, RefusalCause::TooLarge, &reason).await
+    refuse_waiting_part(desk, part, RefusalCause::TooLarge, &reason).await
 }
 
 /// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
 /// panics alone is refused.
-async fn on_search_panicked(farm: &mut Farm, name: &str, search: &LayoutSearch, message: &str) -> Result<()> {
-    let build = farm.ledger.open_build(name).await?;
-    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+async fn on_search_panicked(desk: &mut Batching<'_>, name: &str, search: &LayoutSearch, message: &str) -> Result<()> {
+    let build = desk.shared.ledger.open_build(name).await?;
+    crash_guard::record_search_end(desk.shared.ledger, desk.shared.alerts, &build).await?;
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     let copies = machine.open.running(search).map(|running| running.copies.clone()).unwrap_or_default();
-    machine.open.take_search_result(search, None, farm.schedule.time.instant());
+    machine.open.take_search_result(search, None, desk.shared.now());
     let (true, Some(&(part, _))) = (machine.open.halve_after_empty_search(copies.len()), copies.first()) else {
         return Ok(());
     };
     let reason = format!(
         "The search failed on it: {message}. Take it back to try once more; where that fails too, export it again."
     );
-    refuse_waiting_part(farm, part, RefusalCause::Failure, &reason).await
+    refuse_waiting_part(desk, part, RefusalCause::Failure, &reason).await
 }
 
 /// waiting -> rejected, with a copy of the original in the error folder.
-async fn refuse_waiting_part(farm: &mut Farm, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
-    let row = farm.ledger.find_part(part).await?.context("a part that waits has no row")?;
-    deferred_refusal::start_refusal(farm, row, cause, reason, None);
+async fn refuse_waiting_part(desk: &mut Batching<'_>, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+    let row = desk.shared.ledger.find_part(part).await?.context("a part that waits has no row")?;
+    deferred_refusal::start_refusal(&mut desk.receiving(), row, cause, reason, None);
     Ok(())
 }
 
@@ -333,21 +344,21 @@ pub(crate) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchL
 }
 
 /// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
-async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+async fn fire_build(desk: &mut Batching<'_>, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     machine.open.end_night();
     let (copies, layout) = machine.open.taken_by(by, wanted);
     if copies.is_empty() {
         return Ok(());
     }
-    let build = farm.ledger.open_build(name).await?.id;
+    let build = desk.shared.ledger.open_build(name).await?.id;
     // Fired and answered in one change: no flush fires twice.
     let answer = CommandAnswer::BuildFired(build, copies.len()).to_string();
-    let ledger = farm.ledger.for_commands(&machine.pending_flushes, &answer);
+    let ledger = desk.shared.ledger.for_commands(&machine.pending_flushes, &answer);
     ledger.begin_nesting(build, &by.to_string(), &copies).await?;
-    farm.nesting.just_fired.insert(build);
+    desk.nesting.just_fired.insert(build);
     machine.open.reset();
     machine.pending_flushes.clear();
     info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
-    save_layout(&farm.ledger, build, &layout).await
+    save_layout(desk.shared.ledger, build, &layout).await
 }

@@ -19,7 +19,7 @@ use super::{batch, searches::start_search};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::{crash_guard, farm::Farm, state::NestingState},
+        core::{crash_guard, desks::Building, farm::Farm, state::NestingState},
         decisions::{
             layout::{CopyId, placed_from_json, placed_from_rows},
             left_out::find_left_out,
@@ -39,7 +39,7 @@ use crate::{
         publish::publish,
         receive::damaged_files,
         records::kept_build::{self, KeptBuild},
-        scanning::machine_fit::find_misfit,
+        scanning::machine_fit::report_changed_machine,
     },
     settings::MachineProfile,
 };
@@ -56,95 +56,105 @@ pub(crate) struct FinalNestingJob {
 impl BackgroundJob<Farm> for FinalNestingJob {
     const KIND: &'static str = "Final";
     type Outcome = Result<Box<WrittenBuild>>;
+    type Desk<'f> = Building<'f>;
 
     fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn on_done(self, farm: &mut Farm, written: Self::Outcome) -> Result<()> {
-        let taken = on_written(farm, self.build, written).await;
+    async fn on_done(self, mut desk: Self::Desk<'_>, written: Self::Outcome) -> Result<()> {
+        let taken = on_written(&mut desk, self.build, written).await;
         if taken.is_err()
-            && let Ok(Some(row)) = farm.ledger.find_build(self.build).await
+            && let Ok(Some(row)) = desk.shared.ledger.find_build(self.build).await
             && row.state == BuildState::Nesting
         {
             // The ledger has not taken it in: no attempt of its own has failed.
-            farm.nesting.just_fired.insert(self.build);
-            farm.nesting.backoff.record_failure(self.build);
+            desk.nesting.just_fired.insert(self.build);
+            desk.nesting.backoff.record_failure(self.build);
         }
         taken
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_final_panicked(farm, self.build, message).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_final_panicked(&mut desk, self.build, message).await
     }
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        farm.nesting.just_fired.insert(self.build);
-        farm.nesting.backoff.record_failure(self.build);
+    fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
+        desk.nesting.just_fired.insert(self.build);
+        desk.nesting.backoff.record_failure(self.build);
     }
 }
 
 /// Starts the final search of every fired build that has none. A build that cannot be started does not hold up the
 /// others.
-pub(crate) async fn nest_fired_builds(farm: &mut Farm) -> Result<()> {
-    let mut builds = farm.ledger.builds_in_state(BuildState::Nesting).await?;
+pub(crate) async fn nest_fired_builds(desk: &mut Building<'_>) -> Result<()> {
+    let mut builds = desk.shared.ledger.builds_in_state(BuildState::Nesting).await?;
     // A build that ends the daemon each time must not keep the others from their turn.
     builds.sort_by_key(|build| (build.attempts, build.id));
     for build in builds {
         let (id, profile) = (build.id, build.profile.clone());
-        if let Err(failure) = nest_build(farm, build).await {
-            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
+        if let Err(failure) = nest_build(desk, build).await {
+            desk.shared.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
         }
     }
     Ok(())
 }
 
-async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
-    if publish::is_build_resting(&farm.nesting, build.id)
-        || farm.jobs.is_running::<FinalNestingJob>(build.id)
-        || !farm.nesting.searches.has_free_slot()
+async fn nest_build(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
+    let ledger = desk.shared.ledger;
+    if publish::is_build_resting(desk.nesting, build.id)
+        || desk.jobs.is_running::<FinalNestingJob>(build.id)
+        || !desk.nesting.searches.has_free_slot()
     {
         return Ok(());
     }
-    let Some(printer) = printers::choose_for_build(farm, &build).await? else { return Ok(()) };
-    let parts = farm.ledger.parts_of_build(build.id).await?;
+    let now = desk.shared.date();
+    let Some(printer) = printers::choose_for_build(ledger, desk.machines, &build, now).await? else { return Ok(()) };
+    let parts = ledger.parts_of_build(build.id).await?;
     if parts.is_empty() {
         // A repair of the ledger has taken its copies out: no fault that a person must mend.
-        return Ok(farm.ledger.fail_build(build.id, "none of its copies is left in it").await?);
+        return Ok(ledger.fail_build(build.id, "none of its copies is left in it").await?);
     }
     // The originals of a build that is issued once more are being fetched from the archive.
     if parts.iter().any(|part| part.owed.fetch_at.is_some()) {
         return Ok(());
     }
-    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+    let rows: Vec<&PartRow> = parts.iter().collect();
+    if crash_guard::must_wait_after_crashes(&mut desk.shared, &build, build.searches, &rows) {
         return Ok(());
     }
-    farm.ledger.begin_search(build.id).await?;
-    let attempts = match farm.nesting.just_fired.remove(&build.id) {
+    ledger.begin_search(build.id).await?;
+    let attempts = match desk.nesting.just_fired.remove(&build.id) {
         true => build.attempts,
-        false => farm.ledger.begin_attempt(build.id).await?,
+        false => ledger.begin_attempt(build.id).await?,
     };
-    let search = &farm.machines[&build.profile].profile.search;
+    let search = &desk.machines[&build.profile].profile.search;
     let decision = decide_attempt(&AttemptFacts {
         build: build.id,
         attempts,
-        failures: farm.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count),
+        failures: desk.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count),
         max_attempts: search.max_attempts,
         final_secs: search.final_secs,
         seed: search.nest.seed,
     });
     match decision {
-        AttemptDecision::GiveUp => give_up_build(farm, &build, attempts - 1).await,
+        AttemptDecision::GiveUp => give_up_build(desk, &build, attempts - 1).await,
         AttemptDecision::Search { secs, seed } => {
-            farm.ledger.assign_printer(build.id, &printer).await?;
-            start_final_search(farm, build, &printer, (secs, seed)).await
+            ledger.assign_printer(build.id, &printer).await?;
+            start_final_search(desk, build, &printer, (secs, seed)).await
         }
     }
 }
 
-async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (secs, seed): (f64, u64)) -> Result<()> {
-    let wanted = parts_with_copies(&farm.ledger, build.id).await?;
-    let machine = &farm.machines[&build.profile];
+async fn start_final_search(
+    desk: &mut Building<'_>,
+    build: BuildRow,
+    printer: &str,
+    (secs, seed): (f64, u64),
+) -> Result<()> {
+    let ledger = desk.shared.ledger;
+    let wanted = parts_with_copies(ledger, build.id).await?;
+    let machine = &desk.machines[&build.profile];
     let profile = machine.profile.clone();
     let queue = machine.printers.find(printer).and_then(|printer| printer.opened.clone());
     let queue = queue.context("the queue folder is not open")?;
@@ -154,25 +164,22 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
     let start = match build.kept.layout.as_deref() {
         Some(layout) => placed_from_json(layout),
         // The build was proved before, but its file was damaged.
-        None => placed_from_rows(&farm.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
+        None => placed_from_rows(&ledger.placements_of_build(build.id).await?, profile.origin_mm()),
     };
     let stands: HashSet<CopyId> = start.iter().map(|placed| placed.copy).collect();
     let wanted = rank_waiting_copies(wanted, |part, copy| stands.contains(&(part, copy)));
     let mut leases = machine.leases.clone();
-    let unsure = wanted
-        .iter()
-        .map(|wanted| wanted.part.file.claim.clone())
-        .filter(|claim| !farm.completion.released.contains(claim))
-        .collect();
+    let claims = wanted.iter().map(|wanted| wanted.part.file.claim.clone());
+    let unsure = claims.filter(|claim| !desk.released.contains(claim)).collect();
     let request = NestingRequest {
         profile: profile.clone(),
         wanted: wanted.into_iter().map(|wanted| (wanted.part, wanted.copies)).collect(),
         starts: vec![start],
         search: search.clone(),
     };
-    let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
-    let meshes = farm.meshes.clone();
-    let kept = find_kept_build(farm, &write.build).await?;
+    let write = BuildWriteRequest { profile, queue, build, seed, limits: desk.meshes.limits.clone() };
+    let meshes = desk.meshes.clone();
+    let kept = find_kept_build(desk, &write.build).await?;
     let id = write.build.id;
     let work = move || {
         crate::farm::nodes::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
@@ -188,17 +195,17 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, printer: &str, (se
         }
         nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
     };
-    start_search(&mut farm.nesting, &mut farm.jobs, (id, &search), FinalNestingJob { build: id }, work);
+    start_search(&mut desk.nesting.searches, desk.jobs, (id, &search), FinalNestingJob { build: id }, work);
     Ok(())
 }
 
 /// The kept file of the build that is issued once more with this one, and the placements in it.
-async fn find_kept_build(farm: &Farm, build: &BuildRow) -> Result<Option<(KeptBuild, Vec<PlacementRow>)>> {
+async fn find_kept_build(desk: &Building<'_>, build: &BuildRow) -> Result<Option<(KeptBuild, Vec<PlacementRow>)>> {
     let Some(printed) = build.search.repeats else { return Ok(None) };
-    let Some(row) = farm.ledger.find_build(printed).await? else { return Ok(None) };
-    let archive = &farm.machines[&build.profile].profile.folders.archive;
+    let Some(row) = desk.shared.ledger.find_build(printed).await? else { return Ok(None) };
+    let archive = &desk.machines[&build.profile].profile.folders.archive;
     let Some(kept) = KeptBuild::of_build(archive, &row) else { return Ok(None) };
-    Ok(Some((kept, farm.ledger.placements_of_build(printed).await?)))
+    Ok(Some((kept, desk.shared.ledger.placements_of_build(printed).await?)))
 }
 
 /// The parts of a build with their copies in it, in order of precedence.
@@ -214,100 +221,95 @@ async fn parts_with_copies(ledger: &Ledger, build: BuildId) -> Result<Vec<Waitin
 
 /// Tells of the copies that the final search of a build left out although they stood in the open build, or must be in
 /// the next one.
-async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[CopyId]) -> Result<()> {
-    let parts = parts_with_copies(&farm.ledger, build).await?;
-    let Some(row) = farm.ledger.find_build(build).await? else { return Ok(()) };
+async fn report_left_out_of_build(desk: &mut Building<'_>, build: BuildId, unplaced: &[CopyId]) -> Result<()> {
+    let parts = parts_with_copies(desk.shared.ledger, build).await?;
+    let Some(row) = desk.shared.ledger.find_build(build).await? else { return Ok(()) };
     let parts: Vec<_> = parts.iter().map(|wanted| (&wanted.part, &wanted.copies[..])).collect();
     let all = parts.iter().flat_map(|(part, copies)| copies.iter().map(|&copy| (part.id, copy)));
     let placed: BTreeSet<CopyId> = all.filter(|copy| !unplaced.contains(copy)).collect();
     let stood = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
     let stood: BTreeSet<CopyId> = stood.iter().map(|placed| placed.copy).collect();
-    batch::report_left_out(farm, &row.profile, Some(build), find_left_out(&parts, &placed, &stood)).await
+    let left_out = find_left_out(&parts, &placed, &stood);
+    batch::report_left_out(desk.shared.ledger, desk.machines, &row.profile, Some(build), left_out).await
 }
 
 /// Commits a written and proved build; publishing follows in the same tick.
-async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
-    if let Some(build) = farm.ledger.find_build(build).await? {
-        crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+async fn on_written(desk: &mut Building<'_>, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
+    let ledger = desk.shared.ledger;
+    if let Some(build) = ledger.find_build(build).await? {
+        crash_guard::record_search_end(ledger, desk.shared.alerts, &build).await?;
     }
     if written.is_ok() {
-        farm.nesting.failures.remove(&build);
-        farm.nesting.backoff.record_success(&build);
-        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        farm.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
+        desk.nesting.failures.remove(&build);
+        desk.nesting.backoff.record_success(&build);
+        let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        desk.shared.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
     }
     let written = match written {
         Ok(written) => written,
-        Err(failure) => return on_search_failed(farm, build, &failure).await,
+        Err(failure) => return on_search_failed(desk, build, &failure).await,
     };
-    if let Err(why) = queues::demand_same_queue(&farm.ledger, &farm.machines, build, &written.verified).await {
-        return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{why:#}")).await;
+    if let Err(why) = queues::demand_same_queue(ledger, desk.machines, build, &written.verified).await {
+        return record_attempt_failure(ledger, desk.nesting, build, &format!("{why:#}")).await;
     }
     if !written.unplaced.is_empty() {
         info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
-        report_left_out_of_build(farm, build, &written.unplaced).await?;
-        farm.ledger.release_copies(build, &written.unplaced, "found no place").await?;
+        report_left_out_of_build(desk, build, &written.unplaced).await?;
+        ledger.release_copies(build, &written.unplaced, "found no place").await?;
     }
-    farm.ledger.verify_build(build, &written.verified, &written.placed).await?;
-    report_changed_machine(farm, build).await?;
+    ledger.verify_build(build, &written.verified, &written.placed).await?;
+    if let Some(row) = ledger.find_build(build).await?
+        && let Some(machine) = desk.machines.get(&row.profile)
+    {
+        report_changed_machine(ledger, &machine.profile, &row).await?;
+    }
     if !written.locked.is_empty() {
         warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
-        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        farm.ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
+        let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
     }
-    publish::publish_verified_builds(farm).await
+    publish::publish_verified_builds(desk).await
 }
 
-/// A build that is issued once more was to be as it was: where its machine has changed so that it does not fit any more, it is not.
-async fn report_changed_machine(farm: &Farm, build: BuildId) -> Result<()> {
-    let Some(row) = farm.ledger.find_build(build).await? else { return Ok(()) };
-    let (Some(printed), Some(machine)) = (row.search.repeats, farm.machines.get(&row.profile)) else { return Ok(()) };
-    let before = farm.ledger.find_build(printed).await?;
-    let Some(why) = before.and_then(|before| find_misfit(&machine.profile, &before)) else { return Ok(()) };
-    let detail = format!("not as build {printed} was, for {why}");
-    warn!(build.id = %build, profile = %row.profile, "Build {build} is {detail}.");
-    Ok(farm.ledger.write_event(EventKind::Requeued, &row.profile, None, Some(build), &detail).await?)
-}
-
-async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {
-    let decision = classify_failure(failure, farm.lifecycle.is_stopping);
-    let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &anyhow::Error) -> Result<()> {
+    let decision = classify_failure(failure, desk.shared.lifecycle.is_stopping);
+    let profile = desk.shared.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
     match decision {
         FailedSearch::LeaveForNextStart => {
             info!(build.id = %build, "A build was left for the next start: {failure:#}.");
             Ok(())
         }
-        FailedSearch::ContinueWithoutPart => damaged_files::continue_without_faulty_part(farm, build, failure).await,
+        FailedSearch::ContinueWithoutPart => damaged_files::continue_without_faulty_part(desk, build, failure).await,
         FailedSearch::RetryLater => {
             // The parts stay in it.
-            farm.nesting.just_fired.insert(build);
-            farm.nesting.backoff.record_failure(build);
-            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), failure);
+            desk.nesting.just_fired.insert(build);
+            desk.nesting.backoff.record_failure(build);
+            desk.shared.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), failure);
             Ok(())
         }
         FailedSearch::CountAttempt { is_unproved } => {
             warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
             let why = format!("{failure:#}");
             if is_unproved {
-                farm.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
+                desk.shared.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
             }
-            record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &why).await
+            record_attempt_failure(desk.shared.ledger, desk.nesting, build, &why).await
         }
     }
 }
 
 /// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
-async fn give_up_build(farm: &mut Farm, build: &BuildRow, attempts: u32) -> Result<()> {
-    let reason = match farm.nesting.failures.remove(&build.id) {
+async fn give_up_build(desk: &mut Building<'_>, build: &BuildRow, attempts: u32) -> Result<()> {
+    let reason = match desk.nesting.failures.remove(&build.id) {
         Some((failures, last)) => {
             format!("gave up after {}: {last}", format_count(failures, "failed attempt", "failed attempts"))
         }
         None => format!("gave up after {attempts} attempts: nestd stopped each time"),
     };
     warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
-    queues::discard_staged(&farm.machines, &mut farm.jobs, build);
-    farm.ledger.fail_build(build.id, &reason).await?;
-    farm.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
+    queues::discard_staged(desk.machines, desk.jobs, build);
+    desk.shared.ledger.fail_build(build.id, &reason).await?;
+    desk.shared.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
     Ok(())
 }
 
@@ -320,9 +322,9 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
 }
 
 /// A build's job panicked.
-async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
-    farm.ledger.end_search(build).await?;
-    record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
+async fn on_final_panicked(desk: &mut Building<'_>, build: BuildId, message: &str) -> Result<()> {
+    desk.shared.ledger.end_search(build).await?;
+    record_attempt_failure(desk.shared.ledger, desk.nesting, build, &format!("panicked: {message}")).await
 }
 
 /// The whole final job: search, write, prove, and archive the originals.

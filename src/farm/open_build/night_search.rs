@@ -13,6 +13,7 @@ use super::{batch::save_layout, searches::start_search};
 use crate::farm::{
     alerts::failure::PartFault,
     core::{
+        desks::Searching,
         farm::Farm,
         machine_state::{MachineState, MachineStates},
     },
@@ -51,30 +52,33 @@ fn pool_beside(found: &NestingResult, kept: &str, height_mm: f64) -> String {
 impl BackgroundJob<Farm> for NightSearchJob {
     const KIND: &'static str = "Night";
     type Outcome = Result<NestingResult>;
+    type Desk<'f> = Searching<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
+    async fn on_done(self, mut desk: Self::Desk<'_>, outcome: Self::Outcome) -> Result<()> {
         match outcome {
-            Ok(found) => self.take_result(farm, found).await,
+            Ok(found) => self.take_result(&mut desk, found).await,
             Err(failure) => {
-                self.give_up(farm, &format!("{failure:#}")).await?;
+                self.give_up(&mut desk, &format!("{failure:#}")).await?;
                 match PartFault::find_in_chain(&failure) {
-                    Some(fault) => damaged_files::hold_faulty_part(farm, fault).await,
+                    Some(fault) => {
+                        damaged_files::hold_faulty_part(&mut desk.shared, desk.machines, desk.meshes, fault).await
+                    }
                     None => Ok(()),
                 }
             }
         }
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        self.give_up(farm, message).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        self.give_up(&mut desk, message).await
     }
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        if let Some((machine, row)) = self.take_search(&mut farm.machines) {
+    fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
+        if let Some((machine, row)) = self.take_search(desk.machines) {
             machine.open.night.keep_unsaved(NightSearchRow { starts: row.starts.saturating_sub(1), ..row });
         }
     }
@@ -90,9 +94,9 @@ impl NightSearchJob {
         Some((machine, row))
     }
 
-    async fn take_result(self, farm: &mut Farm, found: NestingResult) -> Result<()> {
-        let Some((machine, row)) = self.take_search(&mut farm.machines) else {
-            return self.count_ended(&farm.ledger, Some(found)).await;
+    async fn take_result(self, desk: &mut Searching<'_>, found: NestingResult) -> Result<()> {
+        let Some((machine, row)) = self.take_search(desk.machines) else {
+            return self.count_ended(desk.shared.ledger, Some(found)).await;
         };
         let first_secs = arrival_search_secs(&machine.profile, machine.open.layout.placed.len());
         let pool = pool_beside(&found, &row.pool, machine.open.layout.height_mm);
@@ -107,11 +111,11 @@ impl NightSearchJob {
         debug!(profile = %self.profile, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
         machine.open.night.keep_unsaved(row.clone());
         if is_lower {
-            save_layout(&farm.ledger, self.build, &machine.open.layout).await?;
+            save_layout(desk.shared.ledger, self.build, &machine.open.layout).await?;
         }
-        farm.ledger.save_night_search(self.build, &row).await?;
+        desk.shared.ledger.save_night_search(self.build, &row).await?;
         machine.open.night.is_known = true;
-        Ok(farm.ledger.add_cpu_secs(self.build, found.cpu_secs).await?)
+        Ok(desk.shared.ledger.add_cpu_secs(self.build, found.cpu_secs).await?)
     }
 
     /// Counts a search of which nothing is taken, because something else is wanted of the open build by now: its time was spent,
@@ -131,29 +135,29 @@ impl NightSearchJob {
     }
 
     /// What failed would fail again: these copies are not searched further.
-    async fn give_up(&self, farm: &mut Farm, why: &str) -> Result<()> {
-        let Some((machine, row)) = self.take_search(&mut farm.machines) else {
-            return self.count_ended(&farm.ledger, None).await;
+    async fn give_up(&self, desk: &mut Searching<'_>, why: &str) -> Result<()> {
+        let Some((machine, row)) = self.take_search(desk.machines) else {
+            return self.count_ended(desk.shared.ledger, None).await;
         };
         warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
         let row = NightSearchRow { state: NightState::GivenUp, ..row };
         machine.open.night.keep_unsaved(row.clone());
-        farm.ledger.save_night_search(self.build, &row).await?;
+        desk.shared.ledger.save_night_search(self.build, &row).await?;
         machine.open.night.is_known = true;
         Ok(())
     }
 }
 
 /// Stops what must give way, and goes on with the open builds that wait, as far as threads are free.
-pub(crate) async fn search_waiting_builds(farm: &mut Farm) -> Result<()> {
-    farm.nesting.searches.stop_surplus();
+pub(crate) async fn search_waiting_builds(desk: &mut Searching<'_>) -> Result<()> {
+    desk.searches.stop_surplus();
     let names: Vec<String> =
-        farm.machines.iter().filter(|(_, machine)| may_go_on(machine)).map(|(name, _)| name.clone()).collect();
+        desk.machines.iter().filter(|(_, machine)| may_go_on(machine)).map(|(name, _)| name.clone()).collect();
     for name in names {
-        let is_known = farm.machines[&name].open.night.is_known;
+        let is_known = desk.machines[&name].open.night.is_known;
         // Without a thread, only how far it is: people see that.
-        if (!is_known || farm.nesting.searches.has_idle_slot()) && !farm.jobs.is_running::<NightSearchJob>(&name) {
-            go_on(farm, &name).await?;
+        if (!is_known || desk.searches.has_idle_slot()) && !desk.jobs.is_running::<NightSearchJob>(&name) {
+            go_on(desk, &name).await?;
         }
     }
     Ok(())
@@ -173,28 +177,28 @@ fn may_go_on(machine: &MachineState) -> bool {
 }
 
 /// Goes on with the open build of a machine, or finds that this is not worth its time any more.
-async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
-    let build = farm.ledger.open_build(name).await?.id;
-    let known = farm.ledger.find_night_search(build).await?;
-    let profile = farm.machines[name].profile.clone();
+async fn go_on(desk: &mut Searching<'_>, name: &str) -> Result<()> {
+    let build = desk.shared.ledger.open_build(name).await?.id;
+    let known = desk.shared.ledger.find_night_search(build).await?;
+    let profile = desk.machines[name].profile.clone();
     let improve_secs = profile.search.improve_secs;
     if improve_secs <= 0.0 || profile.search.nest.method == NestingMethod::Paper {
         if known.is_some() {
-            farm.ledger.delete_night_search(build).await?;
+            desk.shared.ledger.delete_night_search(build).await?;
         }
-        farm.machines.get_mut(name).into_iter().for_each(|machine| machine.open.night.is_known = true);
+        desk.machines.get_mut(name).into_iter().for_each(|machine| machine.open.night.is_known = true);
         return Ok(());
     }
-    let placed = farm.machines[name].open.layout.copies();
-    let wanted = keep_copies(farm.ledger.waiting_copies(name).await?, &placed);
+    let placed = desk.machines[name].open.layout.copies();
+    let wanted = keep_copies(desk.shared.ledger.waiting_copies(name).await?, &placed);
     if wanted.iter().map(|(_, copies)| copies.len()).sum::<usize>() != placed.len() {
         // Copies are gone since: the next look at the open build finds that.
         return Ok(());
     }
-    let (problem, open) = (hash_problem(&profile, &wanted), &farm.machines[name].open);
+    let (problem, open) = (hash_problem(&profile, &wanted), &desk.machines[name].open);
     let (height_mm, unsaved) = (open.layout.height_mm, open.night.unsaved_row().cloned());
     if unsaved.is_some() {
-        save_layout(&farm.ledger, build, &open.layout).await?;
+        save_layout(desk.shared.ledger, build, &open.layout).await?;
     }
     let row = unsaved.or_else(|| known.clone()).filter(|row| row.problem == problem);
     let row = row.unwrap_or_else(|| begin_night(problem, height_mm));
@@ -206,17 +210,17 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         }
     };
     let decision = decide_search(&row, arrival_search_secs(&profile, placed.len()), improve_secs);
-    let secs = decision.ok().filter(|_| farm.nesting.searches.has_idle_slot());
+    let secs = decision.ok().filter(|_| desk.searches.has_idle_slot());
     let state = decision.err().unwrap_or(NightState::GoesOn);
     let row = NightSearchRow { state, starts: row.starts + u32::from(secs.is_some()), ..row };
     if known.as_ref() != Some(&row) {
-        farm.ledger.save_night_search(build, &row).await?;
+        desk.shared.ledger.save_night_search(build, &row).await?;
     }
     if row.state != NightState::GoesOn {
         let why = if row.starts >= MAX_STARTS { ", because the daemon ended during its last searches" } else { "" };
         info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
     }
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     (machine.open.night.row, machine.open.night.is_known) = (Some(row.clone()), true);
     if let Some(cpu_secs) = secs {
         machine.open.rounds += 1;
@@ -224,10 +228,10 @@ async fn go_on(farm: &mut Farm, name: &str) -> Result<()> {
         machine.open.night.search = Some(search.clone());
         let starts = std::iter::once(machine.open.layout.placed.clone()).chain(pool).collect();
         let request = NestingRequest { profile, wanted, starts, search: search.clone() };
-        let (name, problem, meshes) = (name.to_owned(), row.problem, farm.meshes.clone());
+        let (name, problem, meshes) = (name.to_owned(), row.problem, desk.meshes.clone());
         let job = NightSearchJob { profile: name, build, search: search.clone(), problem };
         let work = move || request.run_search(&meshes);
-        start_search(&mut farm.nesting, &mut farm.jobs, (build, &search), job, work);
+        start_search(desk.searches, desk.jobs, (build, &search), job, work);
     }
     Ok(())
 }

@@ -9,84 +9,86 @@ use tracing::info;
 use crate::farm::{
     again::part_changes,
     alerts::alert::AlertKind,
-    core::{command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates},
+    core::{command_answer::CommandAnswer, desks::Receiving, machine_state::MachineStates},
     printers::{printers, queues},
     receive::{claim_completion, deferred_refusal, mark_note},
 };
 
 /// Carries out commands. A flush command is answered when its build has been fired.
-pub(crate) async fn process_commands(farm: &mut Farm) -> Result<()> {
-    let paused = farm.ledger.paused_profiles().await?;
-    for (name, machine) in &mut farm.machines {
+pub(crate) async fn process_commands(desk: &mut Receiving<'_>) -> Result<()> {
+    let paused = desk.shared.ledger.paused_profiles().await?;
+    for (name, machine) in desk.machines.iter_mut() {
         machine.paused = paused.contains(name);
     }
-    printers::update_down_printers(farm).await?;
-    for command in farm.ledger.pending_commands().await? {
+    printers::update_down_printers(desk.shared.ledger, desk.machines).await?;
+    for command in desk.shared.ledger.pending_commands().await? {
         // A command that the disk prevents stays open and does not hold up the others.
         let about = format!("command {}", command.id);
-        if !concerns_this_node(farm, &command).await? || farm.schedule.step_backoff.is_waiting(&about) {
+        if !concerns_this_node(desk, &command).await? || desk.shared.schedule.step_backoff.is_waiting(&about) {
             continue;
         }
-        match execute_command(farm, &command).await {
+        match execute_command(desk, &command).await {
             // The command waits for a build or a file.
             Ok(None) => {}
             Ok(Some(answer)) => {
-                farm.schedule.step_backoff.record_success(&about);
-                farm.alerts.clear(AlertKind::StepFails, &command.profile, &about);
-                answer_command(&farm.ledger, command.id, &answer).await?;
+                desk.shared.schedule.step_backoff.record_success(&about);
+                desk.shared.alerts.clear(AlertKind::StepFails, &command.profile, &about);
+                answer_command(desk.shared.ledger, command.id, &answer).await?;
             }
             Err(failure) => {
-                farm.report_failure(AlertKind::StepFails, &command.profile, &about, &failure);
-                farm.schedule.step_backoff.record_failure(about);
+                desk.shared.report_failure(AlertKind::StepFails, &command.profile, &about, &failure);
+                desk.shared.schedule.step_backoff.record_failure(about);
             }
         }
     }
-    if farm.machines.values().any(|machine| !machine.printers.are_all_open()) {
-        queues::open_queues(farm).await?;
+    if desk.machines.values().any(|machine| !machine.printers.are_all_open()) {
+        queues::open_queues(&mut desk.serving()).await?;
     }
     Ok(())
 }
 
 /// Whether this node carries out a command: the one that serves its machine does, or the first node where none serves it.
-async fn concerns_this_node(farm: &Farm, command: &CommandRow) -> Result<bool> {
-    if farm.ledger.file().is_some() {
+async fn concerns_this_node(desk: &Receiving<'_>, command: &CommandRow) -> Result<bool> {
+    if desk.shared.ledger.file().is_some() {
         return Ok(true);
     }
-    let profile = farm.ledger.machine_of_command(command.part_id, &command.profile).await?;
-    if farm.machines.contains_key(&profile) {
+    let profile = desk.shared.ledger.machine_of_command(command.part_id, &command.profile).await?;
+    if desk.machines.contains_key(&profile) {
         return Ok(true);
     }
-    match farm.ledger.node_of_machine(&profile).await? {
-        Some(node) => Ok(node == farm.settings.node.name),
-        None => Ok(farm.ledger.is_first_node(&farm.settings.node.name).await?),
+    match desk.shared.ledger.node_of_machine(&profile).await? {
+        Some(node) => Ok(node == desk.shared.settings.node.name),
+        None => Ok(desk.shared.ledger.is_first_node(&desk.shared.settings.node.name).await?),
     }
 }
 
 /// Carries out a command; `None` = it is answered later.
-async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option<CommandAnswer>> {
+async fn execute_command(desk: &mut Receiving<'_>, command: &CommandRow) -> Result<Option<CommandAnswer>> {
     let name = command.profile.as_str();
     let needs_profile = matches!(command.kind, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume);
-    if needs_profile && !farm.machines.contains_key(name) {
+    if needs_profile && !desk.machines.contains_key(name) {
         return Ok(Some(CommandAnswer::UnknownProfile(name.to_owned())));
     }
     Ok(Some(match command.kind {
-        CommandKind::Flush => return Ok(request_flush(&mut farm.machines, name, command.id)),
-        CommandKind::Pause => match farm.ledger.pause_profile(name, &command.asked_by, PauseCause::Person).await? {
-            true => CommandAnswer::Paused(name.to_owned()),
-            false => CommandAnswer::PausedAlready(name.to_owned()),
-        },
-        CommandKind::Resume => match farm.ledger.resume_profile(name, &command.asked_by).await? {
+        CommandKind::Flush => return Ok(request_flush(desk.machines, name, command.id)),
+        CommandKind::Pause => {
+            match desk.shared.ledger.pause_profile(name, &command.asked_by, PauseCause::Person).await? {
+                true => CommandAnswer::Paused(name.to_owned()),
+                false => CommandAnswer::PausedAlready(name.to_owned()),
+            }
+        }
+        CommandKind::Resume => match desk.shared.ledger.resume_profile(name, &command.asked_by).await? {
             true => CommandAnswer::Resumed(name.to_owned()),
             false => CommandAnswer::NotPaused(name.to_owned()),
         },
         CommandKind::Scan => {
-            let now = farm.now();
-            farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = now);
+            let now = desk.shared.now();
+            desk.machines.values_mut().for_each(|s| s.inbox.next_scan_at = now);
             CommandAnswer::ScanStarted
         }
         CommandKind::Retry | CommandKind::Cancel | CommandKind::Edit | CommandKind::Move | CommandKind::Confirm => {
             match command.part_id {
-                Some(part) => return execute_part_command(farm, command, part).await,
+                Some(part) => return execute_part_command(desk, command, part).await,
                 None => CommandAnswer::NoPartNamed,
             }
         }
@@ -111,32 +113,36 @@ fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Opt
     None
 }
 
-async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartId) -> Result<Option<CommandAnswer>> {
-    let Some(row) = farm.ledger.find_part(part).await? else {
+async fn execute_part_command(
+    desk: &mut Receiving<'_>,
+    command: &CommandRow,
+    part: PartId,
+) -> Result<Option<CommandAnswer>> {
+    let Some(row) = desk.shared.ledger.find_part(part).await? else {
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
-    if claim_completion::is_completing(&farm.completion, &farm.jobs, &row)
-        || part_changes::is_read_again(farm, &row)
+    if claim_completion::is_completing(desk.completion, desk.jobs, &row)
+        || part_changes::is_read_again(desk, &row)
         // The copy in the error folder is made of the stored file.
         || command.kind == CommandKind::Cancel && row.owed.is_being_fetched()
     {
         return Ok(None);
     }
     if matches!(command.kind, CommandKind::Edit | CommandKind::Move | CommandKind::Confirm) {
-        return part_changes::execute_change(farm, command, &row).await;
+        return part_changes::execute_change(desk, command, &row).await;
     }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
-        CommandKind::Retry => match farm.ledger.for_command(command.id).retry_part(part).await {
+        CommandKind::Retry => match desk.shared.ledger.for_command(command.id).retry_part(part).await {
             Ok(()) => {
-                mark_note::update_decision_count(farm, &row).await;
+                mark_note::update_decision_count(desk, &row).await;
                 Ok(CommandAnswer::PartRetried(part))
             }
             Err(refused) => Err(refused),
         },
-        _ => match part_changes::cancel_copies(farm, command, &row).await {
+        _ => match part_changes::cancel_copies(desk, command, &row).await {
             Ok(Some(answer)) => Ok(answer),
-            Ok(None) => match cancel_part(farm, &row, command).await {
+            Ok(None) => match cancel_part(desk, &row, command).await {
                 Ok(false) => return Ok(None),
                 Ok(true) => Ok(CommandAnswer::PartCancelled(part)),
                 Err(refused) => Err(refused),
@@ -153,7 +159,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
         Err(error) if error.is_trouble() => Err(error.into()),
         Err(refused) => {
             if command.kind == CommandKind::Cancel {
-                deferred_refusal::remove_stray_copy(farm, &row, &refused);
+                deferred_refusal::remove_stray_copy(desk, &row, &refused);
             }
             Ok(Some(CommandAnswer::NotAllowed(refused)))
         }
@@ -162,15 +168,15 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
 
 /// The copy is in the error folder before the ledger says so: after a crash in between, the command is carried out
 /// again. `false` = the copy is being made, and the command is answered afterwards.
-async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
-    farm.ledger.ensure_cancellable(row.id).await?;
+async fn cancel_part(desk: &mut Receiving<'_>, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
+    desk.shared.ledger.ensure_cancellable(row.id).await?;
     let reason = format!("Cancelled by {}.", command.asked_by);
-    if matches!(row.state, PartState::Waiting | PartState::Claimed) && farm.machines.contains_key(&row.profile) {
-        deferred_refusal::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
+    if matches!(row.state, PartState::Waiting | PartState::Claimed) && desk.machines.contains_key(&row.profile) {
+        deferred_refusal::start_refusal(desk, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);
     }
-    farm.ledger.for_command(command.id).cancel_part(row.id, RefusalCause::Cancelled, &reason).await?;
-    mark_note::update_decision_count(farm, row).await;
+    desk.shared.ledger.for_command(command.id).cancel_part(row.id, RefusalCause::Cancelled, &reason).await?;
+    mark_note::update_decision_count(desk, row).await;
     Ok(true)
 }
 

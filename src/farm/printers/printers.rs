@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::{
     farm::{
-        core::{farm::Farm, machine_state::MachineState},
+        core::machine_state::{MachineState, MachineStates},
         decisions::{
             print_times::PrintTimes,
             printer_choice::{PrinterLoad, choose_printer, printer_loads},
@@ -152,21 +152,25 @@ pub(crate) async fn occupation_of(
 }
 
 /// What lies ahead of the printers of a machine that can be used. It is read only where something that waits has a due date.
-pub(crate) async fn printer_outlook(farm: &Farm, name: &str, waiting: &[WaitingPart]) -> Result<PrinterOutlook> {
-    let machine = &farm.machines[name];
-    let (profile, now) = (&machine.profile, farm.date());
+pub(crate) async fn printer_outlook(
+    ledger: &Ledger,
+    machine: &MachineState,
+    waiting: &[WaitingPart],
+    now: Timestamp,
+) -> Result<PrinterOutlook> {
+    let profile = &machine.profile;
     if waiting.iter().all(|waiting| waiting.part.terms.due_at.is_none()) {
         return Ok(PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(profile) });
     }
     let usable = usable_printers(machine);
-    let (builds, times) = occupation_of(&farm.ledger, profile, now).await?;
+    let (builds, times) = occupation_of(ledger, profile, now).await?;
     Ok(PrinterOutlook::new(profile, &builds, times, |printer| usable.contains(&printer), now))
 }
 
 /// Takes in which printers people took out of use.
-pub(crate) async fn update_down_printers(farm: &mut Farm) -> Result<()> {
-    let down = farm.ledger.down_printers().await?;
-    for (name, machine) in &mut farm.machines {
+pub(crate) async fn update_down_printers(ledger: &Ledger, machines: &mut MachineStates) -> Result<()> {
+    let down = ledger.down_printers().await?;
+    for (name, machine) in machines {
         for printer in &mut machine.printers.0 {
             printer.down = down.iter().find(|down| down.profile == *name && down.printer == printer.name).cloned();
         }
@@ -176,8 +180,13 @@ pub(crate) async fn update_down_printers(farm: &mut Farm) -> Result<()> {
 
 /// The printer that a build is made for, or moved to, of those that can be used now; `None` = there is none. A build that is
 /// being made stays with its printer as long as that can be used.
-pub(crate) async fn choose_for_build(farm: &Farm, build: &BuildRow) -> Result<Option<String>> {
-    let Some(machine) = farm.machines.get(&build.profile) else { return Ok(None) };
+pub(crate) async fn choose_for_build(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    build: &BuildRow,
+    now: Timestamp,
+) -> Result<Option<String>> {
+    let Some(machine) = machines.get(&build.profile) else { return Ok(None) };
     let usable = usable_printers(machine);
     if let (None, Some(printer)) = (build.times.published_at, &build.place.printer)
         && usable.contains(&printer.as_str())
@@ -187,11 +196,10 @@ pub(crate) async fn choose_for_build(farm: &Farm, build: &BuildRow) -> Result<Op
     if usable.len() < 2 {
         return Ok(usable.first().map(|&name| name.to_owned()));
     }
-    let now = farm.date();
-    let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
+    let (builds, times) = occupation_of(ledger, &machine.profile, now).await?;
     // A build that fired while there was room goes where it is.
     let depth = machine.profile.printing.queue_depth;
-    let ahead = if depth > 0 { farm.ledger.builds_ahead(&build.profile).await? } else { Vec::new() };
+    let ahead = if depth > 0 { ledger.builds_ahead(&build.profile).await? } else { Vec::new() };
     let has_room = |printer: &&&str| queue_room(depth, printer, &ahead) > 0;
     let with_room: Vec<&str> = usable.iter().filter(has_room).copied().collect();
     let usable = if with_room.is_empty() { usable } else { with_room };

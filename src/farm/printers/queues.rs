@@ -13,6 +13,7 @@ use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry, failure::error_chain},
         core::{
+            desks::{Serving, Shared},
             farm::Farm,
             machine_state::MachineStates,
             printer_state::{PrinterState, alert_subject},
@@ -38,18 +39,19 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     const KIND: &'static str = "Queue";
     /// The folder, or the reason why it cannot be used; `None` = its lease says so.
     type Outcome = Result<Option<OpenedQueue>, String>;
+    type Desk<'f> = Serving<'f>;
 
     fn subject(&self) -> String {
         self.printer.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, opened: Self::Outcome) -> Result<()> {
+    async fn on_done(self, desk: Self::Desk<'_>, opened: Self::Outcome) -> Result<()> {
         if let Ok(Some(OpenedQueue { queue, builds })) = &opened {
             // A machine that got printers, or a printer that got another name, goes on with what is there.
-            farm.ledger.name_printer(&self.profile, &self.printer, queue.marker_id(), builds).await?;
+            desk.shared.ledger.name_printer(&self.profile, &self.printer, queue.marker_id(), builds).await?;
         }
         let opened = opened.map(|opened| opened.map(|opened| opened.queue));
-        on_queue_opened(&mut farm.machines, &mut farm.alerts, &self, opened);
+        on_queue_opened(desk.machines, desk.shared.alerts, &self, opened);
         Ok(())
     }
 }
@@ -63,12 +65,13 @@ struct DiscardJob {
 impl BackgroundJob<Farm> for DiscardJob {
     const KIND: &'static str = "Discard";
     type Outcome = Result<bool, QueueError>;
+    type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn on_done(self, _farm: &mut Farm, discarded: Self::Outcome) -> Result<()> {
+    async fn on_done(self, _shared: Self::Desk<'_>, discarded: Self::Outcome) -> Result<()> {
         // Files that cannot be removed now are removed when the folder is opened next.
         if let Err(failure) = discarded {
             warn!(build.id = %self.build, "The build's dot-file could not be removed: {failure}.");
@@ -78,20 +81,20 @@ impl BackgroundJob<Farm> for DiscardJob {
 }
 
 /// Starts jobs that open the queue folders that are not open.
-pub(crate) async fn open_queues(farm: &mut Farm) -> Result<()> {
-    let now = farm.now();
+pub(crate) async fn open_queues(desk: &mut Serving<'_>) -> Result<()> {
+    let now = desk.shared.now();
     let is_due = |printer: &PrinterState| printer.opened.is_none() && now >= printer.open_at;
-    if !farm.machines.values().any(|machine| machine.printers.0.iter().any(is_due)) {
+    if !desk.machines.values().any(|machine| machine.printers.0.iter().any(is_due)) {
         return Ok(());
     }
     // A build that is being nested may already be staged, and one that moves is on its way: only files that belong to no
     // build are removed.
     let mut live = Vec::new();
     for state in [BuildState::Nesting, BuildState::Verified] {
-        live.extend(farm.ledger.builds_in_state(state).await?);
+        live.extend(desk.shared.ledger.builds_in_state(state).await?);
     }
-    for (name, machine) in &mut farm.machines {
-        live.extend(farm.ledger.builds_to_move(name).await?);
+    for (name, machine) in desk.machines.iter_mut() {
+        live.extend(desk.shared.ledger.builds_to_move(name).await?);
         let names: Vec<String> = machine.printers.0.iter().map(|printer| printer.name.clone()).collect();
         for printer in machine.printers.0.iter_mut().filter(|printer| is_due(printer)) {
             printer.open_at = now + OPEN_AGAIN;
@@ -101,11 +104,11 @@ pub(crate) async fn open_queues(farm: &mut Farm) -> Result<()> {
                 profile: name.clone(),
                 lease,
                 staged: kept.map(staged_name).collect(),
-                ledger: farm.ledger.clone(),
+                ledger: desk.shared.ledger.clone(),
             };
             let (runtime, printer) = (tokio::runtime::Handle::current(), printer.name.clone());
             let job = OpenQueueJob { profile: name.clone(), printer };
-            farm.jobs.start(job, move || runtime.block_on(opening.open_and_sweep()));
+            desk.jobs.start(job, move || runtime.block_on(opening.open_and_sweep()));
         }
     }
     Ok(())

@@ -10,7 +10,7 @@ use tracing::{info, warn};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::{farm::Farm, machine_state::MachineState},
+        core::{desks::Building, farm::Farm, machine_state::MachineState},
         leases::folder_leases::FolderLeases,
         printers::printers::choose_for_build,
         records::staged_build::has_hash,
@@ -43,17 +43,18 @@ pub(crate) enum MoveStep {
 impl BackgroundJob<Farm> for MoveBuildJob {
     const KIND: &'static str = "Move";
     type Outcome = Result<MoveStep>;
+    type Desk<'f> = Building<'f>;
 
     fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
-        on_move_step(farm, self.build, step).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, step: Self::Outcome) -> Result<()> {
+        on_move_step(&mut desk, self.build, step).await
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_move_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_move_step(&mut desk, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 }
 
@@ -72,17 +73,17 @@ struct MovingBuild {
 }
 
 /// Moves every build further that lies at a printer that is down, or is between two printers.
-pub(crate) async fn move_builds(farm: &mut Farm) -> Result<()> {
-    let names: Vec<String> = farm.machines.keys().cloned().collect();
+pub(crate) async fn move_builds(desk: &mut Building<'_>) -> Result<()> {
+    let names: Vec<String> = desk.machines.keys().cloned().collect();
     for name in names {
-        for build in farm.ledger.builds_to_move(&name).await? {
+        for build in desk.shared.ledger.builds_to_move(&name).await? {
             let (id, is_begun) = (build.id, build.place.move_to.is_some());
-            if farm.nesting.backoff.is_waiting(&id) || farm.jobs.is_running::<MoveBuildJob>(id) {
+            if desk.nesting.backoff.is_waiting(&id) || desk.jobs.is_running::<MoveBuildJob>(id) {
                 continue;
             }
-            match start_move(farm, build).await {
+            match start_move(desk, build).await {
                 // Before it has begun, the file lies where it was published: nobody needs to act on it.
-                Err(failure) if is_begun => report_move_failure(farm, id, &name, &failure),
+                Err(failure) if is_begun => report_move_failure(desk, id, &name, &failure),
                 Err(failure) => warn!(build.id = %id, "The build is not moved to another printer: {failure:#}."),
                 Ok(()) => {}
             }
@@ -91,8 +92,8 @@ pub(crate) async fn move_builds(farm: &mut Farm) -> Result<()> {
     Ok(())
 }
 
-async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
-    let Some(machine) = farm.machines.get(&build.profile) else { return Ok(()) };
+async fn start_move(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
+    let Some(machine) = desk.machines.get(&build.profile) else { return Ok(()) };
     if machine.agreed_folders.is_none() || !machine.leases.are_fresh() {
         return Ok(());
     }
@@ -113,7 +114,8 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
         // It is not wanted any more: what was taken back is removed.
         (None, Some(to)) if build.state != BuildState::Published => open_queue(machine, &to).or_else(|| source.clone()),
         (None, before) => {
-            let Some(printer) = choose_for_build(farm, &build).await? else {
+            let Some(printer) = choose_for_build(desk.shared.ledger, desk.machines, &build, desk.shared.date()).await?
+            else {
                 ensure!(
                     before.is_none(),
                     "it was taken back from a printer that is down, and no printer of the machine can be given builds: \
@@ -121,12 +123,12 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
                 );
                 return Ok(());
             };
-            let machine = &farm.machines[&build.profile];
+            let machine = &desk.machines[&build.profile];
             let chosen = open_queue(machine, &printer);
             if before.as_ref() != Some(&printer) {
                 abandoned = before.and_then(|before| open_queue(machine, &before));
-                farm.ledger.begin_move(build.id, &printer).await?;
-                build = farm.ledger.find_build(build.id).await?.context("its row is gone")?;
+                desk.shared.ledger.begin_move(build.id, &printer).await?;
+                build = desk.shared.ledger.find_build(build.id).await?.context("its row is gone")?;
             }
             chosen
         }
@@ -141,13 +143,13 @@ async fn start_move(farm: &mut Farm, build: BuildRow) -> Result<()> {
              that printer again: the file may be in its folder"
         );
         // Neither of the two printers is configured any more: nothing of it can be printed here.
-        return Ok(farm.ledger.end_move(build.id, MoveEnd::Dropped).await?);
+        return Ok(desk.shared.ledger.end_move(build.id, MoveEnd::Dropped).await?);
     };
     // Without a folder of origin, it is only removed from the other one.
     let source = source.unwrap_or_else(|| target.clone());
-    let (leases, ledger) = (farm.machines[&build.profile].leases.clone(), farm.ledger.clone());
+    let (leases, ledger) = (desk.machines[&build.profile].leases.clone(), desk.shared.ledger.clone());
     let moving = MovingBuild { build, source, target, abandoned, misfit, leases, ledger, runtime: Handle::current() };
-    farm.jobs.start(MoveBuildJob { build: moving.build.id }, move || moving.go_on());
+    desk.jobs.start(MoveBuildJob { build: moving.build.id }, move || moving.go_on());
     Ok(())
 }
 
@@ -277,47 +279,47 @@ fn discard_staged(queue: &QueueFolder, name: &str) -> Result<()> {
 }
 
 /// Commits a step of a move.
-async fn on_move_step(farm: &mut Farm, id: BuildId, step: Result<MoveStep>) -> Result<()> {
-    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+async fn on_move_step(desk: &mut Building<'_>, id: BuildId, step: Result<MoveStep>) -> Result<()> {
+    let Some(build) = desk.shared.ledger.find_build(id).await? else { return Ok(()) };
     let to = build.place.move_to.clone().unwrap_or_default();
     match step {
         Ok(MoveStep::Staged(marker)) => {
-            match farm.ledger.record_move(id, &marker).await {
+            match desk.shared.ledger.record_move(id, &marker).await {
                 // Where its outcome was told meanwhile, the next step drops it.
                 Ok(()) | Err(LedgerError::WrongState { .. }) => {}
                 Err(failure) => return Err(failure.into()),
             }
-            return move_builds(farm).await;
+            return move_builds(desk).await;
         }
         Ok(MoveStep::Published) => {
-            if !farm.ledger.finish_move(id).await? {
+            if !desk.shared.ledger.finish_move(id).await? {
                 // Its outcome was told while it was renamed: it is taken back at once.
-                return move_builds(farm).await;
+                return move_builds(desk).await;
             }
             let from = build.place.printer.clone().unwrap_or_default();
             info!(build.id = %id, profile = %build.profile, "Moved build {id} from the printer {from} to {to}.");
         }
         Ok(MoveStep::Taken) => {
-            farm.ledger.end_move(id, MoveEnd::Taken).await?;
+            desk.shared.ledger.end_move(id, MoveEnd::Taken).await?;
             info!(build.id = %id, profile = %build.profile, "Build {id} stays: its printer took it.");
         }
-        Ok(MoveStep::Dropped) => farm.ledger.end_move(id, MoveEnd::Dropped).await?,
+        Ok(MoveStep::Dropped) => desk.shared.ledger.end_move(id, MoveEnd::Dropped).await?,
         Ok(MoveStep::TakenThere) => {
-            farm.ledger.end_move(id, MoveEnd::TakenThere).await?;
-            report_taken_there(farm, &build, &to).await?;
+            desk.shared.ledger.end_move(id, MoveEnd::TakenThere).await?;
+            report_taken_there(desk, &build, &to).await?;
         }
         Err(failure) => {
-            report_move_failure(farm, id, &build.profile, &failure);
+            report_move_failure(desk, id, &build.profile, &failure);
             return Ok(());
         }
     }
-    farm.nesting.backoff.record_success(&id);
-    farm.alerts.clear(AlertKind::PublishingFails, &build.profile, &format!("build {id}"));
+    desk.nesting.backoff.record_success(&id);
+    desk.shared.alerts.clear(AlertKind::PublishingFails, &build.profile, &format!("build {id}"));
     Ok(())
 }
 
 /// A printed build whose copies wait again would be printed twice.
-async fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) -> Result<()> {
+async fn report_taken_there(desk: &mut Building<'_>, build: &BuildRow, printer: &str) -> Result<()> {
     if matches!(build.state, BuildState::Printing | BuildState::Complete) {
         return Ok(());
     }
@@ -326,10 +328,10 @@ async fn report_taken_there(farm: &mut Farm, build: &BuildRow, printer: &str) ->
         "build {id} was told to be {state} while it went to the printer {printer}, which has taken it: look whether {printer} \
          prints it, and tell the outcome once more, with --correct"
     );
-    Ok(farm.ledger.record_dropped_word(id, &text).await?)
+    Ok(desk.shared.ledger.record_dropped_word(id, &text).await?)
 }
 
-fn report_move_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) {
-    farm.nesting.backoff.record_failure(id);
-    farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
+fn report_move_failure(desk: &mut Building<'_>, id: BuildId, profile: &str, failure: &anyhow::Error) {
+    desk.nesting.backoff.record_failure(id);
+    desk.shared.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
 }

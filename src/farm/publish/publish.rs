@@ -9,7 +9,7 @@ use tracing::{info, warn};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::{farm::Farm, machine_state::MachineState, state::NestingState},
+        core::{desks::Building, farm::Farm, machine_state::MachineState, state::NestingState},
         decisions::publish_decision::{PublishDecision, PublishFacts, decide_publishing},
         printers::{printers, queues, release_preview::awaits_release},
         receive::forget,
@@ -31,21 +31,22 @@ pub(crate) struct PublishBuildJob {
 impl BackgroundJob<Farm> for PublishBuildJob {
     const KIND: &'static str = "Publish";
     type Outcome = Result<PublishStep>;
+    type Desk<'f> = Building<'f>;
 
     fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
-        on_publish_step(farm, self.build, step).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, step: Self::Outcome) -> Result<()> {
+        on_publish_step(&mut desk, self.build, step).await
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_publish_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_publish_step(&mut desk, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        farm.nesting.backoff.record_failure(self.build);
+    fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
+        desk.nesting.backoff.record_failure(self.build);
     }
 }
 
@@ -56,16 +57,16 @@ pub(crate) fn is_build_resting(nesting: &NestingState, build: BuildId) -> bool {
 
 /// Takes every verified build one step further into the queue: check it, record in the ledger that it will be
 /// tried, compare it with what was proved, and rename it.
-pub(crate) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
-    for build in farm.ledger.builds_in_state(BuildState::Verified).await? {
+pub(crate) async fn publish_verified_builds(desk: &mut Building<'_>) -> Result<()> {
+    for build in desk.shared.ledger.builds_in_state(BuildState::Verified).await? {
         let id = build.id;
         // The alert on a machine that is not configured covers this.
-        let Some(machine) = farm.machines.get(&build.profile) else { continue };
+        let Some(machine) = desk.machines.get(&build.profile) else { continue };
         let printer = machine.printers.of_build(&build);
         let misfit = find_misfit(&machine.profile, &build);
-        let decision = decide_publishing(&publish_facts(farm, machine, &build, misfit.is_some()));
+        let decision = decide_publishing(&publish_facts(desk, machine, &build, misfit.is_some()));
         if decision == PublishDecision::MakeForAnother {
-            start_remake_check(farm, build);
+            start_remake_check(desk, build);
             continue;
         }
         let (PublishDecision::Check | PublishDecision::Rename, Some(queue)) =
@@ -74,10 +75,11 @@ pub(crate) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
             continue;
         };
         let archive = machine.profile.folders.archive.clone();
-        let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
-        let (leases, ledger) = (machine.leases.clone(), farm.ledger.clone());
+        let (record, is_first) =
+            (desk.shared.ledger.export_build_record(id).await?, desk.nesting.rename_untried.remove(&id));
+        let (leases, ledger) = (machine.leases.clone(), desk.shared.ledger.clone());
         let staged = StagedBuild { queue, build, misfit, archive, leases, ledger };
-        farm.jobs.start(PublishBuildJob { build: id }, move || match staged.check_folders() {
+        desk.jobs.start(PublishBuildJob { build: id }, move || match staged.check_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),
             Ok(()) if decision == PublishDecision::Rename => staged.try_publish(&record, is_first),
@@ -88,7 +90,7 @@ pub(crate) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
 }
 
 /// What is known of a verified build and its machine.
-fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow, is_misfit: bool) -> PublishFacts {
+fn publish_facts(desk: &Building<'_>, machine: &MachineState, build: &BuildRow, is_misfit: bool) -> PublishFacts {
     let printer = machine.printers.of_build(build);
     let is_printer_down = printer.is_some_and(|printer| printer.down.is_some());
     let is_agreed = match (&machine.agreed_folders, printer) {
@@ -96,8 +98,8 @@ fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow, is_misfi
         (agreed, _) => agreed.is_some(),
     };
     PublishFacts {
-        is_resting: is_build_resting(&farm.nesting, build.id),
-        is_running: farm.jobs.is_running::<PublishBuildJob>(build.id),
+        is_resting: is_build_resting(desk.nesting, build.id),
+        is_running: desk.jobs.is_running::<PublishBuildJob>(build.id),
         is_machine_served: is_agreed && machine.leases.are_fresh(),
         is_queue_open: printer.is_some_and(|printer| printer.opened.is_some()),
         is_printer_down,
@@ -110,12 +112,12 @@ fn publish_facts(farm: &Farm, machine: &MachineState, build: &BuildRow, is_misfi
 
 /// Starts a job that looks whether a build whose printer is down was certainly never published: a restored ledger may have
 /// forgotten that it was.
-fn start_remake_check(farm: &mut Farm, build: BuildRow) {
-    let Some(machine) = farm.machines.get(&build.profile) else { return };
+fn start_remake_check(desk: &mut Building<'_>, build: BuildRow) {
+    let Some(machine) = desk.machines.get(&build.profile) else { return };
     let queue = machine.printers.of_build(&build).and_then(|printer| printer.opened.clone());
     let (archive, leases) = (machine.profile.folders.archive.clone(), machine.leases.clone());
-    let (id, ledger) = (build.id, farm.ledger.clone());
-    farm.jobs.start(PublishBuildJob { build: id }, move || match queue {
+    let (id, ledger) = (build.id, desk.shared.ledger.clone());
+    desk.jobs.start(PublishBuildJob { build: id }, move || match queue {
         None => check_record_of_away(&archive, &build, &leases),
         Some(queue) => {
             let staged = StagedBuild { queue, build, misfit: None, archive, leases, ledger };
@@ -126,61 +128,61 @@ fn start_remake_check(farm: &mut Farm, build: BuildRow) {
 }
 
 /// verified -> nesting: its printer went down before anything was published.
-async fn make_for_another_printer(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+async fn make_for_another_printer(desk: &mut Building<'_>, build: &BuildRow) -> Result<()> {
     let printer = build.place.printer.as_deref().unwrap_or(&build.profile);
     info!(build.id = %build.id, profile = %build.profile, "Build {} is made for another printer: {printer} is down.", build.id);
-    queues::discard_staged(&farm.machines, &mut farm.jobs, build);
-    farm.ledger.reopen_verified_build(build.id, &format!("the printer {printer} is down")).await?;
+    queues::discard_staged(desk.machines, desk.jobs, build);
+    desk.shared.ledger.reopen_verified_build(build.id, &format!("the printer {printer} is down")).await?;
     // No attempt has failed.
-    farm.nesting.just_fired.insert(build.id);
+    desk.nesting.just_fired.insert(build.id);
     Ok(())
 }
 
 /// Commits the result of a build's step into the queue.
-async fn on_publish_step(farm: &mut Farm, id: BuildId, step: Result<PublishStep>) -> Result<()> {
+async fn on_publish_step(desk: &mut Building<'_>, id: BuildId, step: Result<PublishStep>) -> Result<()> {
     match step {
         Ok(PublishStep::Ready) => {
-            farm.ledger.begin_publishing(id).await?;
-            farm.nesting.rename_untried.insert(id);
-            publish_verified_builds(farm).await
+            desk.shared.ledger.begin_publishing(id).await?;
+            desk.nesting.rename_untried.insert(id);
+            publish_verified_builds(desk).await
         }
-        Ok(PublishStep::Done(published)) => on_build_published(farm, id, published).await,
+        Ok(PublishStep::Done(published)) => on_build_published(desk, id, published).await,
         Ok(PublishStep::MadeAgain(why)) => {
             warn!(build.id = %id, "Build {id} is made again: {why}.");
-            farm.nesting.backoff.record_failure(id);
-            Ok(farm.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
+            desk.nesting.backoff.record_failure(id);
+            Ok(desk.shared.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
         }
-        Ok(PublishStep::NeverPublished) => match farm.ledger.find_build(id).await? {
-            Some(build) => make_for_another_printer(farm, &build).await,
+        Ok(PublishStep::NeverPublished) => match desk.shared.ledger.find_build(id).await? {
+            Some(build) => make_for_another_printer(desk, &build).await,
             None => Ok(()),
         },
         Ok(PublishStep::NotRenamed(failure)) => {
-            farm.ledger.cancel_publishing(id).await?;
-            report_publish_failure(farm, id, &failure).await
+            desk.shared.ledger.cancel_publishing(id).await?;
+            report_publish_failure(desk, id, &failure).await
         }
-        Err(failure) => report_publish_failure(farm, id, &failure).await,
+        Err(failure) => report_publish_failure(desk, id, &failure).await,
     }
 }
 
-async fn report_publish_failure(farm: &mut Farm, id: BuildId, failure: &anyhow::Error) -> Result<()> {
-    farm.nesting.backoff.record_failure(id);
-    let profile = farm.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
+async fn report_publish_failure(desk: &mut Building<'_>, id: BuildId, failure: &anyhow::Error) -> Result<()> {
+    desk.nesting.backoff.record_failure(id);
+    let profile = desk.shared.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
     let about = format!("build {id}");
     match failure.downcast_ref::<QueueReplacedError>() {
         Some(replaced) => {
-            farm.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
+            desk.shared.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
         }
-        None => farm.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
+        None => desk.shared.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
     }
     Ok(())
 }
 
-async fn on_build_published(farm: &mut Farm, id: BuildId, published: PublishOutcome) -> Result<()> {
-    farm.ledger.publish_build(id).await?;
-    farm.nesting.backoff.record_success(&id);
-    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+async fn on_build_published(desk: &mut Building<'_>, id: BuildId, published: PublishOutcome) -> Result<()> {
+    desk.shared.ledger.publish_build(id).await?;
+    desk.nesting.backoff.record_success(&id);
+    let Some(build) = desk.shared.ledger.find_build(id).await? else { return Ok(()) };
     for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
-        farm.alerts.clear(kind, &build.profile, &format!("build {id}"));
+        desk.shared.alerts.clear(kind, &build.profile, &format!("build {id}"));
     }
     let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
     match published {
@@ -191,18 +193,18 @@ async fn on_build_published(farm: &mut Farm, id: BuildId, published: PublishOutc
             warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")
         }
     }
-    remove_built_from_store(farm, &build).await
+    remove_built_from_store(desk, &build).await
 }
 
 /// The store's copies of parts that are built are needed no more: the archive has them.
-async fn remove_built_from_store(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+async fn remove_built_from_store(desk: &mut Building<'_>, build: &BuildRow) -> Result<()> {
     let mut unneeded = Vec::new();
-    for part in farm.ledger.parts_of_build(build.id).await? {
+    for part in desk.shared.ledger.parts_of_build(build.id).await? {
         unneeded.push(Forgettable::StoredFile(part.file.content_hash.clone()));
-        if farm.ledger.parts_of_claim(&part.file.claim).await?.iter().all(|p| p.state == PartState::Built) {
+        if desk.shared.ledger.parts_of_claim(&part.file.claim).await?.iter().all(|p| p.state == PartState::Built) {
             // Where the file is kept for another claim, a note of this one would have it printed again.
             unneeded.push(Forgettable::ClaimNote { hash: part.file.content_hash, claim: part.file.claim });
         }
     }
-    forget::forget_data(farm, unneeded).await
+    forget::forget_data(&mut desk.storing(), unneeded).await
 }

@@ -13,7 +13,7 @@ use tracing::{info, warn};
 use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{farm::Farm, printer_state::MachinePrinters},
+        core::{desks::Serving, farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
         printers::queue_alerts::report_wrong_files,
         scanning::queue_files::{QueueFileFindings, QueueFileLook},
@@ -45,46 +45,47 @@ struct QueueFindings {
 impl BackgroundJob<Farm> for QueueLookJob {
     const KIND: &'static str = "Look";
     type Outcome = QueueFindings;
+    type Desk<'f> = Serving<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
+    async fn on_done(self, desk: Self::Desk<'_>, found: Self::Outcome) -> Result<()> {
         for (build, queue_id) in found.taken {
-            farm.ledger.record_taken(build, &queue_id).await?;
+            desk.shared.ledger.record_taken(build, &queue_id).await?;
         }
         for (build, place) in found.elsewhere {
             let what =
                 if place.is_taken_back { "taken back, and goes into a queue again" } else { "in its queue folder" };
             info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
-            farm.ledger.correct_place(build, &place).await?;
+            desk.shared.ledger.correct_place(build, &place).await?;
         }
         if let Some(files) = found.files {
             for (build, printer, queue_id) in files.back {
                 info!(build.id = %build.id, profile = %self.profile, "The file of build {} lies in the queue of {printer} again.", build.id);
-                farm.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
+                desk.shared.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
             }
-            report_wrong_files(farm, &self.profile, &files.wrong);
+            report_wrong_files(desk.shared.alerts, &self.profile, &files.wrong);
         }
         Ok(())
     }
 }
 
 /// Starts jobs that look into the queue folders.
-pub(crate) async fn look_at_queues(farm: &mut Farm) -> Result<()> {
-    for (name, machine) in &farm.machines {
-        let wanted = farm.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
+pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
+    for (name, machine) in desk.machines.iter() {
+        let wanted = desk.shared.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {
             profile: machine.profile.clone(),
             queues: machine.printers.open_queues(),
             leases: machine.leases.clone(),
-            ledger: farm.ledger.clone(),
+            ledger: desk.shared.ledger.clone(),
             runtime: Handle::current(),
         };
-        report_removed_printers(&mut farm.alerts, &machine.printers, name, &wanted);
+        report_removed_printers(desk.shared.alerts, &machine.printers, name, &wanted);
         if !look.queues.is_empty() {
-            farm.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
+            desk.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
         }
     }
     Ok(())

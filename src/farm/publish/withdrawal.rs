@@ -16,7 +16,12 @@ use super::build_move::queue_with_marker;
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::farm::Farm,
+        core::{
+            desks::{Building, Shared},
+            farm::Farm,
+            machine_state::MachineStates,
+            state::CompletionState,
+        },
         decisions::{
             printer_choice::printer_loads,
             withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
@@ -56,17 +61,18 @@ pub(crate) enum WithdrawalStep {
 impl BackgroundJob<Farm> for WithdrawBuildJob {
     const KIND: &'static str = "Withdraw";
     type Outcome = Result<WithdrawalStep>;
+    type Desk<'f> = Building<'f>;
 
     fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
-        on_withdrawal_step(farm, self.build, step).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, step: Self::Outcome) -> Result<()> {
+        on_withdrawal_step(&mut desk, self.build, step).await
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_withdrawal_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_withdrawal_step(&mut desk, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 }
 
@@ -122,136 +128,146 @@ impl WithdrawnBuild {
 }
 
 /// Takes every build further that is being withdrawn.
-pub(crate) async fn withdraw_builds(farm: &mut Farm) -> Result<()> {
-    let names: Vec<String> = farm.machines.keys().cloned().collect();
+pub(crate) async fn withdraw_builds(desk: &mut Building<'_>) -> Result<()> {
+    let names: Vec<String> = desk.machines.keys().cloned().collect();
     for name in names {
-        for build in farm.ledger.builds_to_withdraw(&name).await? {
-            let machine = &farm.machines[&name];
+        for build in desk.shared.ledger.builds_to_withdraw(&name).await? {
+            let machine = &desk.machines[&name];
             let is_served = machine.agreed_folders.is_some() && machine.leases.are_fresh();
-            if !is_served || farm.nesting.backoff.is_waiting(&build.id) {
+            if !is_served || desk.nesting.backoff.is_waiting(&build.id) {
                 continue;
             }
             let Some(queue) = queue_with_marker(machine, build.staged.queue_id.as_deref()) else {
                 if machine.printers.are_all_open() {
-                    give_up_withdrawal(farm, &build).await?;
+                    give_up_withdrawal(desk, &build).await?;
                 }
                 continue;
             };
             let all_queues = machine.printers.open_queues();
-            let (id, leases, ledger) = (build.id, machine.leases.clone(), farm.ledger.clone());
+            let (id, leases, ledger) = (build.id, machine.leases.clone(), desk.shared.ledger.clone());
             let is_carried_out = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
             let archive = machine.profile.folders.archive.clone();
             let withdrawn = WithdrawnBuild { build, queue, all_queues, leases, ledger, archive, is_carried_out };
-            farm.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
+            desk.jobs.start(WithdrawBuildJob { build: id }, move || withdrawn.go_on());
         }
     }
     Ok(())
 }
 
 /// The queue folder of the build is no printer's any more: nobody can say whether its file is there.
-async fn give_up_withdrawal(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+async fn give_up_withdrawal(desk: &mut Building<'_>, build: &BuildRow) -> Result<()> {
     let id = build.id;
     // No printer of the farm sees its file: another word is carried out, but who withdraws it does not say whether it was printed.
-    if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
-        farm.ledger.finish_noted_word(id, false).await?;
+    if desk.shared.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+        desk.shared.ledger.finish_noted_word(id, false).await?;
     }
-    farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+    desk.shared.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
     let text = format!(
         "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
          printed, `nestd outcome {id} failed` has its copies wait again"
     );
-    farm.alerts.raise(AlertKind::QueueReplaced, &build.profile, &format!("build {id}, withdrawn"), &text);
+    desk.shared.alerts.raise(AlertKind::QueueReplaced, &build.profile, &format!("build {id}, withdrawn"), &text);
     Ok(())
 }
 
 /// Commits a step of a withdrawal.
-async fn on_withdrawal_step(farm: &mut Farm, id: BuildId, step: Result<WithdrawalStep>) -> Result<()> {
-    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+async fn on_withdrawal_step(desk: &mut Building<'_>, id: BuildId, step: Result<WithdrawalStep>) -> Result<()> {
+    let Some(build) = desk.shared.ledger.find_build(id).await? else { return Ok(()) };
     let profile = build.profile.clone();
     match step {
         Ok(WithdrawalStep::TakenBack) => {
             // It must be there to fire at once.
-            farm.ledger.open_build(&profile).await?;
-            match farm.ledger.finish_noted_word(id, true).await {
+            desk.shared.ledger.open_build(&profile).await?;
+            match desk.shared.ledger.finish_noted_word(id, true).await {
                 Ok(told) => {
                     let told = told.unwrap_or_default().join(" ");
                     info!(build.id = %id, profile = %profile, "The file of build {id} is out of the queue. {told}");
-                    return withdraw_builds(farm).await;
+                    return withdraw_builds(desk).await;
                 }
-                Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure.into()),
+                Err(failure) => return report_withdrawal_failure(desk, id, &profile, &failure.into()),
             }
         }
         Ok(WithdrawalStep::Altered) => {
             let why = "what lies in the queue under its name is not the file that was proved";
             let then = "Take that out of the queue, look whether it was printed, and say it once more";
-            drop_word(farm, id, WithdrawalEnd::Altered, (why, then)).await?;
-            look_again_at(farm, &build);
+            drop_word(desk, id, WithdrawalEnd::Altered, (why, then)).await?;
+            look_again_at(desk, &build);
         }
         Ok(WithdrawalStep::Taken) => {
             let then = "Say it once more when it is known how it is printed";
-            drop_word(farm, id, WithdrawalEnd::Taken, ("its printer took it first", then)).await?;
+            drop_word(desk, id, WithdrawalEnd::Taken, ("its printer took it first", then)).await?;
             info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
         }
-        Ok(WithdrawalStep::Removed) => farm.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
+        Ok(WithdrawalStep::Removed) => desk.shared.ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?,
         Ok(WithdrawalStep::Elsewhere(place)) => {
             let why = format!("it lies at {}, and not where it was published", place.printer);
-            drop_word(farm, id, WithdrawalEnd::Removed, (&why, "Say it once more")).await?;
-            farm.ledger.correct_place(id, &place).await?;
+            drop_word(desk, id, WithdrawalEnd::Removed, (&why, "Say it once more")).await?;
+            desk.shared.ledger.correct_place(id, &place).await?;
             info!(build.id = %id, profile = %profile, "Build {id} was found at {} and is not taken back: withdraw it once more.", place.printer);
         }
-        Err(failure) => return report_withdrawal_failure(farm, id, &profile, &failure),
+        Err(failure) => return report_withdrawal_failure(desk, id, &profile, &failure),
     }
-    farm.nesting.backoff.record_success(&id);
-    farm.alerts.clear(AlertKind::PublishingFails, &profile, &format!("build {id}"));
+    desk.nesting.backoff.record_success(&id);
+    desk.shared.alerts.clear(AlertKind::PublishingFails, &profile, &format!("build {id}"));
     Ok(())
 }
 
 /// What lies in the queue as a build is not the proved file: the next look reads it, and tells so until that is over.
-fn look_again_at(farm: &mut Farm, build: &BuildRow) {
-    let Some(machine) = farm.machines.get(&build.profile) else { return };
+fn look_again_at(desk: &mut Building<'_>, build: &BuildRow) {
+    let Some(machine) = desk.machines.get(&build.profile) else { return };
     if let (Some(queue), Some(name)) =
         (queue_with_marker(machine, build.staged.queue_id.as_deref()), build.staged.file_name.as_deref())
     {
         queue_contents::forget(&queue.published_path(name));
     }
-    let now = farm.now();
-    farm.schedule.tasks.make_due(TimedTask::CheckFolders, now);
+    let now = desk.shared.now();
+    desk.shared.schedule.tasks.make_due(TimedTask::CheckFolders, now);
 }
 
-fn report_withdrawal_failure(farm: &mut Farm, id: BuildId, profile: &str, failure: &anyhow::Error) -> Result<()> {
-    farm.nesting.backoff.record_failure(id);
-    farm.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
+fn report_withdrawal_failure(
+    desk: &mut Building<'_>,
+    id: BuildId,
+    profile: &str,
+    failure: &anyhow::Error,
+) -> Result<()> {
+    desk.nesting.backoff.record_failure(id);
+    desk.shared.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
     Ok(())
 }
 
 /// What was said of a build is not done: it was said of a file that lay untouched where it was published, and of another one it may not be
 /// true. `why` it was not taken back, and what a person does `then`.
-async fn drop_word(farm: &Farm, id: BuildId, end: WithdrawalEnd, (why, then): (&str, &str)) -> Result<()> {
-    if farm.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
+async fn drop_word(desk: &Building<'_>, id: BuildId, end: WithdrawalEnd, (why, then): (&str, &str)) -> Result<()> {
+    if desk.shared.ledger.taken_back_for(id).await? == Some(TakenBackFor::Word) {
         let text = format!(
             "the file of build {id} was to be taken out of the queue, for its copies are to be printed again, but {why}: nothing was \
              changed. {then}"
         );
-        farm.ledger.record_dropped_word(id, &text).await?;
+        desk.shared.ledger.record_dropped_word(id, &text).await?;
     }
-    Ok(farm.ledger.end_withdrawal(id, end).await?)
+    Ok(desk.shared.ledger.end_withdrawal(id, end).await?)
 }
 
 /// Withdraws the newest build in the queue of a machine where the settings say so, for what has arrived since.
-pub(crate) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<()> {
-    let Some(machine) = farm.machines.get(name) else { return Ok(()) };
-    if machine.profile.printing.withdraw == WithdrawalPolicy::Never || !farm.schedule.clock.is_date_trusted() {
+pub(crate) async fn consider_withdrawal(
+    shared: &Shared<'_>,
+    machines: &MachineStates,
+    completion: &CompletionState,
+    name: &str,
+) -> Result<()> {
+    let Some(machine) = machines.get(name) else { return Ok(()) };
+    if machine.profile.printing.withdraw == WithdrawalPolicy::Never || !shared.schedule.clock.is_date_trusted() {
         return Ok(());
     }
-    let Some(queued) = farm.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
-    let Some(build) = farm.ledger.find_build(queued.build).await? else { return Ok(()) };
-    let is_ending = !farm.ledger.builds_to_withdraw(name).await?.is_empty()
-        || farm.ledger.withdrawn_for_open(name).await?.is_some();
-    let mut waiting = farm.ledger.waiting_copies(name).await?;
-    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
-    let now = farm.date();
-    let (builds, times) = occupation_of(&farm.ledger, &machine.profile, now).await?;
-    let waits_for_yes = farm.ledger.builds_in_state(BuildState::Verified).await?;
+    let Some(queued) = shared.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
+    let Some(build) = shared.ledger.find_build(queued.build).await? else { return Ok(()) };
+    let is_ending = !shared.ledger.builds_to_withdraw(name).await?.is_empty()
+        || shared.ledger.withdrawn_for_open(name).await?.is_some();
+    let mut waiting = shared.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !completion.deferred_refusals.contains_key(&waiting.part.id));
+    let now = shared.date();
+    let (builds, times) = occupation_of(shared.ledger, &machine.profile, now).await?;
+    let waits_for_yes = shared.ledger.builds_in_state(BuildState::Verified).await?;
     let waits_for_yes =
         |id| waits_for_yes.iter().any(|build| build.id == id && awaits_release(&machine.profile, build));
     let is_made = |other: &OccupyingBuild| {
@@ -273,7 +289,7 @@ pub(crate) async fn consider_withdrawal(farm: &mut Farm, name: &str) -> Result<(
     };
     if let Some(why) = decide_withdrawal(&machine.profile, &facts, now) {
         let word = OperatorWord::Withdraw(build.id, why.to_owned());
-        match operate(&farm.ledger, &farm.settings, &word, WITHDRAWN_BY_NESTD, false).await {
+        match operate(shared.ledger, shared.settings, &word, WITHDRAWN_BY_NESTD, false).await {
             // Its printer was first, or its file lies there under another name, which is told.
             Err(LedgerError::InQueue(_) | LedgerError::NotInQueue(_)) => {}
             said => {

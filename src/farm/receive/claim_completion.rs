@@ -14,7 +14,7 @@ use super::{
 };
 use crate::farm::{
     alerts::alert::AlertKind,
-    core::{farm::Farm, state::CompletionState},
+    core::{desks::Receiving, farm::Farm, state::CompletionState},
     files::standing_claim::StandingClaim,
     records::forgettable::Forgettable,
 };
@@ -30,17 +30,18 @@ pub(crate) struct ClaimCompletionJob {
 impl BackgroundJob<Farm> for ClaimCompletionJob {
     const KIND: &'static str = "Claim";
     type Outcome = Result<ClaimOutcome>;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.claim.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
-        on_claim_completed(farm, &self, ended).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, ended: Self::Outcome) -> Result<()> {
+        on_claim_completed(&mut desk, &self, ended).await
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_claim_completed(farm, &self, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_claim_completed(&mut desk, &self, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 }
 
@@ -57,34 +58,39 @@ impl ClaimCompletionJob {
 /// Refuses a claimed part. If its original is claimed: changes the part to rejected, then moves the file into the error
 /// folder; after a crash in between, `record_claimed_file` finishes this. A part that is read again has no original in the
 /// hot folder any more, which could tell of it after a crash: its copy in the error folder comes first.
-pub(crate) async fn refuse_part(farm: &mut Farm, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
+pub(crate) async fn refuse_part(
+    desk: &mut Receiving<'_>,
+    part: &PartRow,
+    cause: RefusalCause,
+    reason: &str,
+) -> Result<()> {
     warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-    if deferred_refusal::is_without_original(&farm.completion, part) && farm.machines.contains_key(&part.profile) {
-        deferred_refusal::start_refusal(farm, part.clone(), cause, reason, None);
+    if deferred_refusal::is_without_original(desk.completion, part) && desk.machines.contains_key(&part.profile) {
+        deferred_refusal::start_refusal(desk, part.clone(), cause, reason, None);
         return Ok(());
     }
-    farm.ledger.reject_claim(part.id, cause, reason).await?;
-    mark_note::update_decision_count(farm, part).await;
-    move_to_error_folder(farm, part, Some(cause), reason);
+    desk.shared.ledger.reject_claim(part.id, cause, reason).await?;
+    mark_note::update_decision_count(desk, part).await;
+    move_to_error_folder(desk, part, Some(cause), reason);
     Ok(())
 }
 
 /// Completes the claims of parts that were read or refused, and retries what failed earlier (for example because
 /// the error folder was not writable).
-pub(crate) async fn complete_claims(farm: &mut Farm) -> Result<()> {
-    for claim in farm.completion.claims.keys().cloned().collect::<Vec<_>>() {
-        let parts = farm.ledger.parts_of_claim(&claim).await?;
-        parts.first().into_iter().for_each(|part| complete_claim(farm, part));
+pub(crate) async fn complete_claims(desk: &mut Receiving<'_>) -> Result<()> {
+    for claim in desk.completion.claims.keys().cloned().collect::<Vec<_>>() {
+        let parts = desk.shared.ledger.parts_of_claim(&claim).await?;
+        parts.first().into_iter().for_each(|part| complete_claim(desk, part));
     }
     Ok(())
 }
 
-pub(super) fn complete_claim(farm: &mut Farm, part: &PartRow) {
+pub(super) fn complete_claim(desk: &mut Receiving<'_>, part: &PartRow) {
     match part.state {
         PartState::Claimed => {}
-        PartState::Rejected => move_to_error_folder(farm, part, part.rejection.refusal, &part.rejection.reason),
+        PartState::Rejected => move_to_error_folder(desk, part, part.rejection.refusal, &part.rejection.reason),
         // The part was read: only its original must still be released.
-        _ => release_claim(farm, part),
+        _ => release_claim(desk, part),
     }
 }
 
@@ -95,18 +101,18 @@ pub(crate) fn is_completing(completion: &CompletionState, jobs: &JobRunner<Farm>
         || completion.forgetting.is_under_way(&part.file.content_hash)
 }
 
-fn move_to_error_folder(farm: &mut Farm, part: &PartRow, cause: Option<RefusalCause>, reason: &str) {
-    farm.reading.backoff.record_success(&part.id);
-    let Some(refused) = describe_refused_part(farm, part, cause, reason) else { return };
-    farm.jobs.start(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
+fn move_to_error_folder(desk: &mut Receiving<'_>, part: &PartRow, cause: Option<RefusalCause>, reason: &str) {
+    desk.reading.backoff.record_success(&part.id);
+    let Some(refused) = describe_refused_part(desk, part, cause, reason) else { return };
+    desk.jobs.start(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
 }
 
 /// Another farm has the file: copies it into the error folder if the store has it and this farm has the folder's
 /// lease.
-pub(crate) fn copy_given_up_part(farm: &mut Farm, part: &PartRow, reason: &str) {
-    let Some(refused) = describe_refused_part(farm, part, Some(RefusalCause::Cancelled), reason) else { return };
+pub(crate) fn copy_given_up_part(desk: &mut Receiving<'_>, part: &PartRow, reason: &str) {
+    let Some(refused) = describe_refused_part(desk, part, Some(RefusalCause::Cancelled), reason) else { return };
     let id = part.id;
-    farm.jobs.start(ClaimCompletionJob::of(part), move || {
+    desk.jobs.start(ClaimCompletionJob::of(part), move || {
         if let Err(failure) = refused.copy_to_error_folder() {
             debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
         }
@@ -115,11 +121,11 @@ pub(crate) fn copy_given_up_part(farm: &mut Farm, part: &PartRow, reason: &str) 
 }
 
 /// Releases the claimed original: the store has the file, and its row is committed.
-pub(crate) fn release_claim(farm: &mut Farm, part: &PartRow) {
-    farm.reading.backoff.record_success(&part.id);
-    let Some(StandingClaim { claim, .. }) = farm.completion.claims.get(&part.file.claim).cloned() else { return };
+pub(crate) fn release_claim(desk: &mut Receiving<'_>, part: &PartRow) {
+    desk.reading.backoff.record_success(&part.id);
+    let Some(StandingClaim { claim, .. }) = desk.completion.claims.get(&part.file.claim).cloned() else { return };
     let content_hash = part.file.content_hash.clone();
-    farm.jobs.start(ClaimCompletionJob::of(part), move || {
+    desk.jobs.start(ClaimCompletionJob::of(part), move || {
         match intake::release_claim(&claim, &content_hash)? {
             ReleaseOutcome::GivenBack(path) => {
                 let file = path.display();
@@ -135,10 +141,10 @@ pub(crate) fn release_claim(farm: &mut Farm, part: &PartRow) {
 
 /// Puts a claimed file back into the hot folder. Somebody wrote to it after its row was committed, and then nestd
 /// crashed: the file is a new revision.
-pub(crate) fn give_back_claim(farm: &mut Farm, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
-    let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), farm.meshes.store.clone());
+pub(crate) fn give_back_claim(desk: &mut Receiving<'_>, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+    let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), desk.meshes.store.clone());
     let (claim, hash) = (claim.clone(), stored.hash.clone());
-    farm.jobs.start(end, move || {
+    desk.jobs.start(end, move || {
         intake::give_back_claim(&claim)?;
         store.delete_note(&hash, &claim.id)?;
         Ok(ClaimOutcome::GivenBack(hash))
@@ -146,9 +152,9 @@ pub(crate) fn give_back_claim(farm: &mut Farm, profile: &str, claim: &ClaimedPar
 }
 
 /// Releases a claim that replaced a damaged stored file. Such a claim does not order new copies.
-pub(super) fn release_replacement(farm: &mut Farm, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+pub(super) fn release_replacement(desk: &mut Receiving<'_>, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
     let (claim, hash) = (claim.clone(), stored.hash.clone());
-    farm.jobs.start(ClaimCompletionJob::of_claim(profile, &claim), move || {
+    desk.jobs.start(ClaimCompletionJob::of_claim(profile, &claim), move || {
         intake::release_claim(&claim, &hash)?;
         Ok(ClaimOutcome::Done)
     });
@@ -156,21 +162,27 @@ pub(super) fn release_replacement(farm: &mut Farm, profile: &str, claim: &Claime
 
 /// Processes the outcome of a claim completion. A completion that failed, or whose claim was not listed yet, is
 /// retried.
-async fn on_claim_completed(farm: &mut Farm, of: &ClaimCompletionJob, ended: Result<ClaimOutcome>) -> Result<()> {
+async fn on_claim_completed(
+    desk: &mut Receiving<'_>,
+    of: &ClaimCompletionJob,
+    ended: Result<ClaimOutcome>,
+) -> Result<()> {
     match ended {
         Ok(ClaimOutcome::NotListedYet) => {}
         Ok(end) => {
-            farm.completion.claims.remove(&of.claim);
+            desk.completion.claims.remove(&of.claim);
             match end {
-                ClaimOutcome::OriginalReleased => drop(farm.completion.released.insert(of.claim.clone())),
-                ClaimOutcome::GivenBack(hash) => forget::forget_data(farm, [Forgettable::StoredFile(hash)]).await?,
+                ClaimOutcome::OriginalReleased => drop(desk.completion.released.insert(of.claim.clone())),
+                ClaimOutcome::GivenBack(hash) => {
+                    forget::forget_data(&mut desk.storing(), [Forgettable::StoredFile(hash)]).await?
+                }
                 _ => {}
             }
         }
         Err(failure) => {
-            farm.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
+            desk.shared.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
             if let (false, Some(machine)) =
-                (farm.completion.claims.contains_key(&of.claim), farm.machines.get_mut(&of.profile))
+                (desk.completion.claims.contains_key(&of.claim), desk.machines.get_mut(&of.profile))
             {
                 // The claim is known only by its folder: the next scan lists it.
                 machine.inbox.relist = true;

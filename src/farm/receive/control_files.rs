@@ -3,10 +3,10 @@
 use anyhow::Result;
 use intake::{ControlFile, ControlKind};
 use jobs::BackgroundJob;
-use ledger::{CommandArgument, CommandKind, NewCommand};
+use ledger::{CommandArgument, CommandKind, Ledger, NewCommand};
 use tracing::warn;
 
-use crate::farm::core::farm::Farm;
+use crate::farm::core::{desks::Receiving, farm::Farm, machine_state::MachineStates};
 
 /// Removes a control file.
 #[derive(Clone)]
@@ -17,12 +17,13 @@ pub(crate) struct ControlFileJob {
 impl BackgroundJob<Farm> for ControlFileJob {
     const KIND: &'static str = "Control";
     type Outcome = Result<()>;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.key.clone()
     }
 
-    async fn on_done(self, _farm: &mut Farm, removed: Self::Outcome) -> Result<()> {
+    async fn on_done(self, _desk: Self::Desk<'_>, removed: Self::Outcome) -> Result<()> {
         if let Err(failure) = removed {
             warn!("A control file could not be removed; it is tried again: {failure:#}.");
         }
@@ -31,9 +32,9 @@ impl BackgroundJob<Farm> for ControlFileJob {
 }
 
 /// Gives the commands of the control files of a scan, and removes the files.
-pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<ControlFile>) -> Result<()> {
+pub(super) async fn obey_controls(desk: &mut Receiving<'_>, profile: &str, controls: Vec<ControlFile>) -> Result<()> {
     for control in controls {
-        let Some(machine) = farm.machines.get_mut(profile) else { return Ok(()) };
+        let Some(machine) = desk.machines.get_mut(profile) else { return Ok(()) };
         let (inbox, key) = (machine.profile.folders.inbox.clone(), control.key.clone());
         if !machine.inbox.controls.is_obeyed(&key) {
             let name = control.kind.file_name();
@@ -45,11 +46,11 @@ pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<
                 argument: CommandArgument::default(),
                 asked_by: format!("file {name}{user}"),
             };
-            let id = farm.ledger.submit_command(&command).await?;
-            let Some(machine) = farm.machines.get_mut(profile) else { return Ok(()) };
+            let id = desk.shared.ledger.submit_command(&command).await?;
+            let Some(machine) = desk.machines.get_mut(profile) else { return Ok(()) };
             machine.inbox.controls.record_command(key.clone(), id, name);
         }
-        farm.jobs.start(ControlFileJob { key }, move || {
+        desk.jobs.start(ControlFileJob { key }, move || {
             intake::finish_control_file(&inbox, &control)?;
             Ok(())
         });
@@ -58,11 +59,11 @@ pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<
 }
 
 /// Reads the answers to the last control files, for `STATUS.txt`.
-pub(crate) async fn update_answers(farm: &mut Farm) -> Result<()> {
-    for machine in farm.machines.values_mut() {
+pub(crate) async fn update_answers(ledger: &Ledger, machines: &mut MachineStates) -> Result<()> {
+    for machine in machines.values_mut() {
         let controls = &mut machine.inbox.controls;
         let Some((id, name)) = controls.unanswered() else { continue };
-        if let Some(row) = farm.ledger.find_command(id).await?
+        if let Some(row) = ledger.find_command(id).await?
             && row.is_answered()
             && let Some(at) = row.answered_at
         {

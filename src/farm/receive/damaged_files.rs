@@ -19,7 +19,12 @@ use crate::farm::{
         alert_registry::AlertRegistry,
         failure::{LostFileError, PartFault},
     },
-    core::{farm::Farm, machine_state::MachineStates},
+    core::{
+        desks::{Building, Receiving, Shared},
+        farm::Farm,
+        machine_state::MachineStates,
+    },
+    files::mesh_source::MeshSource,
     nesting::node_content::OtherNodes,
 };
 
@@ -30,31 +35,42 @@ pub(crate) struct DamagedFilesJob;
 impl BackgroundJob<Farm> for DamagedFilesJob {
     const KIND: &'static str = "Damaged";
     type Outcome = Vec<String>;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, hashes: Self::Outcome) -> Result<()> {
-        on_files_repaired(farm, &hashes).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, hashes: Self::Outcome) -> Result<()> {
+        on_files_repaired(&mut desk, &hashes).await
     }
 }
 
 /// From now on the parts of a lost file wait until it is dropped again.
-pub(crate) async fn request_file_again(farm: &mut Farm, lost: &LostFileError) -> Result<()> {
+pub(crate) async fn request_file_again(
+    shared: &mut Shared<'_>,
+    machines: &MachineStates,
+    meshes: &mut MeshSource,
+    lost: &LostFileError,
+) -> Result<()> {
     warn!("{lost}; the same file must be dropped again.");
-    farm.meshes.mesh_cache.retain(|key| key.content_hash != lost.content_hash);
-    farm.ledger.mark_damaged(&lost.content_hash, &lost.to_string()).await?;
-    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await
+    meshes.mesh_cache.retain(|key| key.content_hash != lost.content_hash);
+    shared.ledger.mark_damaged(&lost.content_hash, &lost.to_string()).await?;
+    update_damaged_alerts(shared.ledger, machines, shared.alerts).await
 }
 
 /// From now on the part in which a failure lies waits for a person.
-pub(crate) async fn hold_faulty_part(farm: &mut Farm, fault: PartFault<'_>) -> Result<()> {
+pub(crate) async fn hold_faulty_part(
+    shared: &mut Shared<'_>,
+    machines: &MachineStates,
+    meshes: &mut MeshSource,
+    fault: PartFault<'_>,
+) -> Result<()> {
     match fault {
-        PartFault::Lost(lost) => request_file_again(farm, lost).await,
+        PartFault::Lost(lost) => request_file_again(shared, machines, meshes, lost).await,
         PartFault::SizeDiffers(differs) => {
             warn!(part.id = %differs.part, "{differs}; it waits for a person.");
-            Ok(farm.ledger.hold_other_size(differs.part, differs.found_mm).await?)
+            Ok(shared.ledger.hold_other_size(differs.part, differs.found_mm).await?)
         }
     }
 }
@@ -62,62 +78,62 @@ pub(crate) async fn hold_faulty_part(farm: &mut Farm, fault: PartFault<'_>) -> R
 /// Continues a build without the parts in which a failure lies. If no other part is in it, the build fails and its copies
 /// wait.
 pub(crate) async fn continue_without_faulty_part(
-    farm: &mut Farm,
+    desk: &mut Building<'_>,
     build: BuildId,
     failure: &anyhow::Error,
 ) -> Result<()> {
     let Some(fault) = PartFault::find_in_chain(failure) else { return Ok(()) };
-    let parts = farm.ledger.parts_of_build(build).await?;
+    let parts = desk.shared.ledger.parts_of_build(build).await?;
     let parts: Vec<PartId> = parts.iter().filter(|part| fault.is_of(part)).map(|part| part.id).collect();
     let why = match &fault {
         PartFault::Lost(lost) => lost.to_string(),
         PartFault::SizeDiffers(differs) => differs.to_string(),
     };
-    let all = farm.ledger.copies_of_build(build).await?;
+    let all = desk.shared.ledger.copies_of_build(build).await?;
     let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
     match gone.len() < all.len() {
         true => {
-            farm.ledger.release_copies(build, &gone, &why).await?;
+            desk.shared.ledger.release_copies(build, &gone, &why).await?;
             // Not a fault of the build: it does not count as an attempt.
-            farm.nesting.just_fired.insert(build);
+            desk.nesting.just_fired.insert(build);
         }
-        false => farm.ledger.fail_build(build, &why).await?,
+        false => desk.shared.ledger.fail_build(build, &why).await?,
     }
-    hold_faulty_part(farm, fault).await
+    hold_faulty_part(&mut desk.shared, desk.machines, desk.meshes, fault).await
 }
 
 /// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.
 pub(super) async fn take_as_replacement(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     profile: &str,
     claim: &ClaimedPart,
     stored: &StoredFile,
 ) -> Result<bool> {
-    let Some(part) = farm.ledger.take_replacement(&claim.id, profile, &stored.hash).await? else {
+    let Some(part) = desk.shared.ledger.take_replacement(&claim.id, profile, &stored.hash).await? else {
         return Ok(false);
     };
     let name = claim.display_name();
     info!(part.id = %part, profile, "{name} was dropped again: part {part} goes on with it; it is not another order.");
-    claim_completion::release_replacement(farm, profile, claim, stored);
-    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
+    claim_completion::release_replacement(desk, profile, claim, stored);
+    update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await?;
     Ok(true)
 }
 
 /// Checks whether somebody has put a damaged file back, or another node has it.
-pub(crate) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
-    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
-    let mut parts = farm.ledger.damaged_parts().await?;
+pub(crate) async fn check_damaged_files(desk: &mut Receiving<'_>) -> Result<()> {
+    update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await?;
+    let mut parts = desk.shared.ledger.damaged_parts().await?;
     // The files of another node's machines are looked for there.
-    parts.retain(|part| farm.looks_after(&part.profile));
+    parts.retain(|part| desk.shared.looks_after(desk.machines, &part.profile));
     let mut hashes: Vec<String> = parts.into_iter().map(|part| part.file.content_hash).collect();
     hashes.dedup();
     if hashes.is_empty() {
         return Ok(());
     }
-    let store = farm.meshes.store.clone();
-    let inboxes: Vec<PathBuf> = farm.machines.values().map(|s| s.profile.folders.inbox.clone()).collect();
-    let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
-    farm.jobs.start(DamagedFilesJob, move || {
+    let store = desk.meshes.store.clone();
+    let inboxes: Vec<PathBuf> = desk.machines.values().map(|s| s.profile.folders.inbox.clone()).collect();
+    let nodes = OtherNodes::of_ledger(desk.shared.settings, desk.shared.ledger).await?;
+    desk.jobs.start(DamagedFilesJob, move || {
         // A node that was gone may have come back with it.
         let is_there =
             |hash: &str| store.verify_hash(hash).is_ok() || nodes.fetch_into_store(&store, hash).unwrap_or(false);
@@ -145,11 +161,11 @@ fn claimed_hashes(inboxes: &[PathBuf]) -> Result<BTreeSet<String>> {
     Ok(hashes)
 }
 
-async fn on_files_repaired(farm: &mut Farm, hashes: &[String]) -> Result<()> {
+async fn on_files_repaired(desk: &mut Receiving<'_>, hashes: &[String]) -> Result<()> {
     for hash in hashes {
-        farm.ledger.mark_whole(hash).await?;
+        desk.shared.ledger.mark_whole(hash).await?;
     }
-    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await
+    update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await
 }
 
 /// One alert for each machine, with its parts.

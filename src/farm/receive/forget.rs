@@ -10,7 +10,7 @@ use ledger::Ledger;
 
 use crate::farm::{
     alerts::alert::AlertKind,
-    core::farm::Farm,
+    core::{desks::Storing, farm::Farm},
     records::forgettable::{Forgettable, KEEP_REFUSED_SECS},
 };
 
@@ -21,17 +21,18 @@ pub(crate) struct ForgetJob;
 impl BackgroundJob<Farm> for ForgetJob {
     const KIND: &'static str = "Forget";
     type Outcome = Result<()>;
+    type Desk<'f> = Storing<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, removed: Self::Outcome) -> Result<()> {
-        on_forgotten(farm, removed).await
+    async fn on_done(self, mut desk: Self::Desk<'_>, removed: Self::Outcome) -> Result<()> {
+        on_forgotten(&mut desk, removed).await
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_forgotten(farm, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
+        on_forgotten(&mut desk, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 }
 
@@ -39,35 +40,37 @@ impl BackgroundJob<Farm> for ForgetJob {
 struct RemovalMark;
 
 impl Carried<Farm> for RemovalMark {
-    fn give_back(self, farm: &mut Farm) {
-        farm.completion.forgetting.end();
+    type Desk<'f> = Storing<'f>;
+
+    fn give_back(self, desk: Self::Desk<'_>) {
+        desk.forgetting.end();
     }
 }
 
 /// Removes these from the store if no part needs them, together with earlier requests. A later cleanup finds those
 /// again that cannot be removed now.
-pub(crate) async fn forget_data(farm: &mut Farm, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
-    farm.completion.forgetting.want(unneeded);
-    if farm.jobs.is_running::<ForgetJob>("") {
+pub(crate) async fn forget_data(desk: &mut Storing<'_>, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
+    desk.forgetting.want(unneeded);
+    if desk.jobs.is_running::<ForgetJob>("") {
         return Ok(());
     }
     let mut work = Vec::new();
-    for wanted in farm.completion.forgetting.wanted().clone() {
+    for wanted in desk.forgetting.wanted().clone() {
         if let Forgettable::StoredFile(hash) = &wanted
-            && is_content_needed(&farm.ledger, farm.date(), hash).await?
+            && is_content_needed(desk.shared.ledger, desk.shared.date(), hash).await?
         {
             continue;
         }
         work.push(wanted);
     }
-    farm.completion.forgetting.begin(&work);
+    desk.forgetting.begin(&work);
     if work.is_empty() {
         return Ok(());
     }
-    let forgetting = &farm.completion.forgetting;
-    farm.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
-    let store = farm.meshes.store.clone();
-    farm.jobs.start_with(ForgetJob, RemovalMark, move |_| {
+    let forgetting = &*desk.forgetting;
+    desk.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
+    let store = desk.meshes.store.clone();
+    desk.jobs.start_with(ForgetJob, RemovalMark, move |_| {
         // If one cannot be removed, the others are still removed.
         let removed = work.iter().map(|one| one.remove_from(&store)).collect::<Vec<_>>();
         Ok(removed.into_iter().collect::<Result<(), StoreError>>()?)
@@ -75,12 +78,12 @@ pub(crate) async fn forget_data(farm: &mut Farm, unneeded: impl IntoIterator<Ite
     Ok(())
 }
 
-async fn on_forgotten(farm: &mut Farm, removed: Result<()>) -> Result<()> {
+async fn on_forgotten(desk: &mut Storing<'_>, removed: Result<()>) -> Result<()> {
     match &removed {
-        Ok(()) => farm.alerts.clear(AlertKind::StepFails, "", "forgetting"),
-        Err(failure) => farm.report_failure(AlertKind::StepFails, "", "forgetting", failure),
+        Ok(()) => desk.shared.alerts.clear(AlertKind::StepFails, "", "forgetting"),
+        Err(failure) => desk.shared.report_failure(AlertKind::StepFails, "", "forgetting", failure),
     }
-    forget_data(farm, []).await
+    forget_data(desk, []).await
 }
 
 /// Whether a stored file is needed by a live part, or by a refused part that may still be taken back.

@@ -3,16 +3,16 @@
 use anyhow::Result;
 
 use super::scan_jobs::HotFolderScanJob;
-use crate::farm::core::farm::Farm;
+use crate::farm::core::desks::Serving;
 
 /// Has the hot folder of a machine scanned soon for which a line was ordered.
-pub(crate) async fn hurry_scans(farm: &mut Farm) -> Result<()> {
-    let now = farm.now();
-    for (name, machine) in &mut farm.machines {
-        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+pub(crate) async fn hurry_scans(desk: &mut Serving<'_>) -> Result<()> {
+    let now = desk.shared.now();
+    for (name, machine) in desk.machines.iter_mut() {
+        if desk.jobs.is_running::<HotFolderScanJob>(name) {
             continue;
         }
-        let newest = farm.ledger.newest_arriving_line(name).await?;
+        let newest = desk.shared.ledger.newest_arriving_line(name).await?;
         if newest != machine.inbox.arriving {
             machine.inbox.next_scan_at = now;
             machine.inbox.arriving = newest;

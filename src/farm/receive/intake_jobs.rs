@@ -16,7 +16,7 @@ use super::{
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::farm::Farm,
+        core::{desks::Receiving, farm::Farm},
         files::{
             claim_note::ClaimNote,
             error_folder::{self, COPIES_UNKNOWN},
@@ -40,45 +40,46 @@ pub(crate) struct PartReadJob {
 impl BackgroundJob<Farm> for PartReadJob {
     const KIND: &'static str = "Read";
     type Outcome = PartReadOutcome;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.part.to_string()
     }
 
-    async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
-        let taken = on_part_read(farm, self.part, outcome).await;
+    async fn on_done(self, mut desk: Self::Desk<'_>, outcome: Self::Outcome) -> Result<()> {
+        let taken = on_part_read(&mut desk, self.part, outcome).await;
         if taken.is_err() {
             // It is read again because of the ledger, and not because its file ended the process.
-            farm.reading.counted_reads.insert(self.part);
+            desk.reading.counted_reads.insert(self.part);
         }
         taken
     }
 
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+    async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
         let reason = format!(
             "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to nestd's makers."
         );
-        on_part_read(farm, self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
+        on_part_read(&mut desk, self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
     }
 
-    fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        farm.reading.backoff.record_failure(self.part);
+    fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
+        desk.reading.backoff.record_failure(self.part);
     }
 }
 
 /// Writes the rows of all drops of a scan in one transaction, which costs as much as one row. Empty = each is written by
 /// itself: there is one alone, it failed (failures are reported then), or one may replace a damaged file and be no order.
-pub(super) async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
-    if drops.len() < 2 || !farm.machines.contains_key(name) {
+pub(super) async fn record_all(desk: &Receiving<'_>, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
+    if drops.len() < 2 || !desk.machines.contains_key(name) {
         return Vec::new();
     }
     let record = async {
-        let asked_for = farm.ledger.damaged_parts().await?;
+        let asked_for = desk.shared.ledger.damaged_parts().await?;
         if drops.iter().any(|drop| asked_for.iter().any(|part| part.file.content_hash == drop.stored.hash)) {
             return Ok(Vec::new());
         }
         let drops: Vec<_> = drops.iter().map(ClaimedDrop::row_to_record).collect();
-        farm.ledger.record_drops(&drops).await
+        desk.shared.ledger.record_drops(&drops).await
     };
     record.await.unwrap_or_else(|failure| {
         debug!("The rows of a scan are written one by one: {failure}.");
@@ -89,32 +90,34 @@ pub(super) async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -
 /// Writes the row of a claimed file; an earlier run or the transaction for the whole scan may have written it
 /// already.
 pub(super) async fn record_claimed_file(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     name: &str,
     drop: &ClaimedDrop,
     recorded: Option<RecordedPart>,
 ) -> Result<()> {
-    if !farm.machines.contains_key(name) {
+    if !desk.machines.contains_key(name) {
         return Ok(());
     }
     let ClaimedDrop { claim, stored, part_spec, row } = drop;
-    if part_spec.is_ok() && damaged_files::take_as_replacement(farm, name, claim, stored).await? {
+    if part_spec.is_ok() && damaged_files::take_as_replacement(desk, name, claim, stored).await? {
         return Ok(());
     }
     let recorded = match recorded {
         Some(recorded) => recorded,
-        None => farm.ledger.record_drops(&[drop.row_to_record()]).await?.pop().context("a drop was not recorded")?,
+        None => {
+            desk.shared.ledger.record_drops(&[drop.row_to_record()]).await?.pop().context("a drop was not recorded")?
+        }
     };
     if recorded.is_new {
-        farm.reading.counted_reads.insert(recorded.id);
+        desk.reading.counted_reads.insert(recorded.id);
     }
-    let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
+    let part = desk.shared.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
     if part.file.content_hash != stored.hash {
-        claim_completion::give_back_claim(farm, name, claim, stored);
+        claim_completion::give_back_claim(desk, name, claim, stored);
         return Ok(());
     }
-    let note = ClaimNote::new(farm.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
-    farm.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
+    let note = ClaimNote::new(desk.shared.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
+    desk.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
     match (part.state, part_spec) {
         (PartState::Claimed, Err(error)) => {
             let remedy = match error {
@@ -124,58 +127,59 @@ pub(super) async fn record_claimed_file(
                 _ => "mend the ticket and drop both again",
             };
             let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
-            claim_completion::refuse_part(farm, &part, RefusalCause::Ticket, &reason).await
+            claim_completion::refuse_part(desk, &part, RefusalCause::Ticket, &reason).await
         }
         _ => {
-            claim_completion::complete_claim(farm, &part);
+            claim_completion::complete_claim(desk, &part);
             Ok(())
         }
     }
 }
 
 /// Starts to read claimed parts.
-pub(crate) async fn start_reading(farm: &mut Farm) -> Result<()> {
+pub(crate) async fn start_reading(desk: &mut Receiving<'_>) -> Result<()> {
     let profiles: Vec<Arc<MachineProfile>> =
-        (farm.machines.values()).filter(|s| s.may_claim && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
+        (desk.machines.values()).filter(|s| s.may_claim && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
     // Another machine comes first each time, so that none waits until another one's queue is empty.
-    farm.reading.rounds = farm.reading.rounds.wrapping_add(1);
+    desk.reading.rounds = desk.reading.rounds.wrapping_add(1);
     for at in 0..profiles.len() {
-        let profile = &profiles[(farm.reading.rounds + at) % profiles.len()];
-        let reading = farm.jobs.running_subjects::<PartReadJob>().count();
+        let profile = &profiles[(desk.reading.rounds + at) % profiles.len()];
+        let reading = desk.jobs.running_subjects::<PartReadJob>().count();
         if reading >= READERS {
             break;
         }
-        let parts = farm.ledger.claimed_parts(&profile.name, READERS + reading + farm.reading.backoff.len()).await?;
+        let parts =
+            desk.shared.ledger.claimed_parts(&profile.name, READERS + reading + desk.reading.backoff.len()).await?;
         for part in parts {
-            start_part_read(farm, part, profile).await?;
+            start_part_read(desk, part, profile).await?;
         }
     }
     Ok(())
 }
 
-async fn start_part_read(farm: &mut Farm, mut part: PartRow, profile: &Arc<MachineProfile>) -> Result<()> {
+async fn start_part_read(desk: &mut Receiving<'_>, mut part: PartRow, profile: &Arc<MachineProfile>) -> Result<()> {
     let turn = ReadTurn {
         reads: part.file.reads,
-        is_resting: farm.reading.backoff.is_waiting(&part.id),
-        is_ending: claim_completion::is_completing(&farm.completion, &farm.jobs, &part),
-        is_being_read: farm.jobs.is_running::<PartReadJob>(part.id),
-        readers: farm.jobs.running_subjects::<PartReadJob>().count(),
-        is_reader_alone: farm.reading.reads_alone,
+        is_resting: desk.reading.backoff.is_waiting(&part.id),
+        is_ending: claim_completion::is_completing(desk.completion, desk.jobs, &part),
+        is_being_read: desk.jobs.is_running::<PartReadJob>(part.id),
+        readers: desk.jobs.running_subjects::<PartReadJob>().count(),
+        is_reader_alone: desk.reading.reads_alone,
     };
     if !turn.has_come() {
         return Ok(());
     }
-    let was_rejected = farm.ledger.was_rejected(part.id).await?;
-    if !farm.reading.counted_reads.remove(&part.id) {
-        part.file.reads = farm.ledger.begin_read(part.id).await?;
+    let was_rejected = desk.shared.ledger.was_rejected(part.id).await?;
+    if !desk.reading.counted_reads.remove(&part.id) {
+        part.file.reads = desk.shared.ledger.begin_read(part.id).await?;
     }
-    farm.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
-    let (profile, meshes) = (profile.clone(), farm.meshes.clone());
-    let claim = farm.completion.claims.get(&part.file.claim).cloned();
-    let leases = farm.machines.get(&profile.name).map(|machine| machine.leases.clone());
+    desk.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
+    let (profile, meshes) = (profile.clone(), desk.meshes.clone());
+    let claim = desk.completion.claims.get(&part.file.claim).cloned();
+    let leases = desk.machines.get(&profile.name).map(|machine| machine.leases.clone());
     // After a retry the refused file and its reason must leave the error folder.
     let refused_before = leases.filter(|_| was_rejected);
-    farm.jobs.start(PartReadJob { part: part.id }, move || {
+    desk.jobs.start(PartReadJob { part: part.id }, move || {
         let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
         // Removed before the part becomes waiting: a crash later must not leave its file in two places.
         if let (Some(leases), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
@@ -189,34 +193,41 @@ async fn start_part_read(farm: &mut Farm, mut part: PartRow, profile: &Arc<Machi
 }
 
 /// Takes in the result of reading a part.
-async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> Result<()> {
-    let part = farm.ledger.find_part(id).await?.context("a part that was read has no row")?;
+async fn on_part_read(desk: &mut Receiving<'_>, id: PartId, outcome: PartReadOutcome) -> Result<()> {
+    let part = desk.shared.ledger.find_part(id).await?.context("a part that was read has no row")?;
     if part.state != PartState::Claimed {
         return Ok(());
     }
     match outcome {
         PartReadOutcome::Solids(mut solids) => {
-            match duplicates::decide_on_duplicate(&farm.ledger, &farm.machines, &part, &solids).await? {
+            match duplicates::decide_on_duplicate(desk.shared.ledger, desk.machines, &part, &solids).await? {
                 DuplicateDecision::Refuse(reason) => {
-                    return claim_completion::refuse_part(farm, &part, RefusalCause::Duplicate, &reason).await;
+                    return claim_completion::refuse_part(desk, &part, RefusalCause::Duplicate, &reason).await;
                 }
                 accepted => accepted.note_on(&mut solids),
             }
-            doubtful_drops::ask_about_doubts(&farm.ledger, &part, &mut solids, farm.date()).await?;
-            let ids = farm.ledger.accept_solids(id, &solids).await?;
+            doubtful_drops::ask_about_doubts(desk.shared.ledger, &part, &mut solids, desk.shared.date()).await?;
+            let ids = desk.shared.ledger.accept_solids(id, &solids).await?;
             let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
             let parts = format_count(ids.len(), "part", "parts");
             info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
-            claim_completion::release_claim(farm, &part);
+            claim_completion::release_claim(desk, &part);
             Ok(())
         }
-        PartReadOutcome::Refused(cause, reason) => claim_completion::refuse_part(farm, &part, cause, &reason).await,
-        PartReadOutcome::LostFile(lost) => damaged_files::request_file_again(farm, &lost).await,
+        PartReadOutcome::Refused(cause, reason) => claim_completion::refuse_part(desk, &part, cause, &reason).await,
+        PartReadOutcome::LostFile(lost) => {
+            damaged_files::request_file_again(&mut desk.shared, desk.machines, desk.meshes, &lost).await
+        }
         PartReadOutcome::TryLater(why) => {
-            farm.reading.backoff.record_failure(id);
-            farm.ledger.uncount_read(id).await?;
+            desk.reading.backoff.record_failure(id);
+            desk.shared.ledger.uncount_read(id).await?;
             let about = format!("part {id} ({})", part.name);
-            farm.alerts.report_failure(AlertKind::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
+            desk.shared.alerts.report_failure(
+                AlertKind::ReadingFails,
+                &part.profile,
+                &about,
+                &format!("{about}: {why}"),
+            );
             Ok(())
         }
     }

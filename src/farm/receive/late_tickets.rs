@@ -14,7 +14,11 @@ use tracing::{info, warn};
 
 use super::mark_note;
 use crate::{
-    farm::{core::farm::Farm, files::claim_note::ticket_row, scanning::hot_folder_scan::HotFolderScan},
+    farm::{
+        core::{desks::Receiving, farm::Farm},
+        files::claim_note::ticket_row,
+        scanning::hot_folder_scan::HotFolderScan,
+    },
     settings::MachineProfile,
 };
 
@@ -32,12 +36,13 @@ pub(crate) struct LateTicketJob {
 impl BackgroundJob<Farm> for LateTicketJob {
     const KIND: &'static str = "LateTicket";
     type Outcome = Result<()>;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.key.clone()
     }
 
-    async fn on_done(self, _farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
+    async fn on_done(self, _desk: Self::Desk<'_>, ended: Self::Outcome) -> Result<()> {
         if let Err(failure) = ended {
             // It is offered again, and changes nothing.
             warn!(profile = %self.profile, "{} could not be put where it belongs: {failure:#}.", self.file_name);
@@ -86,7 +91,7 @@ pub(crate) type UnjudgedTickets = (Vec<String>, anyhow::Error);
 /// Applies the late tickets of a scan. What still waits for a part is added to what waits. Returns the keys of those whose part is read or
 /// nested just now: they must be offered again.
 pub(super) async fn apply_late_tickets(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     profile: &str,
     scan: &mut HotFolderScan,
 ) -> Result<Vec<String>, UnjudgedTickets> {
@@ -94,18 +99,18 @@ pub(super) async fn apply_late_tickets(
     if tickets.is_empty() {
         return Ok(Vec::new());
     }
-    let since = farm.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
-    let parts = match farm.ledger.recent_parts(profile, since).await {
+    let since = desk.shared.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
+    let parts = match desk.shared.ledger.recent_parts(profile, since).await {
         Ok(parts) => parts,
         Err(failure) => return Err((tickets.into_iter().map(|late| late.key).collect(), failure.into())),
     };
     let (mut keys, mut first, mut left) = (Vec::new(), None, Vec::new());
     for late in tickets {
         let key = late.key.clone();
-        if farm.jobs.is_running::<LateTicketJob>(&key) {
+        if desk.jobs.is_running::<LateTicketJob>(&key) {
             continue;
         }
-        let judged = match apply_late_ticket(farm, profile, &late, &parts).await {
+        let judged = match apply_late_ticket(desk, profile, &late, &parts).await {
             Ok(LateDecision::AwaitPart(part)) => {
                 left.push((late, part));
                 continue;
@@ -115,7 +120,7 @@ pub(super) async fn apply_late_tickets(
                 keys.push(key);
                 continue;
             }
-            Ok(decision) => finish(farm, profile, late, decision).await,
+            Ok(decision) => finish(desk, profile, late, decision).await,
             Err(failure) => Err(failure),
         };
         if let Err(failure) = judged {
@@ -152,12 +157,12 @@ fn waiting_reasons(left: &[(LateTicket, AwaitedPart)]) -> Vec<String> {
 }
 
 async fn apply_late_ticket(
-    farm: &mut Farm,
+    desk: &mut Receiving<'_>,
     profile: &str,
     late: &LateTicket,
     parts: &[PartRow],
 ) -> Result<LateDecision> {
-    let Some(machine) = farm.machines.get(profile) else { return Ok(LateDecision::Wait) };
+    let Some(machine) = desk.machines.get(profile) else { return Ok(LateDecision::Wait) };
     let machine = machine.profile.clone();
     let candidates: Vec<&PartRow> = parts.iter().filter(|part| may_mean(late, part)).collect();
     let mut names: Vec<&str> = candidates.iter().map(|part| part.name.as_str()).collect();
@@ -200,13 +205,13 @@ async fn apply_late_ticket(
     };
     let received = ticket_row(&late.source);
     for part in solids {
-        match farm.ledger.apply_late_ticket(part.id, &edit, &received, late.came_at()).await {
+        match desk.shared.ledger.apply_late_ticket(part.id, &edit, &received, late.came_at()).await {
             Ok(None) => {}
             Ok(Some(edited)) if edited.changes.is_empty() => {}
             Ok(Some(edited)) => {
                 info!(part.id = %part.id, profile, "{} came late and changed part {}: {}.", late.source.file_name, part.id, edited.changes.join(", "));
-                mark_note::update_decision_count(farm, part).await;
-                if let (true, Some(machine)) = (edit.changes_layout(), farm.machines.get_mut(profile)) {
+                mark_note::update_decision_count(desk, part).await;
+                if let (true, Some(machine)) = (edit.changes_layout(), desk.machines.get_mut(profile)) {
                     machine.open.reset();
                 }
             }
@@ -214,7 +219,7 @@ async fn apply_late_ticket(
             Err(LedgerError::BeingBuilt { .. }) => return Ok(LateDecision::Wait),
             Err(error) if error.is_trouble() => return Err(error.into()),
             Err(refused) => {
-                let reason = late_reason(farm, part, ticket, &refused).await?;
+                let reason = late_reason(desk, part, ticket, &refused).await?;
                 return Ok(LateDecision::Refuse(reason));
             }
         }
@@ -237,15 +242,15 @@ fn several_solids_reason(part: &PartRow, solids: usize) -> String {
 }
 
 /// What became of a part that a ticket cannot change any more, and how to order more of it.
-async fn late_reason(farm: &Farm, part: &PartRow, ticket: &Ticket, refused: &LedgerError) -> Result<String> {
-    let placements = farm.ledger.placements_of_part(part.id).await?;
+async fn late_reason(desk: &Receiving<'_>, part: &PartRow, ticket: &Ticket, refused: &LedgerError) -> Result<String> {
+    let placements = desk.shared.ledger.placements_of_part(part.id).await?;
     let Some(last) = placements.iter().filter(|placed| !placed.is_bad).max_by_key(|placed| placed.build_id) else {
         return Ok(format!("It came after its part was taken: {refused}."));
     };
     let copies = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
     let when = last
         .published_at
-        .map_or_else(String::new, |at| format!(", published {}", farm.settings.time_zone.format_minute(at.0)));
+        .map_or_else(String::new, |at| format!(", published {}", desk.shared.settings.time_zone.format_minute(at.0)));
     let more = match ticket.copies {
         Some(wanted) if wanted > copies => {
             format!(" Order {} more with `nestd edit {} --copies {wanted}`.", wanted - copies, part.id)
@@ -299,14 +304,14 @@ fn applied_reason(meant: &str, failure: &anyhow::Error) -> String {
 }
 
 /// Puts a late ticket where it belongs.
-async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
-    let Some(machine) = farm.machines.get(profile) else { return Ok(()) };
+async fn finish(desk: &mut Receiving<'_>, profile: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
+    let Some(machine) = desk.machines.get(profile) else { return Ok(()) };
     let (folders, leases) = (machine.profile.folders.clone(), machine.leases.clone());
     let job =
         LateTicketJob { profile: profile.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
     match decision {
         LateDecision::Wait | LateDecision::AwaitPart(_) => {}
-        LateDecision::Accept(meant) => farm.jobs.start(job, move || {
+        LateDecision::Accept(meant) => desk.jobs.start(job, move || {
             let archive = || -> Result<LateTicketEnd> {
                 leases.archive.clone().check_usable()?;
                 Ok(late.accept_late_ticket(&folders.inbox, &folders.archive)?)
@@ -325,8 +330,8 @@ async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: Late
         LateDecision::Refuse(reason) => {
             warn!(profile, "Refused {} for {}: {reason}", late.source.file_name, late.part_name);
             let detail = format!("{}: {reason}", late.source.file_name);
-            farm.ledger.record_file_refusal(profile, RefusalCause::Ticket, &detail).await?;
-            farm.jobs.start(job, move || {
+            desk.shared.ledger.record_file_refusal(profile, RefusalCause::Ticket, &detail).await?;
+            desk.jobs.start(job, move || {
                 leases.check_error_folder()?;
                 late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;
                 Ok(())

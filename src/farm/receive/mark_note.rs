@@ -10,7 +10,10 @@ use jobs::BackgroundJob;
 use ledger::{LedgerError, PartRow, PartState};
 use tracing::warn;
 
-use crate::farm::{core::farm::Farm, files::claim_note::ClaimNote};
+use crate::farm::{
+    core::{desks::Receiving, farm::Farm},
+    files::claim_note::ClaimNote,
+};
 
 /// Writes the number of decisions into the claim note.
 #[derive(Clone)]
@@ -22,18 +25,19 @@ struct DecisionCountJob {
 impl BackgroundJob<Farm> for DecisionCountJob {
     const KIND: &'static str = "Note";
     type Outcome = Result<()>;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.part.file.claim.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
+    async fn on_done(self, mut desk: Self::Desk<'_>, marked: Self::Outcome) -> Result<()> {
         if let Err(failure) = marked {
             log_note_failure(&self.part, &failure);
         }
         // No second job starts while this one runs: decisions made meanwhile are written now.
-        if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
-            update_decision_count(farm, &self.part).await;
+        if desk.shared.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
+            update_decision_count(&mut desk, &self.part).await;
         }
         Ok(())
     }
@@ -41,12 +45,12 @@ impl BackgroundJob<Farm> for DecisionCountJob {
 
 /// Updates the claim note beside the stored file of a part, after a decision about the part was recorded in the
 /// ledger.
-pub(crate) async fn update_decision_count(farm: &mut Farm, part: &PartRow) {
-    match read_decisions(farm, part).await {
+pub(crate) async fn update_decision_count(desk: &mut Receiving<'_>, part: &PartRow) {
+    match read_decisions(desk, part).await {
         Ok((decisions, wanted)) => {
             let (store, hash, claim) =
-                (farm.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
-            farm.jobs.start(DecisionCountJob { part: part.clone(), decisions }, move || {
+                (desk.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
+            desk.jobs.start(DecisionCountJob { part: part.clone(), decisions }, move || {
                 note_wanted(&store, &hash, &claim, wanted)?;
                 Ok(store.mark_decisions(&hash, &claim, decisions)?)
             });
@@ -56,11 +60,11 @@ pub(crate) async fn update_decision_count(farm: &mut Farm, part: &PartRow) {
 }
 
 /// How often was decided about the parts of a claim, and the copies that are wanted of each solid by now.
-async fn read_decisions(farm: &Farm, part: &PartRow) -> Result<(u32, BTreeMap<u32, u32>), LedgerError> {
-    let parts = farm.ledger.parts_of_claim(&part.file.claim).await?;
+async fn read_decisions(desk: &Receiving<'_>, part: &PartRow) -> Result<(u32, BTreeMap<u32, u32>), LedgerError> {
+    let parts = desk.shared.ledger.parts_of_claim(&part.file.claim).await?;
     let live = parts.iter().filter(|part| part.state != PartState::Rejected);
     let wanted = live.map(|part| (part.solid.object_index, part.wanted_copies())).collect();
-    Ok((farm.ledger.decision_count(&part.file.claim).await?, wanted))
+    Ok((desk.shared.ledger.decision_count(&part.file.claim).await?, wanted))
 }
 
 fn note_wanted(store: &ContentStore, hash: &str, claim: &str, wanted: BTreeMap<u32, u32>) -> Result<()> {

@@ -7,7 +7,7 @@ use ledger::{PartRow, PartState, RefusalCause};
 
 use crate::farm::{
     alerts::failure::LostFileError,
-    core::farm::Farm,
+    core::desks::Receiving,
     files::{
         error_folder::{find_refused_files, reason_text},
         mesh_source::MeshSource,
@@ -107,20 +107,20 @@ impl RefusedPart {
 
 /// A refused part with all that a job needs to copy or move its file; `None` = its machine is gone.
 pub(super) fn describe_refused_part(
-    farm: &Farm,
+    desk: &Receiving<'_>,
     part: &PartRow,
     cause: Option<RefusalCause>,
     reason: &str,
 ) -> Option<RefusedPart> {
-    let machine = farm.machines.get(&part.profile)?;
+    let machine = desk.machines.get(&part.profile)?;
     let folders = &machine.profile.folders;
     Some(RefusedPart {
         part: part.clone(),
         text: reason_text(part, cause, reason),
         inbox: folders.inbox.clone(),
         error_dir: folders.error.clone(),
-        meshes: farm.meshes.clone(),
+        meshes: desk.meshes.clone(),
         leases: machine.leases.clone(),
-        claim: farm.completion.claims.get(&part.file.claim).cloned(),
+        claim: desk.completion.claims.get(&part.file.claim).cloned(),
     })
 }

@@ -16,7 +16,11 @@ use super::{
 };
 use crate::farm::{
     alerts::alert::AlertKind,
-    core::{farm::Farm, machine_state::MachineState},
+    core::{
+        desks::{Receiving, Serving},
+        farm::Farm,
+        machine_state::MachineState,
+    },
     scanning::{
         arriving_lines::ArrivingLines,
         hot_folder_scan::{ClaimedDrop, HotFolderScan, RefusedFile},
@@ -36,20 +40,21 @@ pub(crate) struct HotFolderScanJob {
 impl BackgroundJob<Farm> for HotFolderScanJob {
     const KIND: &'static str = "Scan";
     type Outcome = HotFolderScan;
+    type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, scan: Self::Outcome) -> Result<()> {
-        on_scan_done(farm, &self.profile, scan).await;
+    async fn on_done(self, mut desk: Self::Desk<'_>, scan: Self::Outcome) -> Result<()> {
+        on_scan_done(&mut desk, &self.profile, scan).await;
         Ok(())
     }
 
-    async fn on_panic(self, farm: &mut Farm, _message: &str) -> Result<()> {
+    async fn on_panic(self, desk: Self::Desk<'_>, _message: &str) -> Result<()> {
         // Nobody knows what it remembers: the next one lists the claims again.
-        if let Some(machine) = farm.machines.get_mut(&self.profile) {
-            let (orphan_secs, time) = (farm.settings.orphan_ticket_secs, farm.schedule.time.clone());
+        if let Some(machine) = desk.machines.get_mut(&self.profile) {
+            let (orphan_secs, time) = (desk.shared.settings.orphan_ticket_secs, desk.shared.schedule.time.clone());
             machine.inbox.scanner = Some(Box::new(HotFolderScanner::new(&machine.profile, orphan_secs, time)));
         }
         Ok(())
@@ -63,11 +68,13 @@ struct CarriedScanner {
 }
 
 impl Carried<Farm> for CarriedScanner {
-    fn give_back(self, farm: &mut Farm) {
-        let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
+    type Desk<'f> = Serving<'f>;
+
+    fn give_back(self, desk: Self::Desk<'_>) {
+        let (now, scan_secs) = (desk.shared.now(), desk.shared.settings.scan_secs);
         // After a reload, the machine may have another hot folder, and another scanner.
         let is_same = |machine: &&mut MachineState| self.scanner.is_for_profile(&machine.profile);
-        if let Some(machine) = farm.machines.get_mut(&self.profile).filter(is_same) {
+        if let Some(machine) = desk.machines.get_mut(&self.profile).filter(is_same) {
             machine.inbox.scanner = Some(self.scanner);
             machine.inbox.next_scan_at = now + Duration::from_secs_f64(scan_secs);
         }
@@ -75,19 +82,19 @@ impl Carried<Farm> for CarriedScanner {
 }
 
 /// Something changed: schedules a scan soon.
-pub(crate) fn schedule_scan(farm: &mut Farm) {
-    let soon = farm.now() + SCAN_DELAY_AFTER_EVENT;
-    farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = s.inbox.next_scan_at.min(soon));
+pub(crate) fn schedule_scan(desk: &mut Serving<'_>) {
+    let soon = desk.shared.now() + SCAN_DELAY_AFTER_EVENT;
+    desk.machines.values_mut().for_each(|s| s.inbox.next_scan_at = s.inbox.next_scan_at.min(soon));
 }
 
 /// Starts a scan of every hot folder that is due.
-pub(crate) fn start_scans(farm: &mut Farm) {
-    let (now, orphan_secs) = (farm.now(), farm.settings.orphan_ticket_secs);
-    for (name, machine) in &mut farm.machines {
+pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
+    let (now, orphan_secs) = (desk.shared.now(), desk.shared.settings.orphan_ticket_secs);
+    for (name, machine) in desk.machines.iter_mut() {
         if !machine.may_claim
             || !machine.leases.are_fresh()
             || now < machine.inbox.next_scan_at
-            || farm.jobs.is_running::<HotFolderScanJob>(name)
+            || desk.jobs.is_running::<HotFolderScanJob>(name)
         {
             continue;
         }
@@ -95,13 +102,13 @@ pub(crate) fn start_scans(farm: &mut Farm) {
         if std::mem::take(&mut machine.inbox.relist) {
             scanner.relist_claims();
         }
-        let (profile, store) = (machine.profile.clone(), farm.meshes.store.clone());
+        let (profile, store) = (machine.profile.clone(), desk.meshes.store.clone());
         let mut leases = machine.leases.clone();
-        let (name, status) = (name.clone(), machine.status_files(&farm.alerts, farm.settings.scan_secs));
-        let (ledger, runtime) = (farm.ledger.clone(), tokio::runtime::Handle::current());
-        let contents = PutContents::of_farm(&farm.settings.state_dir);
+        let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings.scan_secs));
+        let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
+        let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
         let carried = CarriedScanner { profile: name.clone(), scanner };
-        farm.jobs.start_with(HotFolderScanJob { profile: name }, carried, move |CarriedScanner { scanner, .. }| {
+        desk.jobs.start_with(HotFolderScanJob { profile: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
             let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
             let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
@@ -119,48 +126,48 @@ pub(crate) fn start_scans(farm: &mut Farm) {
 
 /// Takes in a scan: each claimed file gets its row, and is read later. What cannot be taken in now is found or told
 /// again at the next scan, and holds up nothing else.
-async fn on_scan_done(farm: &mut Farm, name: &str, mut scan: HotFolderScan) {
+async fn on_scan_done(desk: &mut Receiving<'_>, name: &str, mut scan: HotFolderScan) {
     let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut scan.drops)
         .into_iter()
-        .partition(|drop| farm.completion.forgetting.is_under_way(&drop.stored.hash));
+        .partition(|drop| desk.completion.forgetting.is_under_way(&drop.stored.hash));
     for drop in early {
         // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
-        with_scanner(farm, name, |scanner| scanner.retry_claim(drop.claim));
+        with_scanner(desk, name, |scanner| scanner.retry_claim(drop.claim));
         scan.next_secs = Some(0.0);
     }
-    let recorded = record_all(farm, name, &drops).await;
-    if let Err(failure) = control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await {
-        farm.report_failure(AlertKind::TakingFails, name, "obeying a control file", &failure);
+    let recorded = record_all(desk, name, &drops).await;
+    if let Err(failure) = control_files::obey_controls(desk, name, std::mem::take(&mut scan.controls)).await {
+        desk.shared.report_failure(AlertKind::TakingFails, name, "obeying a control file", &failure);
     }
     let mut are_all_recorded = true;
     for (at, drop) in drops.into_iter().enumerate() {
-        if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
+        if let Err(failure) = record_claimed_file(desk, name, &drop, recorded.get(at).copied()).await {
             are_all_recorded = false;
-            farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
-            with_scanner(farm, name, |scanner| scanner.retry_claim(drop.claim));
+            desk.shared.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
+            with_scanner(desk, name, |scanner| scanner.retry_claim(drop.claim));
         }
     }
-    take_late_tickets(farm, name, are_all_recorded, &mut scan).await;
-    tell_of_scan(farm, name, &scan);
-    if let Some(machine) = farm.machines.get_mut(name) {
+    take_late_tickets(desk, name, are_all_recorded, &mut scan).await;
+    tell_of_scan(desk, name, &scan);
+    if let Some(machine) = desk.machines.get_mut(name) {
         for file in &scan.refused {
             warn!(profile = %name, "Refused {} in {name}: {}", file.name, file.reason);
         }
         machine.inbox.unrecorded_refusals.append(&mut scan.refused);
     }
-    if let Err(failure) = record_refusals(farm, name).await {
-        farm.report_failure(AlertKind::TakingFails, name, "recording a refusal", &failure);
+    if let Err(failure) = record_refusals(desk, name).await {
+        desk.shared.report_failure(AlertKind::TakingFails, name, "recording a refusal", &failure);
     }
 }
 
 /// Applies the late tickets of a scan. While a drop of it could not be recorded, nobody knows whether that is the part that one of them
 /// is for.
-async fn take_late_tickets(farm: &mut Farm, name: &str, are_all_recorded: bool, scan: &mut HotFolderScan) {
+async fn take_late_tickets(desk: &mut Receiving<'_>, name: &str, are_all_recorded: bool, scan: &mut HotFolderScan) {
     let keys = match are_all_recorded {
-        true => match late_tickets::apply_late_tickets(farm, name, scan).await {
+        true => match late_tickets::apply_late_tickets(desk, name, scan).await {
             Ok(keys) => keys,
             Err((keys, failure)) => {
-                farm.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
+                desk.shared.report_failure(AlertKind::TakingFails, name, "applying a late ticket", &failure);
                 keys
             }
         },
@@ -170,60 +177,60 @@ async fn take_late_tickets(farm: &mut Farm, name: &str, are_all_recorded: bool, 
             std::mem::take(&mut scan.late_tickets).into_iter().map(|late| late.key).collect()
         }
     };
-    with_scanner(farm, name, |scanner| keys.iter().for_each(|key| scanner.offer_again(key)));
+    with_scanner(desk, name, |scanner| keys.iter().for_each(|key| scanner.offer_again(key)));
 }
 
 /// The scanner of a machine, unless it has another hot folder by now.
-fn with_scanner(farm: &mut Farm, name: &str, then: impl FnOnce(&mut HotFolderScanner)) {
-    if let Some(scanner) = farm.machines.get_mut(name).and_then(|machine| machine.inbox.scanner.as_mut()) {
+fn with_scanner(desk: &mut Receiving<'_>, name: &str, then: impl FnOnce(&mut HotFolderScanner)) {
+    if let Some(scanner) = desk.machines.get_mut(name).and_then(|machine| machine.inbox.scanner.as_mut()) {
         then(scanner);
     }
 }
 
 /// Alerts and times that follow from a scan.
-fn tell_of_scan(farm: &mut Farm, name: &str, scan: &HotFolderScan) {
-    let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-    if let Some(machine) = farm.machines.get_mut(name) {
+fn tell_of_scan(desk: &mut Receiving<'_>, name: &str, scan: &HotFolderScan) {
+    let (now, scan_secs) = (desk.shared.now(), desk.shared.settings.scan_secs);
+    if let Some(machine) = desk.machines.get_mut(name) {
         let next_secs = scan.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
         machine.inbox.next_scan_at = now + Duration::from_secs_f64(next_secs);
         machine.inbox.refused_file_count = scan.refused_file_count.unwrap_or(machine.inbox.refused_file_count);
         let error_dir = machine.profile.folders.error.display();
         match scan.is_truncated || scan.unavailable.is_some() {
             true => {}
-            false if scan.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
-            false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
+            false if scan.waiting_reasons.is_empty() => desk.shared.alerts.clear(AlertKind::Incomplete, name, ""),
+            false => desk.shared.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
         }
         match machine.inbox.refused_file_count {
-            0 => farm.alerts.clear(AlertKind::Refused, name, ""),
+            0 => desk.shared.alerts.clear(AlertKind::Refused, name, ""),
             files => {
                 let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
-                farm.alerts.raise(AlertKind::Refused, name, "", &detail);
+                desk.shared.alerts.raise(AlertKind::Refused, name, "", &detail);
             }
         }
     }
     match &scan.unavailable {
-        Some(away) if away.is_lease_refused => farm.alerts.clear(AlertKind::HotFolderAway, name, ""),
-        Some(away) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", &away.reason),
-        None => mark_scanned(farm, name),
+        Some(away) if away.is_lease_refused => desk.shared.alerts.clear(AlertKind::HotFolderAway, name, ""),
+        Some(away) => desk.shared.alerts.raise(AlertKind::HotFolderAway, name, "", &away.reason),
+        None => mark_scanned(desk, name),
     }
-    scan.report_faults(name, &mut farm.alerts);
+    scan.report_faults(name, desk.shared.alerts);
 }
 
 /// Writes the events of refused files. Those that fail are written after the next scan.
-async fn record_refusals(farm: &mut Farm, name: &str) -> Result<()> {
-    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+async fn record_refusals(desk: &mut Receiving<'_>, name: &str) -> Result<()> {
+    let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     while let Some(RefusedFile { name: file, cause, reason }) = machine.inbox.unrecorded_refusals.first() {
-        farm.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
+        desk.shared.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
         machine.inbox.unrecorded_refusals.remove(0);
     }
     Ok(())
 }
 
 /// A hot folder is available and was scanned.
-fn mark_scanned(farm: &mut Farm, name: &str) {
-    farm.alerts.clear(AlertKind::HotFolderAway, name, "");
-    let date = farm.date();
-    if let Some(machine) = farm.machines.get_mut(name) {
+fn mark_scanned(desk: &mut Receiving<'_>, name: &str) {
+    desk.shared.alerts.clear(AlertKind::HotFolderAway, name, "");
+    let date = desk.shared.date();
+    if let Some(machine) = desk.machines.get_mut(name) {
         machine.inbox.scanned_at = Some(UtcTimestamp(date));
     }
 }

@@ -6,9 +6,8 @@ use ledger::{ServerError, ServiceState, ServingNode, ServingRight};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
-        core::farm::Farm,
+        core::desks::Shared,
         leases::{lease_clock, state_lock::host_name},
-        receive::scan_jobs,
     },
     settings::Settings,
 };
@@ -27,54 +26,40 @@ pub fn copying_node(host: &str) -> ServingNode {
 }
 
 /// Whether the farm may act on what its ledger says. If another process has its right now, the farm halts.
-pub fn may_act(farm: &mut Farm) -> bool {
-    let state = farm.ledger.service_state();
+pub(crate) fn may_act(shared: &mut Shared<'_>) -> bool {
+    let state = shared.ledger.service_state();
     // What was before is not so any more.
     if !matches!(state, ServiceState::Unsure { .. }) {
-        farm.alerts.clear(AlertKind::LedgerUnreachable, "", "");
+        shared.alerts.clear(AlertKind::LedgerUnreachable, "", "");
     }
     if !matches!(state, ServiceState::Locked { .. }) {
-        farm.alerts.clear(AlertKind::LedgerLocked, "", "");
+        shared.alerts.clear(AlertKind::LedgerLocked, "", "");
     }
     if !matches!(state, ServiceState::RepairDue { .. }) {
-        farm.alerts.clear(AlertKind::RepairDue, "", "");
+        shared.alerts.clear(AlertKind::RepairDue, "", "");
     }
-    farm.schedule.is_cut_off |= state != ServiceState::Held;
+    shared.schedule.is_cut_off |= state != ServiceState::Held;
     match state {
-        ServiceState::Held => {
-            if std::mem::take(&mut farm.schedule.is_cut_off) {
-                retry_at_once(farm);
-            }
-            true
-        }
+        ServiceState::Held => true,
         ServiceState::RepairDue { nodes } => {
-            farm.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
+            shared.alerts.raise(AlertKind::RepairDue, "", "", &nodes);
             false
         }
         ServiceState::Locked { by } => {
-            farm.alerts.raise(AlertKind::LedgerLocked, "", "", &by);
+            shared.alerts.raise(AlertKind::LedgerLocked, "", "", &by);
             false
         }
         ServiceState::Unsure { why } => {
-            farm.alerts.raise(AlertKind::LedgerUnreachable, "", "", &why);
+            shared.alerts.raise(AlertKind::LedgerUnreachable, "", "", &why);
             false
         }
         ServiceState::TakenOver => {
-            farm.halt_farm(AlertKind::LedgerTakenOver, &ServerError::TakenOver.to_string());
+            shared.halt(AlertKind::LedgerTakenOver, &ServerError::TakenOver.to_string());
             false
         }
         ServiceState::Behind => {
-            farm.halt_farm(AlertKind::LedgerBehind, &ServerError::Behind.to_string());
+            shared.halt(AlertKind::LedgerBehind, &ServerError::Behind.to_string());
             false
         }
     }
-}
-
-/// The ledger can be reached and changed again: what failed meanwhile is done now, and not after the wait that follows a failure.
-fn retry_at_once(farm: &mut Farm) {
-    farm.schedule.step_backoff.end_waits();
-    farm.reading.backoff.end_waits();
-    farm.nesting.backoff.end_waits();
-    farm.machines.values_mut().for_each(|machine| machine.open.retry_at_once());
-    scan_jobs::schedule_scan(farm);
 }

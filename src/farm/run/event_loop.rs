@@ -9,10 +9,17 @@ use ledger::{Ledger, LedgerError};
 use tokio::time::timeout;
 use tracing::{info, warn};
 
-use super::{machine_setup, open, status, tidy};
+use super::{
+    machine_setup, open,
+    status::{self, STOPPED_STATUS_TIMEOUT},
+    tidy,
+};
 use crate::farm::{
     again::{fetch_originals, revisions, second_copies},
-    alerts::alert_registry::{ServiceBridge, ServicePhase},
+    alerts::{
+        alert::AlertKind,
+        alert_registry::{ServiceBridge, ServicePhase},
+    },
     core::{
         clock_changes,
         farm::{Farm, TICK_INTERVAL},
@@ -81,7 +88,7 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
             signal = signals.next_signal() => match signal {
                 DaemonSignal::Stop => return,
                 DaemonSignal::Reload => {
-                    let reload = machine_setup::reload_configuration(farm);
+                    let reload = reload_configuration(farm);
                     let Some(()) = show_life(&ledger, signals, reload).await else { return };
                 }
             },
@@ -92,7 +99,7 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
             _ = ticks.tick() => {}
         }
         if only_read && !farm.lifecycle.is_halted && worked_at.elapsed() < TICK_INTERVAL_WHILE_READING {
-            farm.run_step("reading", intake_jobs::start_reading).await;
+            farm.run_step("reading", async |farm| intake_jobs::start_reading(&mut farm.desk()).await).await;
             if farm.jobs.running_subjects::<PartReadJob>().next().is_some() {
                 continue;
             }
@@ -125,26 +132,29 @@ async fn show_life<T>(ledger: &Ledger, signals: &mut SignalListener, work: impl 
 pub(crate) async fn run_tick(farm: &mut Farm) {
     systemd::notify_watchdog();
     let now = farm.now();
-    status::publish_alerts(farm);
+    status::publish_alerts(&mut farm.desk());
     if !farm.lifecycle.is_halted
         && let Err(replaced @ (LedgerError::Replaced { .. } | LedgerError::Overwritten { .. })) =
             farm.ledger.ensure_in_place().await
     {
-        status::abandon_replaced_ledger(farm, &replaced).await;
+        status::abandon_replaced_ledger(&mut farm.desk(), &replaced).await;
+        farm.halt_if_asked();
     }
-    if farm.lifecycle.is_halted || !ledger_service::may_act(farm) {
+    if farm.lifecycle.is_halted || !may_act(farm) {
         return;
     }
     // This comes first: while this process was suspended, another farm may have taken folders and claims.
     let is_due = farm.schedule.tasks.is_due(TimedTask::RenewLeases, now);
-    lease_renewal::renew_leases(farm, is_due);
-    farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
-    scan_jobs::start_scans(farm);
+    lease_renewal::renew_leases(&mut farm.desk(), is_due);
+    farm.run_step("looking at the clock", async |farm| clock_changes::handle_clock_change(&mut farm.desk()).await)
+        .await;
+    scan_jobs::start_scans(&mut farm.desk());
     if may_have_work(farm).await {
         run_ledger_steps(farm).await;
     }
     // What only uses time that nobody needs comes after everything that may need it.
-    farm.run_step("lowering open builds", night_search::search_waiting_builds).await;
+    farm.run_step("lowering open builds", async |farm| night_search::search_waiting_builds(&mut farm.desk()).await)
+        .await;
     for task in farm.schedule.tasks.due_tasks(now) {
         run_timed_task(farm, task, now).await;
     }
@@ -153,42 +163,110 @@ pub(crate) async fn run_tick(farm: &mut Farm) {
 async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
     farm.schedule.tasks.record_done(task, now, farm.settings.scan_secs);
     match task {
-        TimedTask::RenewLeases => lease_renewal::renew_leases(farm, true),
-        TimedTask::WriteHeartbeat => farm.run_step("sign of life", status::write_heartbeat).await,
+        TimedTask::RenewLeases => lease_renewal::renew_leases(&mut farm.desk(), true),
+        TimedTask::WriteHeartbeat => {
+            farm.run_step("sign of life", async |farm| status::write_heartbeat(&mut farm.desk()).await).await
+        }
         TimedTask::CheckFolders => {
-            farm.run_step("machines of other nodes", machine_setup::take_free_machines).await;
+            farm.run_step("machines of other nodes", async |farm| {
+                machine_setup::take_free_machines(&mut farm.desk()).await
+            })
+            .await;
             watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
-            folder_comparison::start_folder_comparison(farm);
-            farm.run_step("looking at the queues", queue_look::look_at_queues).await;
-            watching::start_watcher(farm);
-            farm.run_step("looking beside the hot folders", tidy::start_misplaced_file_search).await;
+            folder_comparison::start_folder_comparison(&mut farm.desk());
+            farm.run_step("looking at the queues", async |farm| queue_look::look_at_queues(&mut farm.desk()).await)
+                .await;
+            watching::start_watcher(&mut farm.desk());
+            farm.run_step("looking beside the hot folders", async |farm| {
+                tidy::start_misplaced_file_search(&mut farm.desk()).await
+            })
+            .await;
         }
         TimedTask::RetryClaims => {
-            farm.run_step("settling claims", claim_completion::complete_claims).await;
-            farm.run_step("looking at damaged files", damaged_files::check_damaged_files).await;
+            farm.run_step("settling claims", async |farm| claim_completion::complete_claims(&mut farm.desk()).await)
+                .await;
+            farm.run_step("looking at damaged files", async |farm| {
+                damaged_files::check_damaged_files(&mut farm.desk()).await
+            })
+            .await;
         }
-        TimedTask::CopyFiles => farm.run_step("second copies", second_copies::keep_second_copies).await,
-        TimedTask::TidyUp => farm.run_step("tidying", tidy::tidy_up).await,
+        TimedTask::CopyFiles => {
+            farm.run_step("second copies", async |farm| second_copies::keep_second_copies(&mut farm.desk()).await).await
+        }
+        TimedTask::TidyUp => farm.run_step("tidying", async |farm| tidy::tidy_up(&mut farm.desk()).await).await,
     }
 }
 
 /// Runs every step that queries the ledger.
 async fn run_ledger_steps(farm: &mut Farm) {
     let names: Vec<String> = farm.machines.keys().cloned().collect();
-    farm.run_step("commands", commands::process_commands).await;
-    farm.run_step("ordered lines", hurried_scans::hurry_scans).await;
-    farm.run_step("reading", intake_jobs::start_reading).await;
-    farm.run_step("revisions", revisions::take_out_replaced).await;
-    farm.run_step("originals", fetch_originals::fetch_originals).await;
+    farm.run_step("commands", async |farm| commands::process_commands(&mut farm.desk()).await).await;
+    farm.run_step("ordered lines", async |farm| hurried_scans::hurry_scans(&mut farm.desk()).await).await;
+    farm.run_step("reading", async |farm| intake_jobs::start_reading(&mut farm.desk()).await).await;
+    farm.run_step("revisions", async |farm| revisions::take_out_replaced(&mut farm.desk()).await).await;
+    farm.run_step("originals", async |farm| fetch_originals::fetch_originals(&mut farm.desk()).await).await;
     // Fired builds come before open ones, so that they get the free slots first.
-    farm.run_step("nesting", nest::nest_fired_builds).await;
+    farm.run_step("nesting", async |farm| nest::nest_fired_builds(&mut farm.desk()).await).await;
     for name in names {
-        farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(farm, &name).await).await;
+        farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(&mut farm.desk(), &name).await)
+            .await;
     }
-    farm.run_step("withdrawing builds", withdrawal::withdraw_builds).await;
-    farm.run_step("publishing", publish::publish_verified_builds).await;
-    farm.run_step("moving builds", build_move::move_builds).await;
-    farm.run_step("status", status::update_status).await;
+    farm.run_step("withdrawing builds", async |farm| withdrawal::withdraw_builds(&mut farm.desk()).await).await;
+    farm.run_step("publishing", async |farm| publish::publish_verified_builds(&mut farm.desk()).await).await;
+    farm.run_step("moving builds", async |farm| build_move::move_builds(&mut farm.desk()).await).await;
+    farm.run_step("status", async |farm| status::update_status(&mut farm.desk()).await).await;
+}
+
+/// Whether the farm may act on what its ledger says. What failed while that could not be reached or changed is done at once, and not after
+/// the wait that follows a failure.
+fn may_act(farm: &mut Farm) -> bool {
+    let may_act = ledger_service::may_act(&mut farm.desk());
+    farm.halt_if_asked();
+    if may_act && std::mem::take(&mut farm.schedule.is_cut_off) {
+        farm.schedule.step_backoff.end_waits();
+        farm.reading.backoff.end_waits();
+        farm.nesting.backoff.end_waits();
+        farm.machines.values_mut().for_each(|machine| machine.open.retry_at_once());
+        scan_jobs::schedule_scan(&mut farm.desk());
+    }
+    may_act
+}
+
+async fn write_stopped_status(farm: &mut Farm) {
+    status::write_stopped_status(&mut farm.desk()).await;
+    job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
+}
+
+/// Reads the configuration again. One that is wrong changes nothing.
+pub(crate) async fn reload_configuration(farm: &mut Farm) {
+    systemd::notify_reloading();
+    let applied = apply_configuration(farm).await;
+    farm.alerts.clear(AlertKind::ConfigurationWrong, "", "");
+    match applied {
+        Ok(()) => info!(profiles = farm.machines.len(), "The configuration was read again."),
+        Err(failure) => {
+            let detail = format!("{failure:#}").replace('\n', " ");
+            farm.alerts.raise(AlertKind::ConfigurationWrong, "", "", &detail);
+        }
+    }
+    // Machines may have been added or removed: the status is updated at once.
+    farm.display.updated_at = None;
+    farm.run_step("status", async |farm| status::update_status(&mut farm.desk()).await).await;
+    systemd::notify_ready(&farm.display.status_line);
+}
+
+async fn apply_configuration(farm: &mut Farm) -> Result<()> {
+    let settings = (farm.lifecycle.load)()?;
+    if settings.ledger != farm.settings.ledger || settings.state_dir != farm.settings.state_dir {
+        anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
+    }
+    settings.files.apply_to_process();
+    farm.settings = settings;
+    machine_setup::set_up_machines(&mut farm.desk()).await?;
+    watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
+    watching::start_watcher(&mut farm.desk());
+    folder_comparison::start_folder_comparison(&mut farm.desk());
+    Ok(())
 }
 
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
@@ -223,7 +301,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     farm.nesting.searches.stop_all();
     let _ = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await;
     if farm.lifecycle.is_halted {
-        status::write_stopped_status(farm).await;
+        write_stopped_status(farm).await;
         // Nothing is written into a damaged ledger, and it gets no checksum.
         lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
         farm.alerts.write_if_changed(&farm.settings.state_dir);
@@ -232,7 +310,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
         }
         return;
     }
-    status::write_stopped_status(farm).await;
+    write_stopped_status(farm).await;
     lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
     farm.alerts.write_if_changed(&farm.settings.state_dir);
     let last_changes = async {

@@ -19,7 +19,10 @@ use crate::{
         core::{
             clock_changes,
             farm::{Farm, TICK_INTERVAL},
-            state::{CompletionState, DaemonLifecycle, DisplayState, Load, LoopSchedule, NestingState, ReadingState},
+            state::{
+                CompletionState, DaemonLifecycle, DisplayState, HotFolderWatch, Load, LoopSchedule, NestingState,
+                ReadingState,
+            },
         },
         files::{mesh_cache::MeshCache, mesh_source::MeshSource},
         leases::{folder_lease::LeaseError, lease_holder::LeaseHolder, state_lock::StateDirLock},
@@ -97,15 +100,16 @@ pub(crate) async fn open_farm(
 }
 
 async fn open_machines(farm: &mut Farm) -> Result<()> {
-    clock_changes::compare_clock_with_ledger(farm).await?;
+    clock_changes::compare_clock_with_ledger(&mut farm.desk()).await?;
     // Before it takes machines: they are its own as long as it is known.
-    farm.ledger.announce_node(&status::describe_node(farm)).await?;
-    machine_setup::set_up_machines(farm).await?;
-    watching::make_folders_at_start(farm);
-    watching::start_watcher(farm);
+    let node = status::describe_node(&farm.desk());
+    farm.ledger.announce_node(&node).await?;
+    machine_setup::set_up_machines(&mut farm.desk()).await?;
+    watching::make_folders_at_start(&mut farm.desk());
+    watching::start_watcher(&mut farm.desk());
     lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)?;
     // After the leases: a folder whose last daemon died on another server is read only once that is clear.
-    folder_comparison::start_folder_comparison(farm);
+    folder_comparison::start_folder_comparison(&mut farm.desk());
     Ok(())
 }
 
@@ -125,6 +129,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
         completion: CompletionState::default(),
         reading: ReadingState::by(time.clone()),
         nesting: NestingState::by(time.clone()),
+        watch: HotFolderWatch::default(),
         display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
         lifecycle: DaemonLifecycle {
             load,

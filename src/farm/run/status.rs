@@ -1,10 +1,7 @@
 //! The status of the farm: one line for the service manager, a heartbeat in the ledger, and `STATUS.txt` and
 //! `status.json` in each hot folder.
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::{path::Path, time::Duration};
 
 use anyhow::Result;
 use build_file::format_count;
@@ -18,8 +15,8 @@ use crate::farm::{
     again::part_questions,
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
     core::{
+        desks::{Shared, Showing},
         farm::{Farm, TICK_INTERVAL},
-        job_events,
         machine_state::MachineState,
     },
     decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
@@ -32,7 +29,7 @@ use crate::farm::{
 };
 
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
-const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
+pub(super) const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Failures that did not occur again for this long, or for three scans, are over.
 const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
@@ -50,28 +47,29 @@ pub(crate) struct WriteStatusJob {
 impl BackgroundJob<Farm> for WriteStatusJob {
     const KIND: &'static str = "Status";
     type Outcome = ();
+    type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn on_done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+    async fn on_done(self, _shared: Self::Desk<'_>, (): ()) -> Result<()> {
         Ok(())
     }
 }
 
 /// Updates the status everywhere.
-pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
-    if farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL) {
+pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
+    if desk.display.updated_at.is_some_and(|at| desk.shared.schedule.time.passed_since(at) < STATUS_INTERVAL) {
         return Ok(());
     }
-    farm.display.updated_at = Some(farm.now());
-    control_files::update_answers(farm).await?;
-    let rows = farm.ledger.profile_statuses().await?;
-    let asked = farm.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
-    let now = farm.date();
-    for (name, machine) in &mut farm.machines {
-        let printers = printer_views(&farm.ledger, &machine.profile, now).await?;
+    desk.display.updated_at = Some(desk.shared.now());
+    control_files::update_answers(desk.shared.ledger, desk.machines).await?;
+    let rows = desk.shared.ledger.profile_statuses().await?;
+    let asked = desk.shared.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
+    let now = desk.shared.date();
+    for (name, machine) in desk.machines.iter_mut() {
+        let printers = printer_views(desk.shared.ledger, &machine.profile, now).await?;
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
             let text = status_text(machine, row, &printers) + &part_questions::questions_text(name, &asked);
             let mut json = status_json(machine, row);
@@ -80,42 +78,43 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
             machine.status = (text, json);
         }
     }
-    status_alerts::update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
-    due_dates::check_due_dates(farm).await?;
-    let line = farm_summary(farm.machines.len(), rows.iter());
-    if line != farm.display.status_line {
+    status_alerts::update_ledger_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts, &rows).await?;
+    due_dates::check_due_dates(&desk.shared, desk.machines).await?;
+    let line = farm_summary(desk.machines.len(), rows.iter());
+    if line != desk.display.status_line {
         systemd::notify_status(&line);
-        farm.display.status_line = line;
+        desk.display.status_line = line;
         // Otherwise the ledger would show the old line until the next heartbeat.
-        let now = farm.now();
-        farm.schedule.tasks.make_due(TimedTask::WriteHeartbeat, now);
+        let now = desk.shared.now();
+        desk.shared.schedule.tasks.make_due(TimedTask::WriteHeartbeat, now);
     }
     Ok(())
 }
 
 /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
 /// scan does.
-pub(super) fn publish_alerts(farm: &mut Farm) {
-    let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * farm.settings.scan_secs));
-    farm.alerts.clear_expired_failures(over);
-    for ((kind, about), why) in farm.lifecycle.services.service_reports() {
+pub(super) fn publish_alerts(desk: &mut Showing<'_>) {
+    let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * desk.shared.settings.scan_secs));
+    desk.shared.alerts.clear_expired_failures(over);
+    for ((kind, about), why) in desk.shared.lifecycle.services.service_reports() {
         match why {
-            None => farm.alerts.clear(kind, "", &about),
-            Some(why) => farm.alerts.raise(kind, "", &about, &why),
+            None => desk.shared.alerts.clear(kind, "", &about),
+            Some(why) => desk.shared.alerts.raise(kind, "", &about, &why),
         }
     }
-    farm.alerts.write_if_changed(&farm.settings.state_dir);
-    let is_cut_off = AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && farm.alerts.is_active(kind, "", ""));
-    if !(farm.lifecycle.is_halted || is_cut_off)
-        || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
+    desk.shared.alerts.write_if_changed(&desk.shared.settings.state_dir);
+    let is_cut_off =
+        AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && desk.shared.alerts.is_active(kind, "", ""));
+    if !(desk.shared.lifecycle.is_halted || is_cut_off)
+        || desk.display.updated_at.is_some_and(|at| desk.shared.schedule.time.passed_since(at) < STATUS_INTERVAL)
     {
         return;
     }
-    farm.display.updated_at = Some(farm.now());
-    for (name, machine) in &farm.machines {
+    desk.display.updated_at = Some(desk.shared.now());
+    for (name, machine) in desk.machines.iter() {
         let (profile, inbox, (text, json)) =
-            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, &farm.alerts, true));
-        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, desk.shared.alerts, true));
+        desk.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
             if let Err(error) = intake::write_status(&inbox, &text, &json) {
                 tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
             }
@@ -124,14 +123,14 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
 }
 
 /// The ledger's file was removed, replaced or overwritten: saves what the daemon knows beside it, and halts.
-pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
+pub(super) async fn abandon_replaced_ledger(shared: &mut Shared<'_>, why: &LedgerError) {
     if let LedgerError::Overwritten { what, .. } = why {
-        return farm.halt_farm(AlertKind::LedgerReplaced, what);
+        return shared.halt(AlertKind::LedgerReplaced, what);
     }
-    let mut file = farm.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
+    let mut file = shared.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
     file.push(lost_ledger::SAVED);
     file.push(Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string());
-    let (file, ledger) = (std::path::PathBuf::from(file), farm.ledger.clone());
+    let (file, ledger) = (std::path::PathBuf::from(file), shared.ledger.clone());
     let saving = ledger.write_backup(&file);
     tokio::pin!(saving);
     let saved = loop {
@@ -148,30 +147,30 @@ pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) 
         Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
         Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
     };
-    farm.halt_farm(AlertKind::LedgerReplaced, &detail);
+    shared.halt(AlertKind::LedgerReplaced, &detail);
     // On closing, SQLite would remove the write-ahead log of the ledger that is there now.
-    std::mem::forget(farm.ledger.clone());
+    std::mem::forget(shared.ledger.clone());
 }
 
-/// Writes into each hot folder that nestd has stopped: the status there before promised builds.
-pub(super) async fn write_stopped_status(farm: &mut Farm) {
-    let rows = match farm.lifecycle.is_halted {
+/// Starts to write into each hot folder that nestd has stopped: the status there before promised builds.
+pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
+    let rows = match desk.shared.lifecycle.is_halted {
         true => Vec::new(),
-        false => farm.ledger.profile_statuses().await.unwrap_or_default(),
+        false => desk.shared.ledger.profile_statuses().await.unwrap_or_default(),
     };
-    for (name, machine) in &farm.machines {
+    for (name, machine) in desk.machines.iter() {
         // A job that did not end hangs in that folder, and this one would hang too.
-        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+        if desk.jobs.is_running::<HotFolderScanJob>(name) {
             continue;
         }
         let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
-        let (text, json) = match farm.lifecycle.is_halted {
-            true => halted_status(machine, &farm.alerts, false),
+        let (text, json) = match desk.shared.lifecycle.is_halted {
+            true => halted_status(machine, desk.shared.alerts, false),
             false => stopped_status(machine, &row),
         };
         let (profile, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
         let mut lease = machine.leases.inbox.clone();
-        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+        desk.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
             // Nothing is written into an empty mount point.
             if lease.held_identity().is_some()
                 && lease.check_usable().is_ok()
@@ -181,28 +180,27 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
             }
         });
     }
-    job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
 }
 
 /// Writes a heartbeat into the ledger.
-pub(crate) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
-    farm.ledger.write_heartbeat(&describe_node(farm)).await?;
-    farm.alerts.clear(AlertKind::ChangesWait, "", "");
+pub(crate) async fn write_heartbeat(desk: &mut Showing<'_>) -> Result<()> {
+    desk.shared.ledger.write_heartbeat(&describe_node(desk)).await?;
+    desk.shared.alerts.clear(AlertKind::ChangesWait, "", "");
     Ok(())
 }
 
 /// This node, as its heartbeats name it.
-pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
-    let node = &farm.settings.node;
+pub(super) fn describe_node(desk: &Showing<'_>) -> NodeHeartbeat {
+    let node = &desk.shared.settings.node;
     NodeHeartbeat {
         name: node.name.clone(),
         address: node.address.clone().unwrap_or_default(),
         pid: std::process::id(),
         host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        started_at: farm.lifecycle.started_at,
-        status: farm.display.status_line.clone(),
-        machines: machine_availability::observed_machines(farm),
+        started_at: desk.shared.lifecycle.started_at,
+        status: desk.display.status_line.clone(),
+        machines: machine_availability::observed_machines(desk),
     }
 }
 

@@ -15,7 +15,10 @@ use tracing::{info, warn};
 use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::farm::Farm,
+        core::{
+            desks::{Receiving, Serving, Shared, Storing},
+            farm::Farm,
+        },
         files::claim_note,
         leases::{folder_lease::FolderLease, own_machines},
         receive::forget,
@@ -34,12 +37,13 @@ pub(crate) struct ArchivePurgeJob;
 impl BackgroundJob<Farm> for ArchivePurgeJob {
     const KIND: &'static str = "Purge";
     type Outcome = ();
+    type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+    async fn on_done(self, _shared: Self::Desk<'_>, (): ()) -> Result<()> {
         Ok(())
     }
 }
@@ -51,29 +55,31 @@ pub(crate) struct MisplacedFilesJob;
 impl BackgroundJob<Farm> for MisplacedFilesJob {
     const KIND: &'static str = "Misplaced";
     type Outcome = Vec<String>;
+    type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
         String::new()
     }
 
-    async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
-        on_misplaced_files(&farm.settings, &mut farm.alerts, &found);
+    async fn on_done(self, shared: Self::Desk<'_>, found: Self::Outcome) -> Result<()> {
+        on_misplaced_files(shared.settings, shared.alerts, &found);
         Ok(())
     }
 }
 
 /// Runs the housekeeping; nothing here is urgent, and everything is safe to repeat.
-pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
+pub(super) async fn tidy_up(desk: &mut Receiving<'_>) -> Result<()> {
     // If the clock was just set, everything might seem old.
-    if !farm.schedule.clock.is_retention_trusted() {
+    if !desk.shared.schedule.clock.is_retention_trusted() {
         return Ok(());
     }
-    let archives: Vec<(FolderLease, PathBuf, OutputRules)> = (farm.machines.values())
+    let archives: Vec<(FolderLease, PathBuf, OutputRules)> = (desk.machines.values())
         .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.clone()))
         .collect();
-    let (settings, ledger, store) = (farm.settings.clone(), farm.ledger.clone(), farm.meshes.store.clone());
+    let (settings, ledger, store) =
+        (desk.shared.settings.clone(), desk.shared.ledger.clone(), desk.meshes.store.clone());
     let runtime = tokio::runtime::Handle::current();
-    farm.jobs.start(ArchivePurgeJob, move || {
+    desk.jobs.start(ArchivePurgeJob, move || {
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }
@@ -89,15 +95,15 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
             }
         }
     });
-    sweep_store(farm).await
+    sweep_store(&mut desk.storing()).await
 }
 
 /// Starts to look for files that were dropped beside the hot folders, those of other nodes' machines on the same share included.
-pub(super) async fn start_misplaced_file_search(farm: &mut Farm) -> Result<()> {
-    let (base, mut folders) = (farm.settings.inbox_base.clone(), farm.settings.all_folders());
-    let others = own_machines::machines_of_other_nodes(&farm.settings, &farm.ledger).await?;
+pub(super) async fn start_misplaced_file_search(desk: &mut Serving<'_>) -> Result<()> {
+    let (base, mut folders) = (desk.shared.settings.inbox_base.clone(), desk.shared.settings.all_folders());
+    let others = own_machines::machines_of_other_nodes(desk.shared.settings, desk.shared.ledger).await?;
     folders.extend(others.keys().map(|machine| base.join(machine)));
-    farm.jobs.start(MisplacedFilesJob, move || {
+    desk.jobs.start(MisplacedFilesJob, move || {
         let stray = intake::find_misplaced(&base, &folders).unwrap_or_default();
         stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
     });
@@ -113,19 +119,19 @@ fn on_misplaced_files(settings: &Settings, alerts: &mut AlertRegistry, found: &[
 }
 
 /// Forgets stored files of built and long refused parts that no live part needs.
-async fn sweep_store(farm: &mut Farm) -> Result<()> {
-    let now = farm.date();
+async fn sweep_store(desk: &mut Storing<'_>) -> Result<()> {
+    let now = desk.shared.date();
     let mut unneeded = Vec::new();
     for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
         let (from, to) = (time_before(now, keep_secs + SWEEP_WITHIN_SECS), time_before(now, keep_secs));
-        unneeded.extend(farm.ledger.hashes_in_state_between(state, from, to).await?);
+        unneeded.extend(desk.shared.ledger.hashes_in_state_between(state, from, to).await?);
     }
-    forget::forget_data(farm, unneeded.into_iter().map(Forgettable::StoredFile)).await?;
+    forget::forget_data(desk, unneeded.into_iter().map(Forgettable::StoredFile)).await?;
     let mut live = HashSet::new();
     for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-        live.extend(farm.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
+        live.extend(desk.shared.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
     }
-    farm.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
+    desk.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
     Ok(())
 }
 

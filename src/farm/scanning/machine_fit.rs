@@ -1,7 +1,9 @@
 //! Whether a proved build still fits its machine, whose file people edit. Whatever puts the file of a build into a queue folder asks
 //! this first: `publish` has the build made again, `build_move` leaves it where it is, and `queue_files` tells of one that lies there.
 
-use ledger::BuildRow;
+use anyhow::Result;
+use ledger::{BuildRow, EventKind, Ledger};
+use tracing::warn;
 
 use crate::settings::MachineProfile;
 
@@ -10,4 +12,14 @@ pub(crate) fn find_misfit(profile: &MachineProfile, build: &BuildRow) -> Option<
     let was = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), Some(profile));
     let why = profile.to_machine().find_stricter_than(&was.to_machine(), build.measures.height_mm)?;
     Some(format!("the machine has changed since it was proved: {why}"))
+}
+
+/// A build that is issued once more was to be as it was: where its machine has changed so that it does not fit any more, it is not.
+pub(crate) async fn report_changed_machine(ledger: &Ledger, profile: &MachineProfile, build: &BuildRow) -> Result<()> {
+    let Some(printed) = build.search.repeats else { return Ok(()) };
+    let before = ledger.find_build(printed).await?;
+    let Some(why) = before.and_then(|before| find_misfit(profile, &before)) else { return Ok(()) };
+    let detail = format!("not as build {printed} was, for {why}");
+    warn!(build.id = %build.id, profile = %build.profile, "Build {} is {detail}.", build.id);
+    Ok(ledger.write_event(EventKind::Requeued, &build.profile, None, Some(build.id), &detail).await?)
 }

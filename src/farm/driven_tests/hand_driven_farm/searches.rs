@@ -6,7 +6,7 @@ use crate::farm::open_build::batch;
 impl HandDrivenFarm {
     /// Looks whether the open build fires, as a tick does after its look at the clock.
     pub fn look_at_open_build(&mut self) {
-        self.runtime.block_on(batch::update_open_build(self.farm.as_mut().unwrap(), PROFILE)).unwrap();
+        self.runtime.block_on(batch::update_open_build(&mut self.farm.as_mut().unwrap().desk(), PROFILE)).unwrap();
     }
 
     /// Lets time pass until a search for the open build has begun, and takes in nothing that it finds.

@@ -33,10 +33,17 @@ async fn both() -> (TestLedger, Ledger) {
 
 #[test]
 fn the_same_tests_pass_on_postgresql() {
-    let mut tests = Command::new(std::env::current_exe().unwrap());
-    tests.args(["ledger::tests::", "--skip", "on_postgres"]).env("NESTD_TEST_POSTGRES", "1");
-    tests.args(SQLITE_ALONE.iter().flat_map(|name| ["--skip", name]));
-    let ran = tests.output().unwrap();
+    let program = || Command::new(std::env::current_exe().unwrap());
+    let listed = program().args(["--list", "--format", "terse"]).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let names = listed.lines().filter_map(|line| line.strip_suffix(": test"));
+    let is_for_both = |name: &&str| {
+        name.starts_with("tests::")
+            && !name.starts_with("tests::on_postgres")
+            && !SQLITE_ALONE.iter().any(|alone| name.contains(alone))
+    };
+    let ran =
+        program().arg("--exact").args(names.filter(is_for_both)).env("NESTD_TEST_POSTGRES", "1").output().unwrap();
     let told = String::from_utf8_lossy(&ran.stdout);
     assert!(ran.status.success(), "{told}");
     let summary = told.lines().find(|line| line.starts_with("test result: ok")).unwrap();

@@ -106,7 +106,7 @@ async fn processes_and_pools_that_write_at_once_never_see_a_locked_ledger() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nestd.db");
     let mut child = process::Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "ledger::tests::store::opening::a_second_process_writes_when_it_is_asked"])
+        .args(["--exact", "tests::store::opening::a_second_process_writes_when_it_is_asked"])
         .env(LEDGER, &path)
         .stdout(process::Stdio::null())
         .spawn()

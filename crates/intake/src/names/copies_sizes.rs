@@ -5,7 +5,7 @@
 use super::copies_words::{NameWord, is_digits, is_numbering_word};
 
 /// Letters before the number of a size that may go on with another: threads, diameters, modules, standards, wire gauges.
-const SIZE_PREFIXES: &str = "m mf mj d ø φ ⌀ da di de do dia diam diameter durchmesser diamètre diametre diametro diámetro średnica \
+const SIZE_PREFIXES: &str = "m м mf mj d ø φ ⌀ da di de do dia diam diameter durchmesser diamètre diametre diametro diámetro średnica \
                              od id phi pcd dn nps g gf bsp bspp bspt bsw bsf npt unc unf unef un tr tm rd pg kf din iso en ansi asme \
                              jis gost fi nema awg swg sw tx torx ph pz mod modul module modulo módulo gt htd mxl xl at f led vis schraube \
                              直径 外径 内径 径 孔径 螺纹 モジュール ねじ ネジ 模数 丝杠";

@@ -6,19 +6,22 @@ use unicode_normalization::UnicodeNormalization;
 /// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`.
 const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt sztuk sztuki pezzi piezas unidades uds \
                       stuks peças copias cópias kopii шт \
-                      個 枚 本 コ ヶ ケ 点 台 つ 件 个 份 只 片 块 颗 粒";
+                      個 枚 本 コ ヶ ケ 点 台 つ 件 个 份 只 片 块 颗 粒 \
+                      штук adet darab бр τεμ τεμάχια 개 매 장";
 /// Words that mean pieces behind a number only at the start or the end of a name: `4 off`, but not `4 off axis`.
-const PIECES_AT_EDGES: &str =
-    "off ea each ex mal fois times volte veces keer razy units unités pz pza pzas ud ks kpl stuk";
+const PIECES_AT_EDGES: &str = "off ea each ex mal fois times volte veces keer razy units unités pz pza pzas ud ks kpl stuk \
+                               kom kos buc";
 /// Suffixes that mean pieces only where they are attached to the number: `4pc`, but not `4 PC` (polycarbonate).
 const ATTACHED_PIECES: &str = "pc st";
 /// Words for a number of pieces that stand before it: `qty 4`.
 const BEFORE_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz menge stückzahl stueckzahl stk stck stück stueck \
-                             pcs pieces pièces copies kopien exemplaires nbre nombre quantità quantita qta cantidad cant quantidade aantal antal ilość ilosc szt pezzi pz piezas uds stuks 数量 件数 個数 部数 枚数 数 n";
+                             pcs pieces pièces copies kopien exemplaires nbre nombre quantità quantita qta cantidad cant quantidade aantal antal ilość ilosc szt pezzi pz piezas uds stuks 数量 件数 個数 部数 枚数 数 n \
+                             кол количество число adet darab 수량 개수";
 /// Those of them that say a number of copies even if no number is beside them.
-const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl quantità quantita cantidad aantal ilość ilosc 数量 個数 部数 枚数 件数";
+const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl quantità quantita cantidad aantal ilość ilosc 数量 個数 部数 枚数 件数 количество 수량";
 /// Words that behind a number may mean copies or something else: `4-fach` may be a socket for four plugs.
-const MAYBE_PIECES: &str = "fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組";
+const MAYBE_PIECES: &str = "fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組 \
+                             db 세트 комплект комплекта";
 /// Words before which a number may be meant as copies: `please print 4`.
 const ASKS: &str = "need needs please print brauche benötige bitte drucke drucken imprimer";
 const GROUPS: &str = "set lot pack satz jeu";
@@ -43,7 +46,7 @@ const ENDINGS_IN_X: [&str; 24] = [
     "fox", "wax", "syntax", "plex", "latex", "gtx", "rtx", "vortex", "convex", "relax",
 ];
 /// Characters that behind digits count pieces in Japanese and Chinese.
-const COUNTERS: &str = "個枚本コヶケ点台つ件个份只片块颗粒";
+const COUNTERS: &str = "個枚本コヶケ点台つ件个份只片块颗粒개매장";
 const CJK_NUMBERS: &str = "一二三四五六七八九十百";
 
 /// Kind of a word list.
@@ -119,7 +122,8 @@ fn plain_sign(c: char) -> char {
 /// multiplication sign and an East Asian counter begin a word of their own.
 pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
     let text: String = stem.nfkc().flat_map(char::to_lowercase).map(plain_sign).collect();
-    let chars: Vec<char> = replace_dates(&text)
+    let chars: Vec<char> = latin_times(&replace_dates(&text))
+        .replace("кол-во", "кол")
         .replace("q.ty", "qty")
         .replace("q'ty", "qty")
         .replace("q’ty", "qty")
@@ -145,6 +149,20 @@ pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
         is_open = true;
     }
     words
+}
+
+/// The Cyrillic х that stands for a multiplication sign, as in `х4`, `4х` and ` х 4`, becomes the Latin x of other names.
+fn latin_times(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let near = |at: Option<usize>| at.and_then(|at| chars.get(at).copied());
+    let stands_for_times = |at: usize| {
+        let (before, after) = (near(at.checked_sub(1)), near(Some(at + 1)));
+        let is_letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
+        is_digit(after) && !is_letter(before)
+            || is_digit(before) && !is_letter(after)
+            || !is_letter(before) && !is_letter(after)
+    };
+    chars.iter().enumerate().map(|(at, &c)| if c == 'х' && stands_for_times(at) { 'x' } else { c }).collect()
 }
 
 fn is_digit(c: Option<char>) -> bool {

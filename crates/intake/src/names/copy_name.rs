@@ -42,7 +42,7 @@ const CONFLICT_WORDS: [&str; 14] = [
     "ristiriita",
 ];
 /// What file managers add behind a name, before a number in brackets.
-const COPY_ENDINGS: [&str; 18] = [
+const COPY_ENDINGS: [&str; 26] = [
     " - copy",
     " - kopie",
     " - copie",
@@ -61,6 +61,14 @@ const COPY_ENDINGS: [&str; 18] = [
     " のコピー",
     " (copy)",
     " (kopie)",
+    "-copy",
+    "-kopie",
+    "-copie",
+    "-copia",
+    "_copy",
+    "_kopie",
+    "_copie",
+    "_copia",
 ];
 /// Words for backups behind a name, after a sign (`x.bak.stl`, `x-backup.stl`).
 const BACKUP_WORDS: [&str; 14] = [
@@ -85,7 +93,8 @@ const PAST_WORDS: [&str; 12] =
 /// Signs before such a word.
 const WORD_SIGNS: [char; 4] = ['.', '-', '_', ' '];
 /// What file managers put before a name.
-const COPY_STARTS: [&str; 6] = ["copy of ", "kopie von ", "copie de ", "copia de ", "copia di ", "コピー ~ "];
+const COPY_STARTS: [&str; 7] =
+    ["copy of ", "kopie von ", "copie de ", "copia de ", "copia di ", "コピー ~ ", "コピー ～ "];
 /// Starts of the names that Windows gives to computers, which OneDrive adds behind a hyphen.
 const COMPUTERS: [&str; 4] = ["desktop", "laptop", "win", "pc"];
 /// Length of the second half of such a name.
@@ -170,12 +179,13 @@ fn without_number(stem: &str) -> Option<&str> {
 }
 
 fn without_ending<'a>(stem: &'a str, ending: &str) -> Option<&'a str> {
-    let at = stem.len().checked_sub(ending.len())?;
-    (stem.is_char_boundary(at) && fold_name(&stem[at..]) == ending).then(|| &stem[..at])
+    let (at, _) = stem.char_indices().nth_back(ending.chars().count().checked_sub(1)?)?;
+    (fold_name(&stem[at..]) == ending).then(|| &stem[..at])
 }
 
 fn without_start<'a>(stem: &'a str, start: &str) -> Option<&'a str> {
-    (stem.is_char_boundary(start.len()) && fold_name(stem.get(..start.len())?) == start).then(|| &stem[start.len()..])
+    let (at, _) = stem.char_indices().nth(start.chars().count())?;
+    (fold_name(&stem[..at]) == start).then(|| &stem[at..])
 }
 
 /// `x` of `x-DESKTOP-ABC123`, with the name of a Windows computer.
@@ -212,6 +222,8 @@ mod tests {
             ("x - コピー.stl", CopyKind::BesideOriginal),
             ("x copy.stl", CopyKind::BesideOriginal),
             ("xのコピー.stl", CopyKind::BesideOriginal),
+            ("x-copia.stl", CopyKind::BesideOriginal),
+            ("コピー ～ x.stl", CopyKind::BesideOriginal),
             ("Copy of x.stl", CopyKind::BesideOriginal),
             ("Kopie von x.stl", CopyKind::BesideOriginal),
             ("x-DESKTOP-ABC123.stl", CopyKind::BesideOriginal),

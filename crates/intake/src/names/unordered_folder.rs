@@ -34,7 +34,7 @@ const BINS: [&str; 26] = [
     "回收站",
 ];
 /// Names of folders for what was wanted once. An order may have such a name, so it is asked about.
-const PAST: [&str; 63] = [
+const PAST: [&str; 83] = [
     "old",
     "older",
     "old files",
@@ -98,6 +98,42 @@ const PAST: [&str; 63] = [
     "旧データ",
     "バックアップ",
     "印刷済み",
+    "finished",
+    "completed",
+    "fertig",
+    "terminé",
+    "terminés",
+    "terminado",
+    "terminados",
+    "imprimés",
+    "impreso",
+    "impresos",
+    "stampati",
+    "старое",
+    "старые",
+    "старый",
+    "архив",
+    "готово",
+    "напечатано",
+    "完了",
+    "完成",
+    "已打印",
+];
+
+/// Words in the name of a file that nobody wants to be printed.
+const DO_NOT_PRINT: [&str; 12] = [
+    "do not print",
+    "dont print",
+    "don't print",
+    "not for print",
+    "nicht drucken",
+    "ne pas imprimer",
+    "no imprimir",
+    "non stampare",
+    "не печатать",
+    "印刷不要",
+    "印刷禁止",
+    "不要打印",
 ];
 
 /// The name as it is compared: without the signs around it that put it first or last in a list, as in `_old`.
@@ -111,9 +147,23 @@ pub(crate) fn is_bin_name(name: &OsStr) -> bool {
     bare_name(name).is_some_and(|name| BINS.contains(&name.as_str()))
 }
 
-/// Whether a folder is by its name for what was wanted once.
+/// Whether a folder is by its name for what was wanted once: `old`, `backup_2025-11`.
 pub(crate) fn is_past_name(name: &OsStr) -> bool {
-    bare_name(name).is_some_and(|name| PAST.contains(&name.as_str()))
+    bare_name(name).is_some_and(|name| PAST.contains(&without_date(&name)))
+}
+
+/// A name without the year or date behind it; a shorter number, as in `alt 3`, belongs to the name.
+fn without_date(name: &str) -> &str {
+    let date = |c: char| c.is_ascii_digit() || matches!(c, ' ' | '.');
+    let bare = name.trim_end_matches(date);
+    let behind = name[bare.len()..].split([' ', '.']).find(|word| !word.is_empty());
+    if behind.is_some_and(|first| first.len() >= 4) { bare } else { name }
+}
+
+/// The words of a file's name by which nobody wants it to be printed, if it has such.
+pub(crate) fn not_to_print_words(name: &str) -> Option<&'static str> {
+    let name = fold_name(name).replace(['_', '-'], " ").replace('’', "'");
+    DO_NOT_PRINT.into_iter().find(|words| name.contains(words))
 }
 
 #[cfg(test)]
@@ -137,11 +187,26 @@ mod tests {
             "旧",
             "バックアップ",
             "Viejo",
+            "backup_2025",
+            "Archiv 2025-11",
+            "old 20251101",
+            "Fertig",
+            "terminés",
+            "Старые",
         ] {
             assert!(is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
         }
-        for name in ["Oldenburg", "order-1042", "alt 3", "trash can lids", "Archivregal", "1042", ""] {
+        for name in
+            ["Oldenburg", "order-1042", "alt 3", "part 2025", "2025", "trash can lids", "Archivregal", "1042", ""]
+        {
             assert!(!is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
         }
+    }
+
+    #[test]
+    fn a_name_that_says_not_to_print_is_told_from_others() {
+        assert_eq!(not_to_print_words("x_DO_NOT_PRINT.stl"), Some("do not print"));
+        assert_eq!(not_to_print_words("Halter - nicht drucken.stl"), Some("nicht drucken"));
+        assert_eq!(not_to_print_words("print-bed clip.stl"), None);
     }
 }

@@ -21,7 +21,7 @@ use crate::{
     names::{
         code_page::decode_candidates,
         copies::{CopiesInName, read_copies_in_file_name},
-        unordered_folder::is_past_name,
+        unordered_folder::{is_past_name, not_to_print_words},
     },
 };
 
@@ -133,6 +133,8 @@ impl ClaimedPart {
         given
             .warnings
             .extend(past.map(|name| print_question(&format!("it lies in a folder called {}", display_name(name)))));
+        let not_to_print = not_to_print_words(&self.display_name());
+        given.warnings.extend(not_to_print.map(|words| print_question(&format!("its name says \"{words}\""))));
         Ok(given)
     }
 

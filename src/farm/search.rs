@@ -1,8 +1,9 @@
 //! Finds orders, parts, customers, builds and machines by part of a name, or by number, for people.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use intake::fold_name;
 use ledger::{BuildId, Ledger, LedgerError, NamePattern, NamedBuildRow, NamedPartRow, OrderRow, PartId};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Rows of a kind that are counted; beyond them a search only says that there are more.
 pub const MAX_COUNTED: usize = 1000;

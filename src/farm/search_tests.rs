@@ -1,8 +1,9 @@
 //! Tests of the search, each on every database that this machine has.
 
-use super::*;
 use ledger::{NewPartRow, PartState};
 use ledger_fixtures::{asked, fresh_file, new_part, published, solid};
+
+use super::*;
 
 /// The ledgers to search: a file, and a database on a server.
 async fn ledgers() -> Vec<(Ledger, Box<dyn std::any::Any>)> {

@@ -1,12 +1,13 @@
 //! Gauges: what waits, what is in work, and whether machines, folders and the daemon work.
 
+use std::sync::atomic::AtomicU64;
+
 use anyhow::Result;
 use ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp};
 use prometheus_client::{
     metrics::{family::Family, gauge::Gauge},
     registry::Registry,
 };
-use std::sync::atomic::AtomicU64;
 
 use crate::settings::Settings;
 

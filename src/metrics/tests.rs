@@ -1,9 +1,5 @@
 //! The numbers of a real ledger, as Prometheus reads them.
 
-use ledger::{
-    EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
-};
-use ledger_fixtures as fixtures;
 use std::{
     collections::BTreeMap,
     io::Write,
@@ -11,6 +7,11 @@ use std::{
     sync::{Arc, RwLock},
     time::Duration,
 };
+
+use ledger::{
+    EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
+};
+use ledger_fixtures as fixtures;
 
 use super::*;
 use crate::settings::{self, Settings, SharedSettings};

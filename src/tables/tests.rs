@@ -1,8 +1,9 @@
 //! Tests that labels, units and keys agree with each other, and that each field of the JSON is a column.
 
+use std::collections::BTreeSet;
+
 use ledger::{HistoryQuery, HistoryRow};
 use ledger_fixtures::*;
-use std::collections::BTreeSet;
 
 use super::{
     columns::table_column::{ColumnAudience, TableColumn},

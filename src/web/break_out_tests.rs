@@ -1,9 +1,9 @@
 //! Breaking a build out, with the forms as a browser without JavaScript sends them.
 
 use axum::http::{Request, StatusCode};
+use ledger::{BuildId, BuildState, PartId, PartState};
 
 use super::{TestDashboard, TestResponse, with_a_build};
-use ledger::{BuildId, BuildState, PartId, PartState};
 
 const PAGE: &str = "/builds/1/break-out";
 

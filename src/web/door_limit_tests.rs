@@ -3,6 +3,7 @@
 
 use std::{convert::Infallible, time::Duration};
 
+use access::{TokenRole, add_token};
 use axum::body::Bytes;
 use serde_json::{Value, json};
 use tokio_stream::StreamExt;
@@ -11,7 +12,6 @@ use super::{
     door_tests::{ApiAnswer, CUBE, of_lines, of_upload, order, put, send},
     *,
 };
-use access::{TokenRole, add_token};
 
 /// A form of an order with files, each the cube.
 fn order_form(order: &str, names: &[&str]) -> String {

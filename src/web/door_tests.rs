@@ -1,9 +1,9 @@
 //! The door for programs: content, orders, keys, roles, and how they are refused.
 
+use access::{TokenRole, add_token};
 use serde_json::{Value, json};
 
 use super::*;
-use access::{TokenRole, add_token};
 
 pub(super) const CUBE: &[u8] = b"solid a cube, more or less";
 

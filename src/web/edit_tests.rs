@@ -1,12 +1,12 @@
 //! Changes and cancellations of programs: of lines that arrive, of parts that are read, and those that are done in part.
 
+use ledger::{CommandKind, Ledger, NewPartRow, PartId, PartState, RefusalCause};
 use serde_json::{Value, json};
 
 use super::{
     door_tests::{ApiAnswer, CUBE, assert_described, of_lines, order, put, send},
     *,
 };
-use ledger::{CommandKind, Ledger, NewPartRow, PartId, PartState, RefusalCause};
 
 async fn patch(dashboard: &TestDashboard, path: &str, change: Value) -> ApiAnswer {
     let request = Request::patch(path).header("content-type", "application/json");

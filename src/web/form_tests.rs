@@ -1,7 +1,8 @@
 //! Every form of every page, sent twice as browsers send it: a double click, a reload, back and once more.
 
-use super::*;
 use ledger::{BuildId, BuildState, Ledger};
+
+use super::*;
 
 /// A form of a page with what a browser sends of it if nobody changes anything.
 #[derive(Debug, Clone)]

@@ -1,7 +1,8 @@
 //! Tests of the page and the JSON of the plan.
 
-use super::*;
 use ledger_fixtures::*;
+
+use super::*;
 
 async fn json_of(dashboard: &TestDashboard, path: &str) -> serde_json::Value {
     serde_json::from_str(&dashboard.get(path).await.text).unwrap()

@@ -1,12 +1,12 @@
 //! The dashboard over a real ledger, with requests as a browser sends them.
 
-use ledger_fixtures::ToldWords;
 use std::sync::{Arc, RwLock};
 
 use axum::{
     body::{Body, to_bytes},
     http::{Request, StatusCode},
 };
+use ledger_fixtures::ToldWords;
 use ledger_fixtures::{self as fixtures, TestLedger};
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;

@@ -2,13 +2,13 @@
 //! at random moments while many come. The program sends each request again, under its key, until it is answered. At the end each key is
 //! one order, with exactly the copies that were asked.
 
-use ledger::{PartRow, PartState};
 use std::{
     fs,
     path::PathBuf,
     time::{Duration, Instant},
 };
 
+use ledger::{PartRow, PartState};
 use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

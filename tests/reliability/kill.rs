@@ -1,13 +1,13 @@
 //! kill -9 at random moments under load: parts, orders and tickets arrive all the time, operators send commands, the
 //! printer takes builds; many farms at once. At the end everything is built exactly once and the invariants hold.
 
-use ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     sync::atomic::{AtomicU64, Ordering},
     time::{Duration, Instant},
 };
 
+use ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState};
 use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -2,13 +2,13 @@
 //! taken back, one is refused; the batch is flushed, nested, written, published, archived and taken by the printer.
 //! When the daemon is killed, the script continues at the same step.
 
-use ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
     time::{Duration, Instant},
 };
 
+use ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState};
 use nestd::farm::InvariantExpectations;
 
 use super::support::{PROFILE, TestFarm, block, stl};

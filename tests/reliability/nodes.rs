@@ -6,9 +6,6 @@
 
 mod farm_node;
 mod node_fault;
-use ledger_fixtures::server_link;
-
-use ledger::{PartRow, PartState};
 use std::{
     collections::BTreeMap,
     fs,
@@ -17,6 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm_node::{FarmNode, MACHINE, can_set_clocks, configured_node, configured_spare, machine_name};
+use ledger::{PartRow, PartState};
+use ledger_fixtures::server_link;
 use nestd::{
     farm::{InvariantExpectations, check_invariants},
     settings,
@@ -31,7 +31,6 @@ use super::{
     section_result::SectionResult,
     support::farm_files::{block, drop_file, list_build_files, stl},
 };
-use farm_node::{FarmNode, MACHINE, can_set_clocks, configured_node, configured_spare, machine_name};
 
 const NODES: usize = 3;
 /// Parts and faults of a long run; a short run ends when its time is over.

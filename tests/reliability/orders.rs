@@ -7,7 +7,6 @@ mod operations;
 mod outcomes;
 mod replay;
 
-use ledger::{CommandId, OrderQuery, PartRow, PartState};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
@@ -16,9 +15,13 @@ use std::{
     time::{Duration, Instant},
 };
 
+use asked::{Asked, CopiesByFile, DroppedLine, TakenBuild};
+use ledger::{CommandId, OrderQuery, PartRow, PartState};
 use nestd::farm::{AskedCopies, InvariantExpectations};
+use outcomes::ToldBad;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use replay::{LedgerRecord, OperationReplay};
 
 use super::{
     budget::SectionBudget,
@@ -26,9 +29,6 @@ use super::{
     section_result::{ActionCounts, LOST, SectionResult, WRONG_IN_SIZE},
     support::{PROFILE, TestFarm, farm_files::list_build_files},
 };
-use asked::{Asked, CopiesByFile, DroppedLine, TakenBuild};
-use outcomes::ToldBad;
-use replay::{LedgerRecord, OperationReplay};
 
 /// The second machine.
 const OTHER: &str = "other";

@@ -2,13 +2,13 @@
 //! state of its part or build; then the farm continues. Nothing damaged is printed, nothing is printed twice, and
 //! nothing is lost silently: a part that is not printed is requested again, reported, or named by `check --deep`.
 
-use ledger::{BuildState, PartState};
 use std::{
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
+use ledger::{BuildState, PartState};
 use nestd::farm::InvariantExpectations;
 
 use super::{

@@ -1,13 +1,14 @@
 //! Every file of the torture set (opt-in by `NESTD_DATA`) through the real daemon: dropped into its hot folder, each in
 //! its own order. The ledger and the error folder must show what the manifest expects.
 
-use ledger::{PartRow, PartState};
 use std::{
     collections::HashMap,
     fs,
     path::{Path, PathBuf},
     time::Instant,
 };
+
+use ledger::{PartRow, PartState};
 
 use super::{
     budget::SectionBudget,

@@ -14,7 +14,6 @@ pub mod trace;
 pub mod trial;
 pub mod webhook;
 
-use ledger::{Ledger, PartRow, PartState};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -22,6 +21,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use ledger::{Ledger, PartRow, PartState};
 use nestd::{
     farm::{self, InvariantExpectations},
     settings,

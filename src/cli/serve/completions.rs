@@ -3,11 +3,11 @@
 use std::{io::Write, path::PathBuf};
 
 use anyhow::{Context, Result};
+use build_file::format_count;
 use clap::Command;
 use clap_complete::{Shell, env::Shells};
 
 use crate::cli::{CommandExit, terminal::table::print_text};
-use build_file::format_count;
 
 /// The variable that says for which shell a word is completed.
 const COMPLETE_VARIABLE: &str = "COMPLETE";

@@ -11,13 +11,12 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 use build_file::format_count;
+use ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
 
 use self::{
     daemon::{DemoDaemon, nestd_command},
     farm::{DemoFarm, DroppedFiles, PROFILE, TORN_FILE},
 };
-use ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
-
 use crate::cli::{CommandExit, CommonArgs, UsageError};
 
 /// The demo fails after this time; it takes about twenty seconds on an idle machine.

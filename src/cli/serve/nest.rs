@@ -10,16 +10,16 @@ mod setup;
 use std::{collections::BTreeMap, io::IsTerminal, sync::Arc};
 
 use anyhow::Result;
+pub use args::NestArgs;
 use nester::{LeftOutFit, NestingInstance, NestingSolution, PreparedMeshCache, PreparedMeshes, SearchBudget};
+pub use parts::{RequestedFile, parse_part_argument};
+use progress::SearchProgress;
 
 use crate::{
     build::BuildPart,
     cli::{CommandExit, CommonArgs, UsageError, terminal::table::print_to_stderr},
     farm::DiskPreparationCache,
 };
-pub use args::NestArgs;
-pub use parts::{RequestedFile, parse_part_argument};
-use progress::SearchProgress;
 
 /// Largest size of the `--cache` folder, bytes.
 const CACHE_BYTES: u64 = 4 << 30;

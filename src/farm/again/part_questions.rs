@@ -97,9 +97,10 @@ pub(crate) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_j
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use ledger::{NewPartRow, SolidFacts};
     use ledger_fixtures::{fresh, new_part, solid};
+
+    use super::*;
 
     #[tokio::test]
     async fn each_open_question_of_a_part_comes_with_what_answers_it() {

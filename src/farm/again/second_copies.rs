@@ -99,8 +99,9 @@ fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use ledger::UtcTimestamp;
+
+    use super::*;
 
     fn node(name: &str, alive: bool, address: &str) -> NodeRow {
         NodeRow {

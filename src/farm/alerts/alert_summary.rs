@@ -1,11 +1,11 @@
 //! An alert that needs a person, in the form that programs read: in `status.json`, `nestd status --json` and the
 //! farm's JSON.
 
+use ledger::UtcTimestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::alert::{AlertKind, FarmAlert};
-use ledger::UtcTimestamp;
 
 /// An alert that needs a person, with its remedy.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -1,11 +1,12 @@
 //! The printers of an active machine: the queue folder of each, whether it is open, and whether a person took the printer
 //! out of use.
 
-use ledger::{BuildRow, DownPrinter};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
 };
+
+use ledger::{BuildRow, DownPrinter};
 
 use crate::{farm::records::ledger_freshness::FolderIdentities, queue::QueueFolder, settings::MachineProfile};
 

@@ -5,9 +5,9 @@
 use std::collections::BTreeSet;
 
 use build_file::format_count;
+use ledger::{EventKind, PartId, PartRow, WaitingPart};
 
 use super::layout::CopyId;
-use ledger::{EventKind, PartId, PartRow, WaitingPart};
 
 /// A part of this priority must be in the next build.
 pub const HIGHEST_PRIORITY: u8 = 100;

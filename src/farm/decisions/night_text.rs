@@ -20,8 +20,9 @@ pub fn night_gain_text(open: &OpenBuildForecast) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use ledger::BuildId;
+
+    use super::*;
 
     #[test]
     fn cost_and_gain_are_told_unless_there_are_none() {

@@ -186,12 +186,12 @@ fn first_daily_time_after(profile: &MachineProfile, oldest: Timestamp) -> Option
 #[cfg(test)]
 pub(crate) mod tests {
     use jiff::{SignedDuration, ToSpan};
+    use ledger_fixtures::{fresh, waiting};
 
     use super::{
         super::{print_times::PrintTimes, printer_outlook::PrinterAhead},
         *,
     };
-    use ledger_fixtures::{fresh, waiting};
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
     fn machine() -> MachineProfile {

@@ -64,8 +64,9 @@ pub(crate) fn decide_withdrawal(
 
 #[cfg(test)]
 mod tests {
-    use super::{super::trigger::tests::machine_with_triggers, *};
     use ledger_fixtures::{fresh, waiting};
+
+    use super::{super::trigger::tests::machine_with_triggers, *};
 
     fn at(hour: i64) -> Timestamp {
         Timestamp::UNIX_EPOCH + SignedDuration::from_hours(hour)

@@ -8,10 +8,10 @@ use std::{
 
 use anyhow::{Context, Result};
 use build_file::{LengthUnit, ReadLimits};
+use ledger::PartRow;
 use solids::Mesh;
 
 use super::read_again::{ensure_same_size, read_in_fixed_unit};
-use ledger::PartRow;
 
 /// Key of a mesh: content of the file, index of the solid, and the unit that it is read in.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -2,13 +2,14 @@
 //! cancelled on purpose, dismissed, or can no longer be taken back. Whether a part was cancelled is in its row; a file
 //! that was refused before it became a part has none.
 
-use ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause};
 use std::{
     collections::HashMap,
     fs, io,
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
+
+use ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause};
 
 use super::error_folder::{REASON_SUFFIX, find_part_number};
 
@@ -86,8 +87,9 @@ pub fn dismiss_refused(error_dir: &Path) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use ledger_fixtures::{fresh, waiting};
+
+    use super::*;
 
     #[tokio::test(flavor = "multi_thread")]
     async fn what_was_cancelled_or_dismissed_or_is_old_needs_nobody() {

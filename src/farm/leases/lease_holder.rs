@@ -8,11 +8,11 @@ use std::{
 };
 
 use jiff::Timestamp;
+use ledger::SharedFarm;
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 
 use super::state_lock;
-use ledger::SharedFarm;
 
 /// Name of the file with the farm's id in the state directory.
 pub const FARM_ID_FILE: &str = "nestd.farm";

@@ -1,8 +1,9 @@
 //! Which machines are this node's own. Where several nodes share a ledger, another one may serve a machine, also one that is configured
 //! here for the day on which it moves.
 
-use ledger::{Ledger, LedgerError};
 use std::collections::BTreeMap;
+
+use ledger::{Ledger, LedgerError};
 
 use crate::settings::Settings;
 

@@ -2,8 +2,9 @@
 //! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
-use ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
 use std::{path::PathBuf, time::Duration};
+
+use ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
 
 use crate::{
     farm::scanning::queue_contents,

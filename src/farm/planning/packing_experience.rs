@@ -81,9 +81,10 @@ pub fn upper_end(mut values: Vec<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use ledger::{BuildId, BuildState};
+
     use super::*;
     use crate::farm::decisions::trigger::tests::machine_with_triggers;
-    use ledger::{BuildId, BuildState};
 
     fn builds(measures: &[(f64, f64)]) -> Vec<PublishedExperience> {
         let build = |&(part_volume_mm3, height_mm): &(f64, f64)| PublishedExperience {

@@ -70,8 +70,9 @@ fn format_doubt(part: &PartRow, namesakes: &[Namesake]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use ledger::PartId;
+
+    use super::*;
 
     #[test]
     fn a_copy_of_a_file_manager_is_in_doubt_only_where_its_original_is_ordered() {

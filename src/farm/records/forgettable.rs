@@ -1,8 +1,9 @@
 //! Data that the store does not need any more, and the files that are being removed now.
 
+use std::collections::BTreeSet;
+
 use intake::{ContentStore, StoreError};
 use ledger::RETRY_PERIOD;
-use std::collections::BTreeSet;
 
 /// Refused files stay in the store this long, so that `nestd retry` finds them.
 pub(crate) const KEEP_REFUSED_SECS: f64 = RETRY_PERIOD.as_secs() as f64;

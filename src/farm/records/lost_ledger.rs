@@ -1,7 +1,8 @@
 //! A missing, damaged or outdated ledger: how it is detected, and which alert it raises.
 
-use ledger::{LedgerError, ServerError};
 use std::path::{Path, PathBuf};
+
+use ledger::{LedgerError, ServerError};
 
 use super::ledger_freshness::LedgerBehindError;
 use crate::{

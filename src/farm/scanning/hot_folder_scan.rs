@@ -1,8 +1,9 @@
 //! The result of one scan of a hot folder, which the event loop takes in.
 
+use std::path::Path;
+
 use intake::{ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError};
 use ledger::{NewPartRow, RefusalCause};
-use std::path::Path;
 
 use crate::farm::{AlertKind, alerts::alert_registry::AlertRegistry};
 

@@ -1,11 +1,12 @@
 //! What becomes of each settled file of a hot folder: a part is claimed, a list is finished, what is refused goes to the
 //! error folder, and late tickets and control files are offered to the farm.
 
+use std::collections::HashSet;
+
 use intake::{
     ClaimedPart, ControlFile, EntryKind, InboxEntry, LateTicket, ListOutcome, OrderListTracker, SettledEntry,
 };
 use ledger::RefusalCause;
-use std::collections::HashSet;
 
 use super::hot_folder_scan::{HotFolderScan, RefusedFile, file_display_name};
 use crate::{

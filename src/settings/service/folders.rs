@@ -3,8 +3,9 @@
 //! Rules: `root` is relative to the working directory (as `--root` is), every other folder is relative to the root, and
 //! the folder of a profile is the farm's folder plus the profile's name. An absolute path is used as it is.
 
-use ledger::LedgerAddress;
 use std::path::{Component, Path, PathBuf};
+
+use ledger::LedgerAddress;
 
 use super::inputs::{FarmFolders, FarmInputs};
 use crate::settings::{MachineFolders, machine::profile_inputs::ProfileFolders};

@@ -1,12 +1,13 @@
 //! The validated settings of a farm.
 
-use access::FilePermissions;
-use ledger::LedgerAddress;
 use std::{
     collections::BTreeMap,
     path::PathBuf,
     sync::{Arc, RwLock},
 };
+
+use access::FilePermissions;
+use ledger::LedgerAddress;
 
 use crate::settings::{
     FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,

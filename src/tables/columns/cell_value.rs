@@ -1,10 +1,10 @@
 //! A value in a table, not formatted yet. Files contain it in full; terminals and pages print it as its field
 //! defines.
 
+use ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 use serde::Serialize;
 
 use super::time_view::GivenDate;
-use ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
 /// A value in a table, not formatted yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]

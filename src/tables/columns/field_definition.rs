@@ -1,11 +1,12 @@
 //! A field that people see: its label, its unit and its number format. In a table the heading contains the unit, so
 //! that the cells are plain numbers. Elsewhere the unit follows the value.
 
+use ledger::UtcTimestamp;
+
 use super::{
     cell_value::CellValue,
     time_view::{GivenDate, TimeView},
 };
-use ledger::UtcTimestamp;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,13 +6,13 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
+use access::{TokenRole, TokenWatch, hash_token};
 use axum::{
     extract::FromRequestParts,
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
 
 use super::error::HandlerError;
-use access::{TokenRole, TokenWatch, hash_token};
 
 /// Who sent a request, and what he may do.
 #[derive(Debug, Clone, PartialEq, Eq)]

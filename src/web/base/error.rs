@@ -5,12 +5,11 @@ use axum::{
     http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
-
+use ledger::LedgerError;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::page;
-use ledger::LedgerError;
 
 /// Why a request failed.
 #[derive(Debug, thiserror::Error)]

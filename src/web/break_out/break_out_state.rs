@@ -1,7 +1,8 @@
 //! How far the breaking out of a build is: what is known of each copy of its pick map, and the bins, one for each order.
 
-use ledger::{BuildRow, PickMark, PickMarkRow};
 use std::{collections::BTreeMap, sync::Arc};
+
+use ledger::{BuildRow, PickMark, PickMarkRow};
 
 use crate::{
     tables::PickedCopy,

@@ -5,11 +5,11 @@ use axum::{
     response::{IntoResponse, Redirect, Response},
 };
 use jiff::Timestamp;
+use ledger::AnsweredRequest;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use super::state::DashboardState;
-use ledger::AnsweredRequest;
 
 /// The field with the key of a form. It comes first: a form with files is not read without it.
 pub(crate) fn key_field(web: &DashboardState) -> Markup {

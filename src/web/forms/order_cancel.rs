@@ -1,7 +1,8 @@
 //! Cancels what is not in builds yet of an order or of a line of it: lines that arrive, parts that are being read, and parts that wait.
 
-use ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState};
 use std::collections::HashSet;
+
+use ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState};
 
 use crate::{
     farm,

@@ -1,9 +1,9 @@
 //! Problems that need a person are shown in `nestd status`, in STATUS.txt and in the journal, with a remedy; nothing
 //! else is logged as an error.
 
-use ledger::{BuildState, PartState};
 use std::{fs, os::unix::fs::FileExt, path::Path};
 
+use ledger::{BuildState, PartState};
 use nestd::farm::{AlertKind, FarmAlert};
 
 use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};

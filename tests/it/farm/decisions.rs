@@ -1,9 +1,10 @@
 //! A backup is copied over the ledger by hand after a part was cancelled or taken back: a cancelled part is not
 //! printed, and a part that was taken back is put where people see it.
 
+use std::{fs, path::PathBuf, time::Duration};
+
 use intake::ContentStore;
 use ledger::{PartId, PartState};
-use std::{fs, path::PathBuf, time::Duration};
 
 use super::{
     restore::{copy_ledger, hash_of, replace_ledger, text},

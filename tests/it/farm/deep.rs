@@ -1,8 +1,8 @@
 //! `nestd check --deep`: the invariants hold on a farm after work, and each violation is found and named.
 
-use ledger::PartState;
 use std::{fs, path::PathBuf};
 
+use ledger::PartState;
 use nestd::farm::{AskedCopies, InvariantExpectations};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};

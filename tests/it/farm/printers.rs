@@ -1,13 +1,13 @@
 //! Several printers behind one hot folder, with the real daemon: which one gets a build, and that builds move between them
 //! exactly once, whoever is killed and whenever a printer takes its file.
 
-use ledger::{BuildState, OperatorWord, PartState, SeenFiles};
 use std::{
     fs,
     path::PathBuf,
     time::{Duration, Instant},
 };
 
+use ledger::{BuildState, OperatorWord, PartState, SeenFiles};
 use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 

@@ -12,6 +12,8 @@ mod tree;
 use std::collections::HashSet;
 
 use rand::{SeedableRng, seq::SliceRandom};
+use record::RecordedRun;
+use tree::{FileOperation, InodeTree};
 
 use super::{
     budget::SectionBudget,
@@ -20,8 +22,6 @@ use super::{
     section_result::SectionResult,
     trace::is_allowed,
 };
-use record::RecordedRun;
-use tree::{FileOperation, InodeTree};
 
 /// A state after power loss: the number of operations that were begun, and which of them are lost.
 #[derive(Debug, Clone)]

@@ -1,8 +1,9 @@
 //! Repair of a ledger that has missed what another farm did in its folders.
 
+use std::{fs, process::Command, time::Duration};
+
 use ledger::{CommandKind, PartState, PrintOutcome, ToldOutcome};
 use ledger_fixtures::ToldWords;
-use std::{fs, process::Command, time::Duration};
 
 use crate::farm::{
     AlertKind,

@@ -1,11 +1,12 @@
 //! Ledgers that are put back to a time before copies were edited and printed, or orders came by request.
 
+use std::fs;
+
 use intake::{PutContents, ordered_claim_id};
 use ledger::{
     AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
     PrintOutcome, ReprintTarget, ToldOutcome,
 };
-use std::fs;
 
 use crate::farm::{
     driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},

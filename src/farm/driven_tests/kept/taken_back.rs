@@ -1,11 +1,12 @@
 //! Ledgers that are put back to a time before nestd took the file of a build back out of the queue: no copy of it is lost, and none is
 //! printed twice.
 
+use std::fs;
+
 use ledger::{
     BuildId, BuildRow, BuildState, CommandKind, OperatorWord, PartId, PartState, PickMark, PrintOutcome, ReprintTarget,
     ToldOutcome,
 };
-use std::fs;
 
 use crate::farm::{
     AlertKind,

@@ -1,10 +1,11 @@
 //! An open build that waits is lowered further: over a restart, until it is not worth the time, and never in the way of
 //! anything else.
 
+use std::collections::BTreeSet;
+
 use ledger::{
     BuildState, CommandArgument, CommandKind, NewCommand, NightSearchRow, NightState, PartEdit, PartId, PartState,
 };
-use std::collections::BTreeSet;
 
 use crate::farm::{
     decisions::layout::layouts_from_json,

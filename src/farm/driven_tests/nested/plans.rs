@@ -1,8 +1,9 @@
 //! The plan of a machine says beforehand what the farm then does, from the ledger alone.
 
+use std::sync::Arc;
+
 use intake::Ticket;
 use ledger::{CommandKind, PartState};
-use std::sync::Arc;
 
 use crate::farm::{
     DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,

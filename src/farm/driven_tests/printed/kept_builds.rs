@@ -1,8 +1,9 @@
 //! Copies of published build files in the archive, and builds that are issued once more from them.
 
+use std::{fs, path::PathBuf};
+
 use ledger::{BuildId, CommandKind, PartState};
 use ledger_fixtures::ToldWords;
-use std::{fs, path::PathBuf};
 
 use crate::farm::{
     AlertKind,

@@ -1,7 +1,8 @@
 //! The life of a part: dropped, claimed, read, waiting, batched, nested, verified, published, history.
 
-use ledger::{CommandKind, PartState};
 use std::{fs, io::Write};
+
+use ledger::{CommandKind, PartState};
 
 use crate::farm::{
     alerts::alert::AlertKind,

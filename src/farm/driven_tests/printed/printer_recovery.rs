@@ -1,11 +1,12 @@
 //! Several printers after a crash, a restored ledger, or an outcome that was told in between: no build is printed twice, and
 //! none is left where no printer sees it.
 
+use std::{fs, path::Path};
+
 use ledger::{
     BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, ToldOutcome,
 };
 use ledger_fixtures::ToldWords;
-use std::{fs, path::Path};
 
 use super::printers::{bring_up, build_part, published, queue, take_down, two_printers, visible};
 use crate::{

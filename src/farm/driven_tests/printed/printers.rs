@@ -1,13 +1,14 @@
 //! Printers alike behind one hot folder: both are kept busy, one that is down gets nothing, and what lies at it moves to the
 //! other. And builds that wait for a person's yes.
 
-use ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
-use ledger_fixtures::ToldWords;
 use std::{
     collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
 };
+
+use ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
+use ledger_fixtures::ToldWords;
 
 use crate::farm::{
     AlertKind,

@@ -1,9 +1,10 @@
 //! Build files in a queue folder that should not be there, or are not what was proved: told within a look, until that is over.
 
+use std::{fs, path::PathBuf};
+
 use ledger::{
     BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PrintOutcome, ToldOutcome,
 };
-use std::{fs, path::PathBuf};
 
 use crate::farm::{
     AlertKind,

@@ -1,11 +1,12 @@
 //! What was printed badly is printed again, with all that was asked; and what was asked is changed after the drop.
 
+use std::fs;
+
 use ledger::{
     BuildId, CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartId, PartState, PrintOutcome,
     ReprintTarget, ToldOutcome,
 };
 use ledger_fixtures::ToldWords;
-use std::fs;
 
 use crate::farm::{
     AlertKind,

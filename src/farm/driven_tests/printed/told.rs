@@ -1,10 +1,11 @@
 //! What people say of builds whose files still lie in their queue: no printer could ever print more copies than are wanted.
 
+use std::fs;
+
 use ledger::{
     BuildId, BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PickMark,
     PrintOutcome, ReprintTarget, ToldOutcome,
 };
-use std::fs;
 
 use super::printers::published;
 use crate::farm::{

@@ -1,11 +1,12 @@
 //! Just in time: the open build waits for room in the queue, and a published build is taken back out of it unless its printer was
 //! first. No copy is printed twice or not at all.
 
+use std::fs;
+
 use ledger::{
     BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand, OperatorWord,
     PartEdit, PartState, PrintOutcome, ToldOutcome,
 };
-use std::fs;
 
 use super::printers::{build_part, published};
 use crate::{

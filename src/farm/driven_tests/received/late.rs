@@ -1,7 +1,8 @@
 //! Words that come late: tickets and lists after their part, revisions, control files, and parts that wait for a yes.
 
-use ledger::{CommandKind, CommandState, PartState};
 use std::fs;
+
+use ledger::{CommandKind, CommandState, PartState};
 
 use crate::farm::{
     AlertKind,

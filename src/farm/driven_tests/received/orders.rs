@@ -1,7 +1,8 @@
 //! Commands that people give to the daemon.
 
-use ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState};
 use std::fs;
+
+use ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState};
 
 use crate::farm::{
     AlertKind,

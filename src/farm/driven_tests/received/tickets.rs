@@ -1,8 +1,9 @@
 //! Tickets and lists that people write, from the hot folder to the waiting part.
 
+use std::{fs, path::Path};
+
 use intake::is_copies_question;
 use ledger::{PartRow, PartState};
-use std::{fs, path::Path};
 
 use crate::farm::{
     AlertKind,

@@ -1,7 +1,8 @@
 //! Files that were taken before they were whole, and projects with more in them than parts.
 
-use ledger::{CommandKind, CommandState, PartState};
 use std::{fs, io::Write};
+
+use ledger::{CommandKind, CommandState, PartState};
 
 use crate::farm::{
     AlertKind,

@@ -1,12 +1,13 @@
 //! Tickets and order lists that cannot be read, or that say no: their parts are never taken without them.
 
-use ledger::{BuildState, CommandKind, CommandState, OrderState, PartRow, PartState, PrintOutcome, ToldOutcome};
-use ledger_fixtures::ToldWords;
 use std::{
     fs,
     os::unix::fs::symlink,
     path::{Path, PathBuf},
 };
+
+use ledger::{BuildState, CommandKind, CommandState, OrderState, PartRow, PartState, PrintOutcome, ToldOutcome};
+use ledger_fixtures::ToldWords;
 
 use crate::farm::{
     AlertKind,

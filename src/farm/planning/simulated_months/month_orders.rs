@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use jiff::{SignedDuration, Timestamp};
+use ledger::{PartId, PartRow};
+use ledger_fixtures::part_row;
 use rand::{RngExt, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::month_size::MonthSize;
-use ledger::{PartId, PartRow};
-use ledger_fixtures::part_row;
 
 /// Median volume of a part, mm3; one part in six has e times that, or more.
 const MEDIAN_MM3: f64 = 2.4e4;

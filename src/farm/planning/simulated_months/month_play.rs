@@ -3,6 +3,7 @@
 use std::{collections::VecDeque, sync::Arc};
 
 use jiff::Timestamp;
+use ledger::{BuildId, BuildState, PublishedExperience};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -20,7 +21,6 @@ use super::{
     month_size::{MonthRules, MonthSize},
     month_table::MonthReport,
 };
-use ledger::{BuildId, BuildState, PublishedExperience};
 
 /// How dense builds really are, and how much their heights scatter around that (a standard deviation of the logarithm).
 const TRUE_DENSITY: f64 = 0.12;

@@ -3,11 +3,10 @@
 
 use unicode_normalization::UnicodeNormalization;
 
-/// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`.
+/// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`. Counters do so, too.
 const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt sztuk sztuki pezzi piezas unidades uds \
                       stuks peças copias cópias kopii шт \
-                      個 枚 本 コ ヶ ケ 点 台 つ 件 个 份 只 片 块 颗 粒 \
-                      штук adet darab бр τεμ τεμάχια 개 매 장";
+                      штук adet darab бр τεμ τεμάχια";
 /// Words that mean pieces behind a number only at the start or the end of a name: `4 off`, but not `4 off axis`.
 const PIECES_AT_EDGES: &str = "off ea each ex mal fois times volte veces keer razy units unités pz pza pzas ud ks kpl stuk \
                                kom kos buc";
@@ -45,7 +44,7 @@ const ENDINGS_IN_X: [&str; 24] = [
     "box", "matrix", "flex", "helix", "hex", "index", "max", "mix", "fix", "vertex", "apex", "linux", "unix", "fax",
     "fox", "wax", "syntax", "plex", "latex", "gtx", "rtx", "vortex", "convex", "relax",
 ];
-/// Characters that behind digits count pieces in Japanese and Chinese.
+/// Characters that behind digits count pieces in Japanese, Chinese and Korean.
 const COUNTERS: &str = "個枚本コヶケ点台つ件个份只片块颗粒개매장";
 const CJK_NUMBERS: &str = "一二三四五六七八九十百";
 
@@ -82,7 +81,8 @@ pub(super) fn is_word_of(kind: WordKind, word: &str) -> bool {
         WordKind::Repeat => REPEATS,
         WordKind::Scale => SCALES,
     };
-    words.split_whitespace().any(|known| known == word)
+    let is_counter_word = || kind == WordKind::Pieces && word.chars().all(is_counter) && word.chars().count() == 1;
+    words.split_whitespace().any(|known| known == word) || is_counter_word()
 }
 
 /// A word of a name, in lower case, with the text between it and the word before.

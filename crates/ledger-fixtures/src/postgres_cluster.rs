@@ -1,8 +1,6 @@
 //! A private PostgreSQL server for tests: in a temporary folder, reachable through a socket in it alone, stopped when the
 //! test program ends, however it ends. The tests of the binary use this file, too.
 
-#![allow(dead_code)] // neither the tests of the library nor those of the binary use all of it
-
 use std::{
     io::Write,
     os::unix::{fs::chown, process::CommandExt},

@@ -1,7 +1,5 @@
 //! The connection of a node to the database server, as a network that becomes slow, silent, or breaks. The reliability run uses this file, too.
 
-#![allow(dead_code)] // the tests of the library do not use all of it
-
 use std::{
     io::{Read, Write},
     net::Shutdown,

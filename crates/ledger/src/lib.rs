@@ -85,8 +85,10 @@ mod words;
 #[path = "../../ledger-fixtures/src/ledgers.rs"]
 mod fixtures;
 #[cfg(test)]
+#[allow(dead_code, reason = "tests of other crates need more of it")]
 #[path = "../../ledger-fixtures/src/postgres_cluster.rs"]
 mod postgres_cluster;
 #[cfg(test)]
+#[allow(dead_code, reason = "tests of other crates need more of it")]
 #[path = "../../ledger-fixtures/src/server_link.rs"]
 mod server_link;

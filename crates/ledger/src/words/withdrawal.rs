@@ -44,11 +44,7 @@ impl Ledger {
         if !detail.is_empty() {
             change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
         }
-        let set = sql::query(
-            "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1",
-        )
-        .bind(build);
-        set.execute(change.db()).await?;
+        clear_noted_word(&mut change, build).await?;
         change.commit().await
     }
 
@@ -82,8 +78,7 @@ impl Ledger {
     pub async fn take_in_withdrawal(&self, build: BuildId) -> Result<()> {
         let mut change = self.begin_change().await?;
         put_withdrawn_back(&mut change, build, WITHDRAWN_BY_NESTD, TAKEN_BACK_SINCE).await?;
-        let set = "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1";
-        sql::query(set).bind(build).execute(change.db()).await?;
+        clear_noted_word(&mut change, build).await?;
         change.commit().await
     }
 
@@ -110,6 +105,13 @@ impl Ledger {
         let build: Option<Option<BuildId>> = query.bind(profile).fetch_optional(self.reader()?).await?;
         Ok(build.flatten())
     }
+}
+
+/// No word waits for the file of a build any more.
+async fn clear_noted_word(change: &mut LedgerChange, build: BuildId) -> Result<()> {
+    let set = "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1";
+    sql::query(set).bind(build).execute(change.db()).await?;
+    Ok(())
 }
 
 /// How a withdrawal ended.

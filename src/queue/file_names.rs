@@ -29,6 +29,13 @@ pub(super) fn build_stem(name: &str) -> Result<&str, QueueError> {
     queue_file_stem(name).filter(|_| name.ends_with(BUILD)).ok_or_else(|| QueueError::InvalidName(name.to_owned()))
 }
 
+/// The names of the sidecars of a build, and its own last: the order in which they become visible.
+pub(super) fn files_of_build(build_name: &str) -> Result<impl Iterator<Item = String>, QueueError> {
+    let stem = build_stem(build_name)?;
+    let sidecars = SIDECARS.iter().map(move |suffix| format!("{stem}{suffix}"));
+    Ok(sidecars.chain([build_name.to_owned()]))
+}
+
 /// The stem of a dot-name that nestd gave. `None` = a file of another program, which nestd must not remove.
 pub(super) fn staged_file_stem(name: &str) -> Option<&str> {
     let inner = name.strip_prefix('.')?;

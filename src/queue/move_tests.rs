@@ -3,8 +3,9 @@
 
 use std::{
     fs,
-    io::Write,
+    io::{self, Write},
     panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
 };
 
 use super::*;
@@ -34,7 +35,7 @@ impl TwoPrinters {
         let dir = tempfile::tempdir().unwrap();
         let [left, right] = ["left", "right"].map(|name| QueueFolder::open(dir.path().join(name)).unwrap());
         for name in [BUILD, REPORT] {
-            left.stage(name, |file| file.write_all(name.as_bytes())).unwrap();
+            left.stage(name, Box::new(|file| Ok(file.write_all(name.as_bytes())?))).unwrap();
         }
         left.publish(BUILD).unwrap();
         Self { _dir: dir, left, right }
@@ -43,10 +44,10 @@ impl TwoPrinters {
     /// The move as the farm does it, from what the ledger has recorded. `step` is called between all operations.
     fn go_on(&self, recorded: &mut RecordedStep, step: &mut dyn FnMut()) {
         if *recorded == RecordedStep::Begun {
-            match self.left.withdraw_with_hook(BUILD, step).unwrap() {
-                WithdrawalOutcome::Gone | WithdrawalOutcome::Altered => *recorded = RecordedStep::Taken,
-                WithdrawalOutcome::TakenBack => {
-                    self.right.stage_withdrawn(&self.left, BUILD).unwrap();
+            match self.left.take_back_with_hook(BUILD, &is_proved, step).unwrap() {
+                TakeBackOutcome::Gone | TakeBackOutcome::Altered => *recorded = RecordedStep::Taken,
+                TakeBackOutcome::TakenBack => {
+                    self.right.stage_taken_back(&self.left, BUILD).unwrap();
                     step();
                     *recorded = RecordedStep::Copied;
                 }
@@ -54,13 +55,18 @@ impl TwoPrinters {
             step();
         }
         if *recorded == RecordedStep::Copied {
-            self.left.remove_withdrawn(BUILD).unwrap();
+            self.left.remove_taken_back(BUILD).unwrap();
             step();
             self.right.publish_with_hook(BUILD, step).unwrap();
             step();
             *recorded = RecordedStep::Finished;
         }
     }
+}
+
+/// The build holds its own name.
+fn is_proved(file: &Path) -> io::Result<bool> {
+    Ok(fs::read_to_string(file)? == BUILD)
 }
 
 /// A printer takes the build if it is visible.
@@ -92,7 +98,7 @@ fn a_build_moved_between_printers_is_printed_once_wherever_it_is_stopped_and_who
             // A new daemon sweeps the folders and goes on with what the ledger says.
             for queue in [&printers.left, &printers.right] {
                 let keep = [BUILD.to_owned()];
-                QueueFolder::open(queue.folder_path()).unwrap().remove_unknown_staged(&keep).unwrap();
+                QueueFolder::open(queue.folder_path()).unwrap().sweep(&keep).unwrap();
             }
             printers.go_on(&mut recorded, &mut || {});
             let visible = [&printers.left, &printers.right].map(take);
@@ -114,11 +120,11 @@ fn a_build_moved_between_printers_is_printed_once_wherever_it_is_stopped_and_who
 #[test]
 fn what_was_taken_back_can_be_published_in_the_same_folder_again_with_its_sidecars() {
     let printers = TwoPrinters::new();
-    assert_eq!(printers.left.withdraw(BUILD).unwrap(), WithdrawalOutcome::TakenBack);
+    assert_eq!(printers.left.take_back(BUILD, &is_proved).unwrap(), TakeBackOutcome::TakenBack);
     assert!(!printers.left.published_path(REPORT).exists(), "sidecars do not stay behind");
-    assert_eq!(printers.left.withdraw(BUILD).unwrap(), WithdrawalOutcome::TakenBack, "safe to repeat");
-    printers.left.stage_withdrawn(&printers.left, BUILD).unwrap();
-    printers.left.remove_withdrawn(BUILD).unwrap();
+    assert_eq!(printers.left.take_back(BUILD, &is_proved).unwrap(), TakeBackOutcome::TakenBack, "safe to repeat");
+    printers.left.stage_taken_back(&printers.left, BUILD).unwrap();
+    printers.left.remove_taken_back(BUILD).unwrap();
     printers.left.publish(BUILD).unwrap();
     assert_eq!(fs::read_to_string(printers.left.published_path(BUILD)).unwrap(), BUILD);
     assert_eq!(fs::read_to_string(printers.left.published_path(REPORT)).unwrap(), REPORT);
@@ -129,5 +135,5 @@ fn an_unmounted_folder_is_not_one_whose_printer_took_the_build() {
     let printers = TwoPrinters::new();
     fs::rename(printers.left.folder_path(), printers.right.folder_path().join("away")).unwrap();
     fs::create_dir(printers.left.folder_path()).unwrap();
-    assert!(matches!(printers.left.withdraw(BUILD), Err(QueueError::Unavailable { .. })));
+    assert!(matches!(printers.left.take_back(BUILD, &is_proved), Err(QueueError::Unavailable { .. })));
 }

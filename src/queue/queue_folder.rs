@@ -1,8 +1,9 @@
-//! One printer queue folder.
+//! The queue of a printer that is a folder. A file is staged under a dot-name, published by one rename, and taken back by one rename.
 
 use std::{
     fs::{self, File, OpenOptions},
     io,
+    os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
 };
 
@@ -12,36 +13,18 @@ use rustix::{
 };
 
 use super::{
-    QueueError,
-    file_names::{self, HALF, STAGED},
+    FileStamp, FileState, PrinterQueue, PublishOutcome, QueueAddress, QueueError, TakeBackOutcome,
+    file_names::{self, HALF, MOVING, STAGED},
     marker,
+    printer_queue::{IsProved, StageWriter},
 };
 
 /// A printer queue folder, identified by its marker file.
 #[derive(Debug, Clone)]
-pub struct QueueFolder {
+pub(crate) struct QueueFolder {
+    address: QueueAddress,
     dir: PathBuf,
     id: String,
-}
-
-/// Where a build file is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StagedState {
-    /// Under its dot-name: not published yet.
-    Staged,
-    /// Under its own name: published, and not yet taken by the printer.
-    Published,
-    /// Under neither name: published and taken, if it was staged completely.
-    Gone,
-}
-
-/// Result of publishing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PublishOutcome {
-    /// The file was published by this call.
-    PublishedNow,
-    /// The dot-file was gone: the build was published before.
-    AlreadyPublished,
 }
 
 pub(super) fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> QueueError + 'a {
@@ -50,86 +33,49 @@ pub(super) fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io
 
 impl QueueFolder {
     /// Opens the folder; creates it and its marker `.nestd-queue` if they are missing.
-    pub fn open(dir: impl Into<PathBuf>) -> Result<Self, QueueError> {
+    pub(crate) fn open(dir: impl Into<PathBuf>) -> Result<Self, QueueError> {
         let dir = dir.into();
         access::create_folders(&dir).map_err(io_error("create", &dir))?;
         let id = marker::read_or_create_marker(&dir).map_err(io_error("mark", &dir))?;
-        Ok(Self { dir, id })
+        Ok(Self { address: QueueAddress::Folder(dir.clone()), dir, id })
     }
 
     /// The folder if it is there and has its marker; nothing is created.
-    pub fn find(dir: impl Into<PathBuf>) -> Option<Self> {
+    pub(super) fn find(dir: impl Into<PathBuf>) -> Option<Self> {
         let dir = dir.into();
         let id = marker::read_marker_id(&dir).ok()??;
-        Some(Self { dir, id })
-    }
-
-    /// The random id in its marker. It is stored in the build's row, so that a replaced folder is detected.
-    pub fn marker_id(&self) -> &str {
-        &self.id
+        Some(Self { address: QueueAddress::Folder(dir.clone()), dir, id })
     }
 
     /// Path of the folder.
-    pub fn folder_path(&self) -> &Path {
+    #[cfg(test)]
+    pub(crate) fn folder_path(&self) -> &Path {
         &self.dir
     }
 
     /// Path of a staged file: `.<name>.part`.
-    pub fn staged_path(&self, name: &str) -> PathBuf {
+    pub(crate) fn staged_path(&self, name: &str) -> PathBuf {
         self.dir.join(format!(".{name}{STAGED}"))
     }
 
     /// Path of a published file.
-    pub fn published_path(&self, name: &str) -> PathBuf {
+    pub(crate) fn published_path(&self, name: &str) -> PathBuf {
         self.dir.join(name)
     }
 
-    /// Writes a file under its dot-name and fsyncs file and folder; afterwards the dot-file is complete or does not
-    /// exist. Sidecars of a build (same stem, other suffix) are staged in the same way and published with the build.
-    /// Replaces a staged file of that name, and never changes a published one. Returns the path of the dot-file.
-    pub fn stage<E>(&self, name: &str, write: impl FnOnce(&mut File) -> Result<(), E>) -> Result<PathBuf, QueueError>
-    where
-        E: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        file_names::queue_file_stem(name).ok_or_else(|| QueueError::InvalidName(name.to_owned()))?;
-        self.check_marker()?;
-        if path_exists(&self.published_path(name))? {
-            return Err(QueueError::NameTaken(self.published_path(name)));
-        }
-        let half = self.dir.join(format!(".{name}{HALF}"));
-        remove_if_exists(&half)?;
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create_new(true)
-            .open(&half)
-            .map_err(io_error("create", &half))?;
-        access::apply_file_permissions(&file).map_err(io_error("give mode and group to", &half))?;
-        if let Err(error) = write(&mut file) {
-            remove_if_exists(&half)?;
-            return Err(QueueError::Write { path: half, source: error.into() });
-        }
-        file.sync_all().map_err(io_error("fsync", &half))?;
-        let staged = self.staged_path(name);
-        fs::rename(&half, &staged).map_err(io_error("stage", &staged))?;
-        self.sync_folder()?;
-        Ok(staged)
+    /// Path of a file that was taken back: `.<name>.moving`.
+    pub(crate) fn withdrawn_path(&self, name: &str) -> PathBuf {
+        self.dir.join(format!(".{name}{MOVING}"))
     }
 
-    /// Publishes a staged build and its sidecars, the build last, by one rename that overwrites nothing. The result is
-    /// on disk when this returns. Safe to repeat.
-    pub fn publish(&self, build_name: &str) -> Result<PublishOutcome, QueueError> {
-        self.publish_with_hook(build_name, &mut || {})
-    }
-
-    /// `step` is called wherever a crash could separate two operations; tests stop there.
+    /// Publishes by one rename. `step` is called wherever a crash could separate two operations; tests stop there.
     pub(super) fn publish_with_hook(
         &self,
         build_name: &str,
         step: &mut dyn FnMut(),
     ) -> Result<PublishOutcome, QueueError> {
         let stem = file_names::build_stem(build_name)?;
-        self.check_marker()?;
+        self.check()?;
         let (staged, published) = (self.staged_path(build_name), self.published_path(build_name));
         if !path_exists(&staged)? {
             self.sync_folder()?;
@@ -163,24 +109,122 @@ impl QueueFolder {
         Ok(end)
     }
 
-    /// Where a build file is, for recovery.
-    pub fn staged_state(&self, build_name: &str) -> Result<StagedState, QueueError> {
+    /// The names of all entries.
+    fn entries(&self) -> Result<impl Iterator<Item = String>, QueueError> {
+        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
+        Ok(entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()))
+    }
+
+    pub(super) fn sync_folder(&self) -> Result<(), QueueError> {
+        File::open(&self.dir).and_then(|dir| dir.sync_all()).map_err(io_error("fsync", &self.dir))
+    }
+}
+
+impl PrinterQueue for QueueFolder {
+    /// The random id in its marker.
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn address(&self) -> &QueueAddress {
+        &self.address
+    }
+
+    /// Without the marker, an unmounted or replaced folder would look as if the printer had taken all builds.
+    fn check(&self) -> Result<(), QueueError> {
+        let unavailable = |why: String| QueueError::Unavailable { dir: self.dir.clone(), why };
+        match marker::read_marker_id(&self.dir) {
+            Ok(Some(id)) if id == self.id => Ok(()),
+            Ok(Some(_)) => Err(unavailable("its marker .nestd-queue is another one; it was replaced".to_owned())),
+            Ok(None) => Err(unavailable("its marker .nestd-queue is missing; is it mounted?".to_owned())),
+            Err(error) => Err(unavailable(error.to_string())),
+        }
+    }
+
+    fn state(&self, build_name: &str) -> Result<FileState, QueueError> {
         file_names::build_stem(build_name)?;
-        self.check_marker()?;
+        self.check()?;
         // The dot-name is checked first: only a rename away from it publishes the build.
-        Ok(match (path_exists(&self.staged_path(build_name))?, path_exists(&self.published_path(build_name))?) {
-            (true, _) => StagedState::Staged,
-            (false, true) => StagedState::Published,
-            (false, false) => StagedState::Gone,
+        let places = [
+            (self.staged_path(build_name), FileState::Staged),
+            (self.published_path(build_name), FileState::Visible),
+            (self.withdrawn_path(build_name), FileState::TakenBack),
+        ];
+        for (path, state) in places {
+            if path_exists(&path)? {
+                return Ok(state);
+            }
+        }
+        // Once more: it may have been unmounted in between.
+        self.check()?;
+        Ok(FileState::Gone)
+    }
+
+    fn names(&self, state: FileState) -> Result<Vec<String>, QueueError> {
+        let entries = self.entries()?;
+        let staged = |name: String| Some(format!("{}{}", file_names::staged_file_stem(&name)?, file_names::BUILD));
+        let taken_back = |name: String| {
+            let build = name.strip_prefix('.')?.strip_suffix(MOVING)?;
+            file_names::build_stem(build).is_ok().then(|| build.to_owned())
+        };
+        let mut names: Vec<String> = match state {
+            FileState::Staged => entries.filter_map(staged).collect(),
+            FileState::Visible => entries.filter(|name| !name.starts_with('.')).collect(),
+            FileState::TakenBack => entries.filter_map(taken_back).collect(),
+            FileState::Gone => Vec::new(),
+        };
+        names.sort();
+        names.dedup();
+        Ok(names)
+    }
+
+    fn file(&self, name: &str, state: FileState) -> Result<PathBuf, QueueError> {
+        Ok(match state {
+            FileState::Staged => self.staged_path(name),
+            FileState::TakenBack => self.withdrawn_path(name),
+            FileState::Visible | FileState::Gone => self.published_path(name),
         })
     }
 
-    /// Removes a staged build and its sidecars, and published sidecars if the build itself is not visible. A visible
-    /// build stays. Call it only for a build that was not published: the printer may have taken a published build and
-    /// left its sidecars. Returns whether a staged build existed.
-    pub fn discard(&self, build_name: &str) -> Result<bool, QueueError> {
+    fn stamp(&self, name: &str) -> Option<FileStamp> {
+        let seen = fs::symlink_metadata(self.published_path(name)).ok()?;
+        let version = [seen.mtime(), seen.mtime_nsec(), seen.ctime(), seen.ctime_nsec(), seen.ino().cast_signed()];
+        Some(FileStamp { bytes: seen.len(), is_file: seen.is_file(), version })
+    }
+
+    fn stage(&self, name: &str, write: StageWriter<'_>) -> Result<PathBuf, QueueError> {
+        file_names::queue_file_stem(name).ok_or_else(|| QueueError::InvalidName(name.to_owned()))?;
+        self.check()?;
+        if path_exists(&self.published_path(name))? {
+            return Err(QueueError::NameTaken(self.published_path(name)));
+        }
+        let half = self.dir.join(format!(".{name}{HALF}"));
+        remove_if_exists(&half)?;
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&half)
+            .map_err(io_error("create", &half))?;
+        access::apply_file_permissions(&file).map_err(io_error("give mode and group to", &half))?;
+        if let Err(source) = write(&mut file) {
+            remove_if_exists(&half)?;
+            return Err(QueueError::Write { path: half, source });
+        }
+        file.sync_all().map_err(io_error("fsync", &half))?;
+        let staged = self.staged_path(name);
+        fs::rename(&half, &staged).map_err(io_error("stage", &staged))?;
+        self.sync_folder()?;
+        Ok(staged)
+    }
+
+    fn publish(&self, build_name: &str) -> Result<PublishOutcome, QueueError> {
+        self.publish_with_hook(build_name, &mut || {})
+    }
+
+    fn discard(&self, build_name: &str) -> Result<bool, QueueError> {
         let stem = file_names::build_stem(build_name)?;
-        let was_staged = self.staged_state(build_name)? == StagedState::Staged;
+        let was_staged = self.state(build_name)? == FileState::Staged;
         for suffix in file_names::SIDECARS {
             let sidecar = format!("{stem}{suffix}");
             remove_if_exists(&self.staged_path(&sidecar))?;
@@ -195,35 +239,8 @@ impl QueueFolder {
         Ok(was_staged)
     }
 
-    /// The names of all entries.
-    fn names(&self) -> Result<impl Iterator<Item = String>, QueueError> {
-        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
-        Ok(entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()))
-    }
-
-    /// The names of all builds that are visible here, including those of other farms.
-    pub fn published_build_names(&self) -> Result<Vec<String>, QueueError> {
-        Ok(self.names()?.filter(|name| file_names::build_stem(name).is_ok()).collect())
-    }
-
-    /// The names of all visible entries, whoever gave them.
-    pub fn visible_names(&self) -> Result<Vec<String>, QueueError> {
-        Ok(self.names()?.filter(|name| !name.starts_with('.')).collect())
-    }
-
-    /// The names of all builds that have dot-files here, including those of other farms.
-    pub fn staged_build_names(&self) -> Result<Vec<String>, QueueError> {
-        let mut builds: Vec<String> = (self.names()?)
-            .filter_map(|name| Some(format!("{}{}", file_names::staged_file_stem(&name)?, file_names::BUILD)))
-            .collect();
-        builds.sort();
-        builds.dedup();
-        Ok(builds)
-    }
-
-    /// Removes nestd's dot-files whose build (`*.build.3mf`) is not in `keep`. Returns their names.
-    pub fn remove_unknown_staged(&self, keep: &[String]) -> Result<Vec<String>, QueueError> {
-        self.check_marker()?;
+    fn sweep(&self, keep: &[String]) -> Result<Vec<String>, QueueError> {
+        self.check()?;
         let mut swept = Vec::new();
         for entry in fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))? {
             let entry = entry.map_err(io_error("list", &self.dir))?;
@@ -238,20 +255,18 @@ impl QueueFolder {
         Ok(swept)
     }
 
-    /// Checks that this is still the folder that was opened. Without the marker, an unmounted or replaced folder would
-    /// look as if the printer had taken all builds.
-    pub fn check_marker(&self) -> Result<(), QueueError> {
-        let unavailable = |why: String| QueueError::Unavailable { dir: self.dir.clone(), why };
-        match marker::read_marker_id(&self.dir) {
-            Ok(Some(id)) if id == self.id => Ok(()),
-            Ok(Some(_)) => Err(unavailable("its marker .nestd-queue is another one; it was replaced".to_owned())),
-            Ok(None) => Err(unavailable("its marker .nestd-queue is missing; is it mounted?".to_owned())),
-            Err(error) => Err(unavailable(error.to_string())),
-        }
+    fn take_back(&self, build_name: &str, is_proved: IsProved<'_>) -> Result<TakeBackOutcome, QueueError> {
+        self.take_back_with_hook(build_name, is_proved, &mut || {})
     }
 
-    pub(super) fn sync_folder(&self) -> Result<(), QueueError> {
-        File::open(&self.dir).and_then(|dir| dir.sync_all()).map_err(io_error("fsync", &self.dir))
+    fn remove_taken_back(&self, build_name: &str) -> Result<(), QueueError> {
+        file_names::build_stem(build_name)?;
+        self.check()?;
+        // The build is removed last: until then, it is known that it was taken back.
+        for name in file_names::files_of_build(build_name)? {
+            remove_if_exists(&self.withdrawn_path(&name))?;
+        }
+        self.sync_folder()
     }
 }
 

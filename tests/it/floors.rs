@@ -188,6 +188,45 @@ fn a_step_gets_a_desk_and_never_the_whole_farm() {
     assert!(faults.is_empty(), "give these steps a desk of their kind:\n{}", faults.join("\n"));
 }
 
+/// Files outside `src/queue` that know which queues are folders: what reads and checks the settings, what leases and checks the folders of
+/// a machine, and what compares them with the ledger.
+const KNOW_QUEUE_FOLDERS: [&str; 12] = [
+    "cli/serve/check/folders.rs",
+    "farm/leases/folder_check.rs",
+    "farm/leases/folder_leases.rs",
+    "farm/records/folder_builds.rs",
+    "farm/records/invariants/builds.rs",
+    "farm/records/ledger_freshness.rs",
+    "settings/machine/profile.rs",
+    "settings/service/settings.rs",
+    "settings/validation/load.rs",
+    "settings/validation/printer_validation.rs",
+    "settings/validation/profile_snapshot.rs",
+    "settings/validation/validation_rules.rs",
+];
+
+/// What names the folder that a queue is.
+const NAMES_OF_QUEUE_FOLDERS: [&str; 5] =
+    ["QueueFolder", "QueueAddress::Folder", "queue_folders(", "queue.folder()", "folders.queue"];
+
+#[test]
+fn a_step_works_with_the_queue_of_a_printer_and_does_not_know_that_it_is_a_folder() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    for file in rust_files(&source) {
+        let place = file.strip_prefix(&source).unwrap().to_str().unwrap().to_owned();
+        if place.starts_with("queue/") || place.contains("tests") {
+            continue;
+        }
+        // Names of options stand in quotes.
+        let text = fs::read_to_string(&file).unwrap().replace("\"folders.queue\"", "");
+        if NAMES_OF_QUEUE_FOLDERS.iter().any(|name| text.contains(name)) {
+            found.push(place);
+        }
+    }
+    assert_eq!(found, KNOW_QUEUE_FOLDERS, "ask the queue (`PrinterQueue`, `QueueAddress`) instead");
+}
+
 #[test]
 fn the_optimiser_knows_nothing_of_solids_and_layouts() {
     let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/nester/src/pollination");

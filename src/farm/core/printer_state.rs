@@ -1,25 +1,26 @@
-//! The printers of an active machine: the queue folder of each, whether it is open, and whether a person took the printer
+//! The printers of an active machine: the queue of each, whether it is open, and whether a person took the printer
 //! out of use.
 
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::time::Instant;
 
 use ledger::{BuildRow, DownPrinter};
 
-use crate::{farm::records::ledger_freshness::FolderIdentities, queue::QueueFolder, settings::MachineProfile};
+use crate::{
+    farm::records::ledger_freshness::FolderIdentities,
+    queue::{OpenQueue, QueueAddress},
+    settings::MachineProfile,
+};
 
 /// A printer of an active machine.
 #[derive(Debug)]
 pub struct PrinterState {
     /// Its name.
     pub name: String,
-    /// Path of its queue folder.
-    pub folder: PathBuf,
-    /// The open queue folder; `None` until it could be opened.
-    pub opened: Option<QueueFolder>,
-    /// A folder that could not be opened is not tried again before this time.
+    /// Where its queue is.
+    pub address: QueueAddress,
+    /// The open queue; `None` until it could be opened.
+    pub opened: Option<OpenQueue>,
+    /// A queue that could not be opened is not tried again before this time.
     pub open_at: Instant,
     /// Since when and why it takes no builds; `None` = it is in use.
     pub down: Option<DownPrinter>,
@@ -34,7 +35,7 @@ impl MachinePrinters {
     pub fn new(profile: &MachineProfile, now: Instant) -> Self {
         let state = |rules: &crate::settings::PrinterRules| PrinterState {
             name: rules.name.clone(),
-            folder: rules.queue.clone(),
+            address: rules.queue.clone(),
             opened: None,
             open_at: now,
             down: None,
@@ -47,8 +48,8 @@ impl MachinePrinters {
         self.0.iter().find(|printer| printer.name == name)
     }
 
-    /// The open queue folders, by the names of their printers.
-    pub fn open_queues(&self) -> Vec<(String, QueueFolder)> {
+    /// The open queues, by the names of their printers.
+    pub fn open_queues(&self) -> Vec<(String, OpenQueue)> {
         self.0.iter().filter_map(|printer| Some((printer.name.clone(), printer.opened.clone()?))).collect()
     }
 
@@ -72,7 +73,7 @@ impl MachinePrinters {
     pub fn of_build(&self, build: &BuildRow) -> Option<&PrinterState> {
         let staged = build.staged.queue_id.as_deref();
         let is_staged_at =
-            |printer: &&PrinterState| staged.is_some() && printer.opened.as_ref().map(QueueFolder::marker_id) == staged;
+            |printer: &&PrinterState| staged.is_some() && printer.opened.as_ref().map(|queue| queue.id()) == staged;
         let by_name = || build.place.printer.as_deref().and_then(|name| self.find(name));
         self.0.iter().find(is_staged_at).or_else(by_name).or_else(|| self.0.first())
     }
@@ -81,12 +82,12 @@ impl MachinePrinters {
     pub fn usable<'a>(&'a self, agreed: &'a FolderIdentities) -> impl Iterator<Item = &'a PrinterState> {
         self.0
             .iter()
-            .filter(|printer| printer.down.is_none() && printer.opened.is_some() && agreed.has_queue(&printer.folder))
+            .filter(|printer| printer.down.is_none() && printer.opened.is_some() && agreed.has_queue(&printer.address))
     }
 
-    /// Closes the queue folder with this path: it is opened anew.
-    pub fn close_queue(&mut self, folder: &Path) {
-        self.0.iter_mut().filter(|printer| printer.folder == folder).for_each(|printer| printer.opened = None);
+    /// Closes queues: they are opened anew.
+    pub fn close_queues(&mut self, is_meant: impl Fn(&QueueAddress) -> bool) {
+        self.0.iter_mut().filter(|printer| is_meant(&printer.address)).for_each(|printer| printer.opened = None);
     }
 }
 

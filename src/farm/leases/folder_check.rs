@@ -29,7 +29,7 @@ pub fn watch_other_holders(settings: &Settings) {
     let mut watched: Vec<(PathBuf, LeaseHolder)> = Vec::new();
     for profile in settings.profiles.values() {
         let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
-        for folder in [inbox, error, archive].into_iter().chain(profile.queue_folders()) {
+        for folder in [inbox, error, archive].map(PathBuf::as_path).into_iter().chain(profile.queue_folders()) {
             if let Err(LeaseError::HeldByOther { folder, holder }) = check_readable(&settings.state_dir, folder)
                 && !holder.is_certainly_alive()
             {

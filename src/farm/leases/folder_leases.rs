@@ -1,13 +1,14 @@
 //! The leases on the folders of a machine, acquired and renewed together.
 
-use std::path::Path;
-
 use super::{
     folder_lease::{FolderLease, LeaseError},
     lease_clock::LeaseTimestamp,
     lease_holder::LeaseHolder,
 };
-use crate::settings::{MachineFolders, MachineProfile};
+use crate::{
+    queue::QueueAddress,
+    settings::{MachineFolders, MachineProfile},
+};
 
 /// Why a folder cannot be used, for alerts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,8 +69,8 @@ impl FolderLeases {
             inbox: lease(inbox),
             archive: lease(archive),
             error: lease(error),
-            queues: profile.queue_folders().map(|queue| lease(queue)).collect(),
-            errors: vec![None; 3 + profile.printers.len()],
+            errors: vec![None; 3 + profile.queue_folders().count()],
+            queues: profile.queue_folders().map(lease).collect(),
             renewed_at: None,
             renewing_at: None,
             taken_over: Vec::new(),
@@ -82,9 +83,9 @@ impl FolderLeases {
         [&mut self.inbox, &mut self.archive, &mut self.error].into_iter().chain(&mut self.queues).collect()
     }
 
-    /// The lease on a queue folder.
-    pub fn queue_lease(&self, folder: &Path) -> Option<&FolderLease> {
-        self.queues.iter().find(|lease| lease.folder_path() == folder)
+    /// The lease on a queue; `None` = it needs none, or is not one of these.
+    pub fn queue_lease(&self, queue: &QueueAddress) -> Option<&FolderLease> {
+        self.queues.iter().find(|lease| Some(lease.folder_path()) == queue.folder())
     }
 
     /// Whether these are leases on the same folders.
@@ -144,17 +145,26 @@ impl FolderLeases {
         Ok(is_clear)
     }
 
-    /// Whether nothing was wrong with a queue folder and the archive when they were last looked at.
-    pub fn can_publish(&self, queue: &Path) -> bool {
-        let (others, queues) = self.errors.split_at(3.min(self.errors.len()));
-        let of_queue = self.queues.iter().zip(queues).find(|(lease, _)| lease.folder_path() == queue);
-        matches!(others, [_, None, _]) && of_queue.is_some_and(|(_, error)| error.is_none())
+    /// The problem of the lease on a queue; the outer `None` = it has no lease.
+    pub fn queue_problem(&self, queue: &QueueAddress) -> Option<Option<&LeaseProblem>> {
+        let at = self.queues.iter().position(|lease| Some(lease.folder_path()) == queue.folder())?;
+        Some(self.errors.get(3 + at)?.as_ref())
     }
 
-    /// Checks that this farm still holds a queue folder and the archive: a build is published into both.
-    pub fn check_publish_folders(&self, queue: &Path) -> Result<(), LeaseError> {
+    /// Whether nothing was wrong with a queue and the archive when they were last looked at.
+    pub fn can_publish(&self, queue: &QueueAddress) -> bool {
+        let is_queue_well = match self.queue_problem(queue) {
+            Some(problem) => problem.is_none(),
+            None => queue.folder().is_none(),
+        };
+        matches!(self.errors.get(1), Some(None)) && is_queue_well
+    }
+
+    /// Checks that this farm still holds a queue and the archive: a build is published into both.
+    pub fn check_publishing(&self, queue: &QueueAddress) -> Result<(), LeaseError> {
         self.archive.check_held()?;
-        self.queue_lease(queue).ok_or_else(|| LeaseError::Replaced(queue.to_owned()))?.check_held()
+        let Some(folder) = queue.folder() else { return Ok(()) };
+        self.queue_lease(queue).ok_or_else(|| LeaseError::Replaced(folder.to_owned()))?.check_held()
     }
 
     /// Whether files may be claimed from the hot folder at this moment.

@@ -1,7 +1,7 @@
 //! The step "verified": writes a layout as a build file under its dot-name, reads it back, and proves it on the
 //! triangles in the file. Runs on a job's thread.
 
-use std::{collections::HashMap, path::Path, sync::Arc};
+use std::{collections::HashMap, fs::File, io::BufWriter, path::Path, sync::Arc};
 
 use anyhow::{Context, Result};
 use build_file::{BuildFile, ReadLimits};
@@ -13,7 +13,7 @@ use super::layout_search::NestingResult;
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
     farm::decisions::layout::CopyId,
-    queue::QueueFolder,
+    queue::OpenQueue,
     settings::MachineProfile,
 };
 
@@ -44,8 +44,8 @@ pub struct UnprovedBuildError;
 pub struct BuildWriteRequest {
     /// The machine.
     pub profile: Arc<MachineProfile>,
-    /// The printer queue folder.
-    pub queue: QueueFolder,
+    /// The queue of its printer.
+    pub queue: OpenQueue,
     /// The build's row.
     pub build: BuildRow,
     /// Seed of the search.
@@ -67,7 +67,7 @@ pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> R
     let description = build.to_build_file(THUMBNAIL_SIZE);
     // Removes an earlier attempt: its visible sidecars would be taken for files of another build.
     request.queue.discard(&name).context("removing what was staged before")?;
-    let staged = request.queue.stage(&name, |file| build_file::write_build(&description, file))?;
+    let staged = request.queue.stage(&name, Box::new(|file| Ok(build_file::write_build(&description, file)?)))?;
     let proved = match build.prove_written_file(&staged, &request.limits) {
         Ok(proved) => proved,
         Err(error) => {
@@ -83,7 +83,7 @@ pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> R
         verified: Verified {
             file: ProvedFile {
                 file_name: name,
-                queue_id: request.queue.marker_id().to_owned(),
+                queue_id: request.queue.id().to_owned(),
                 file_hash,
                 file_bytes,
                 sidecars,
@@ -176,7 +176,7 @@ fn write_sidecars(
     let mut stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
         let name = format!("{stem}{suffix}");
-        request.queue.stage(&name, |file| file.write_all(bytes))?;
+        request.queue.stage(&name, Box::new(|file| Ok(file.write_all(bytes)?)))?;
         written.push((name, blake3::hash(bytes).to_hex().to_string()));
         Ok(())
     };
@@ -188,7 +188,8 @@ fn write_sidecars(
     if request.profile.output.stl_output {
         let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
         let name = format!("{stem}.stl");
-        let staged = request.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;
+        let write = |file: &mut File| Ok(build_file::write_stl(placed, BufWriter::new(file))?);
+        let staged = request.queue.stage(&name, Box::new(write))?;
         written.push((name, hash_and_size(&staged)?.0));
     }
     Ok(written)

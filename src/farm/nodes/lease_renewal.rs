@@ -1,6 +1,6 @@
 //! Renews the leases on the folders of every machine, at the start and at intervals.
 
-use std::{path::PathBuf, time::Duration};
+use std::time::Duration;
 
 use anyhow::Result;
 use jobs::{BackgroundJob, Carried};
@@ -14,7 +14,7 @@ use crate::{
             desks::{Batching, Serving},
             farm::Farm,
             machine_state::{MachineState, MachineStates},
-            printer_state::{MachinePrinters, alert_subject},
+            printer_state::{MachinePrinters, PrinterState, alert_subject},
         },
         leases::{
             folder_lease::FolderLease,
@@ -23,7 +23,7 @@ use crate::{
         },
         process::tick_tasks::TimedTask,
     },
-    queue::QueueFolder,
+    queue::QueueAddress,
 };
 
 /// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
@@ -54,8 +54,8 @@ impl BackgroundJob<Farm> for LeaseRenewalJob {
 struct CarriedLeases {
     profile: String,
     leases: Box<FolderLeases>,
-    /// The queue folders that are not those that were opened.
-    replaced: Vec<PathBuf>,
+    /// The queues that are not those that were opened.
+    replaced: Vec<QueueAddress>,
 }
 
 impl Carried<Farm> for CarriedLeases {
@@ -73,12 +73,8 @@ impl Carried<Farm> for CarriedLeases {
             // printed before the folders were compared with the ledger again.
             (machine.agreed_folders, machine.may_claim) = (None, false);
         }
-        for folder in machine.profile.queue_folders() {
-            if replaced.contains(folder) || !leases.can_publish(folder) {
-                // It is opened anew; until then nothing is nested for it.
-                machine.printers.close_queue(folder);
-            }
-        }
+        // They are opened anew; until then nothing is nested for them.
+        machine.printers.close_queues(|queue| replaced.contains(queue) || !leases.can_publish(queue));
         let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
         machine.leases = *leases;
         if is_interrupted {
@@ -131,12 +127,12 @@ pub(crate) fn renew_leases(desk: &mut Serving<'_>, is_due: bool) {
             continue;
         }
         let (profile, leases) = (name.clone(), Box::new(machine.leases.clone()));
-        let queues: Vec<QueueFolder> = machine.printers.0.iter().filter_map(|printer| printer.opened.clone()).collect();
+        let queues = machine.printers.open_queues();
         let carried = CarriedLeases { profile: profile.clone(), leases, replaced: Vec::new() };
         desk.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
             carried.leases.renew_all();
-            let replaced = queues.iter().filter(|queue| queue.check_marker().is_err());
-            carried.replaced = replaced.map(|queue| queue.folder_path().to_owned()).collect();
+            let replaced = queues.iter().filter(|(_, queue)| queue.check().is_err());
+            carried.replaced = replaced.map(|(_, queue)| queue.address().clone()).collect();
         });
     }
 }
@@ -161,11 +157,15 @@ pub(crate) fn release_leases(machines: &mut MachineStates, alerts: &mut AlertReg
 
 fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, printers: &MachinePrinters, leases: &FolderLeases) {
     let mut held = Vec::new();
-    let queues = printers.0.iter();
-    let queues =
-        queues.map(|printer| (AlertKind::QueueAway, alert_subject(name, &printer.name), printer.down.is_some()));
-    let kinds = LEASE_ALERTS.into_iter().map(|kind| (kind, String::new(), false)).chain(queues);
-    for ((kind, of, is_down), problem) in kinds.zip(&leases.errors) {
+    let of_queue = |printer: &PrinterState| {
+        let problem = leases.queue_problem(&printer.address)?.cloned();
+        Some((AlertKind::QueueAway, alert_subject(name, &printer.name), printer.down.is_some(), problem))
+    };
+    let others = LEASE_ALERTS.into_iter().zip(leases.errors.iter().cloned());
+    let others = others.map(|(kind, problem)| (kind, String::new(), false, problem));
+    let problems: Vec<_> = others.chain(printers.0.iter().filter_map(of_queue)).collect();
+    for (kind, of, is_down, problem) in &problems {
+        let (kind, is_down) = (*kind, *is_down);
         let about = &format!("lease {of}");
         let about = about.trim_end();
         if let Some(LeaseProblem::HeldByOther(why)) = problem {

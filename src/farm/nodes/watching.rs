@@ -1,7 +1,7 @@
 //! Creates missing folders of machines, and subscribes to file-system events of the hot folders. Both run on threads,
 //! because the folders may be network shares.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use intake::{InboxWatcher, WatchError};
@@ -9,19 +9,16 @@ use jobs::{BackgroundJob, Carried, JobRunner, LoopEvent};
 use tracing::{debug, warn};
 
 use super::{folder_comparison, lease_renewal};
-use crate::{
-    farm::{
-        alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{
-            desks::{Serving, Watching},
-            farm::Farm,
-            machine_state::MachineStates,
-            state::WatchedInboxes,
-        },
-        leases::folder_leases::FolderLeases,
-        receive::scan_jobs,
+use crate::farm::{
+    alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+    core::{
+        desks::{Serving, Watching},
+        farm::Farm,
+        machine_state::MachineStates,
+        state::WatchedInboxes,
     },
-    settings::MachineProfile,
+    leases::folder_leases::FolderLeases,
+    receive::scan_jobs,
 };
 
 /// Subscribes to file-system events, again if hot folders were created or changed.
@@ -121,11 +118,9 @@ fn on_watched(desk: &mut Watching<'_>, watched: Result<(), WatchError>) {
 
 /// Creates the folders of all machines, before anything else is done with them.
 pub(crate) fn make_folders_at_start(desk: &mut Serving<'_>) {
-    let machines: Vec<(Arc<MachineProfile>, FolderLeases)> =
-        desk.machines.values().map(|machine| (machine.profile.clone(), machine.leases.clone())).collect();
-    for (profile, leases) in machines {
-        let failed = make_folders(&profile, &leases);
-        update_folder_alert(desk.shared.alerts, &profile.name, &failed);
+    for (name, machine) in desk.machines.iter() {
+        let failed = make_folders(machine.leases.clone());
+        update_folder_alert(desk.shared.alerts, name, &failed);
     }
 }
 
@@ -135,8 +130,8 @@ pub(crate) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut Jo
         if machine.leases.all_leases().iter().all(|lease| lease.held_identity().is_some()) {
             continue;
         }
-        let (profile, leases) = (machine.profile.clone(), machine.leases.clone());
-        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &leases));
+        let leases = machine.leases.clone();
+        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(leases));
     }
 }
 
@@ -162,14 +157,11 @@ fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]
 /// Creates the folders of a profile. An unavailable share must not stop the other machines. A folder that was served
 /// before is not created again: an empty directory in its place would be in the way of whoever mounts it again. Returns
 /// the folders that could not be created.
-fn make_folders(profile: &MachineProfile, leases: &FolderLeases) -> Vec<String> {
-    let folders = &profile.folders;
-    let others =
-        [(&folders.inbox, &leases.inbox), (&folders.error, &leases.error), (&folders.archive, &leases.archive)];
-    let wanted = others.into_iter().chain(profile.queue_folders().zip(&leases.queues));
+fn make_folders(mut leases: FolderLeases) -> Vec<String> {
     let mut failed = Vec::new();
     // A folder that cannot be created does not prevent the creation of the others.
-    for (folder, _) in wanted.filter(|(_, lease)| lease.was_never_served()) {
+    for lease in leases.all_leases().into_iter().filter(|lease| lease.was_never_served()) {
+        let folder = lease.folder_path();
         if let Err(error) = access::create_folders(folder) {
             failed.push(format!("creating {}: {error}", folder.display()));
         }

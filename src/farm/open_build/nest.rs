@@ -41,6 +41,7 @@ use crate::{
         records::kept_build::{self, KeptBuild},
         scanning::machine_fit::report_changed_machine,
     },
+    queue::FileState,
     settings::MachineProfile,
 };
 
@@ -345,7 +346,7 @@ fn nest_write_and_prove(
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
     let file = &written.verified.file;
     demand_staged(&write.queue, &file.file_name)?;
-    let staged = write.queue.staged_path(&file.file_name);
+    let staged = write.queue.file(&file.file_name, FileState::Staged)?;
     kept_build::keep_staged_file(&write.profile, &staged, &file.file_name, &file.file_hash);
     Ok(written)
 }

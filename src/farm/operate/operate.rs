@@ -2,13 +2,13 @@
 //! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
-use std::{path::PathBuf, time::Duration};
+use std::time::Duration;
 
 use ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
 
 use crate::{
     farm::scanning::queue_contents,
-    queue::{QueueFolder, StagedState},
+    queue::{FileState, OpenQueue, QueueAddress},
     settings::Settings,
 };
 
@@ -78,32 +78,32 @@ async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>
     let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), build.staged.file_name.clone()) else {
         return (None, QueuePlace::Unknown);
     };
-    let folders: Vec<(String, PathBuf)> =
+    let queues: Vec<(String, QueueAddress)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
     let own = build.staged.queue_id.clone();
-    let look = tokio::task::spawn_blocking(move || look_into(&folders, &name, own.as_deref()));
+    let look = tokio::task::spawn_blocking(move || look_into(&queues, &name, own.as_deref()));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
         Ok(Ok(seen)) => seen,
         _ => (None, QueuePlace::Unknown),
     }
 }
 
-fn look_into(folders: &[(String, PathBuf)], name: &str, own: Option<&str>) -> (Option<String>, QueuePlace) {
+fn look_into(printers: &[(String, QueueAddress)], name: &str, own: Option<&str>) -> (Option<String>, QueuePlace) {
     let mut seen = QueuePlace::Unknown;
-    let queues: Vec<(&String, QueueFolder)> =
-        folders.iter().filter_map(|(printer, folder)| Some((printer, QueueFolder::find(folder)?))).collect();
-    let copy = queues.iter().find_map(|(_, queue)| queue_contents::find_copy(queue, name));
+    let queues: Vec<(&String, OpenQueue)> =
+        printers.iter().filter_map(|(printer, queue)| Some((printer, queue.find()?))).collect();
+    let copy = queues.iter().find_map(|(_, queue)| queue_contents::find_copy(&**queue, name));
     for (printer, queue) in queues {
-        let is_withdrawn = queue.withdrawn_path(name).exists();
-        match queue.staged_state(name) {
-            Ok(StagedState::Published) => {
-                return (copy, QueuePlace::Visible(printer.clone(), queue.marker_id().to_owned()));
+        let is_withdrawn = queue.holds_taken_back(name);
+        match queue.state(name) {
+            Ok(FileState::Visible) => {
+                return (copy, QueuePlace::Visible(printer.clone(), queue.id().to_owned()));
             }
             // The marker once more: the folder may have been unmounted in between.
-            Ok(_) if Some(queue.marker_id()) == own && queue.check_marker().is_ok() => {
+            Ok(_) if Some(queue.id()) == own && queue.check().is_ok() => {
                 seen = match is_withdrawn {
                     true => QueuePlace::Withdrawn,
-                    false => QueuePlace::Gone(queue.marker_id().to_owned()),
+                    false => QueuePlace::Gone(queue.id().to_owned()),
                 };
             }
             _ => {}

@@ -1,7 +1,5 @@
 //! The printers of the machines: which of them people took out of use, and which one a build is made for.
 
-use std::path::Path;
-
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
@@ -11,7 +9,10 @@ use serde::Serialize;
 
 use crate::{
     farm::{
-        core::machine_state::{MachineState, MachineStates},
+        core::{
+            machine_state::{MachineState, MachineStates},
+            printer_state::PrinterState,
+        },
         decisions::{
             print_times::PrintTimes,
             printer_choice::{PrinterLoad, choose_printer, printer_loads},
@@ -65,7 +66,7 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
         PrinterView {
             printer: rules.name.clone(),
             profile: profile.name.clone(),
-            queue: rules.queue.display().to_string(),
+            queue: rules.queue.to_string(),
             down,
             builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
             is_free,
@@ -211,8 +212,8 @@ pub(crate) fn usable_printers(machine: &MachineState) -> Vec<&str> {
     match &machine.agreed_folders {
         Some(agreed) if machine.leases.are_fresh() => {
             let usable = machine.printers.usable(agreed);
-            let can_publish = |folder: &Path| machine.leases.can_publish(folder);
-            usable.filter(|printer| can_publish(&printer.folder)).map(|printer| printer.name.as_str()).collect()
+            let can_publish = |printer: &&PrinterState| machine.leases.can_publish(&printer.address);
+            usable.filter(can_publish).map(|printer| printer.name.as_str()).collect()
         }
         _ => Vec::new(),
     }

@@ -22,7 +22,7 @@ use crate::{
         nesting::write_build::queue_file_name,
         records::build_record,
     },
-    queue::{QueueError, QueueFolder, StagedState},
+    queue::{FileState, OpenQueue, QueueAddress, QueueError, is_build_name},
 };
 
 /// Wait before a queue folder that could not be opened is tried again.
@@ -48,7 +48,7 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     async fn on_done(self, desk: Self::Desk<'_>, opened: Self::Outcome) -> Result<()> {
         if let Ok(Some(OpenedQueue { queue, builds })) = &opened {
             // A machine that got printers, or a printer that got another name, goes on with what is there.
-            desk.shared.ledger.name_printer(&self.profile, &self.printer, queue.marker_id(), builds).await?;
+            desk.shared.ledger.name_printer(&self.profile, &self.printer, queue.id(), builds).await?;
         }
         let opened = opened.map(|opened| opened.map(|opened| opened.queue));
         on_queue_opened(desk.machines, desk.shared.alerts, &self, opened);
@@ -98,10 +98,14 @@ pub(crate) async fn open_queues(desk: &mut Serving<'_>) -> Result<()> {
         let names: Vec<String> = machine.printers.0.iter().map(|printer| printer.name.clone()).collect();
         for printer in machine.printers.0.iter_mut().filter(|printer| is_due(printer)) {
             printer.open_at = now + OPEN_AGAIN;
-            let Some(lease) = machine.leases.queue_lease(&printer.folder).cloned() else { continue };
+            let lease = machine.leases.queue_lease(&printer.address).cloned();
+            if lease.is_none() && printer.address.folder().is_some() {
+                continue;
+            }
             let kept = live.iter().filter(|build| may_lie_at(build, &printer.name, &names));
             let opening = QueueOpening {
                 profile: name.clone(),
+                address: printer.address.clone(),
                 lease,
                 staged: kept.map(staged_name).collect(),
                 ledger: desk.shared.ledger.clone(),
@@ -129,7 +133,7 @@ fn on_queue_opened(
     machines: &mut MachineStates,
     alerts: &mut AlertRegistry,
     job: &OpenQueueJob,
-    opened: Result<Option<QueueFolder>, String>,
+    opened: Result<Option<OpenQueue>, String>,
 ) {
     let Some(machine) = machines.get_mut(&job.profile) else { return };
     // After a reload, the printer may be gone, or have another queue folder.
@@ -138,7 +142,7 @@ fn on_queue_opened(
     match opened {
         // The renewal of the leases reports it.
         Ok(None) => alerts.clear(AlertKind::QueueAway, name, about),
-        Ok(Some(queue)) if queue.folder_path() != printer.folder => {}
+        Ok(Some(queue)) if *queue.address() != printer.address => {}
         Ok(Some(queue)) => {
             printer.opened = Some(queue);
             alerts.clear(AlertKind::QueueAway, name, about);
@@ -160,9 +164,8 @@ pub(crate) async fn demand_same_queue(
     let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
     let printers = machines.get(&profile).map(|machine| machine.printers.0.as_slice()).unwrap_or_default();
     ensure!(printers.iter().any(|printer| printer.opened.is_some()), "the queue folder is not available any more");
-    let is_staging = |printer: &PrinterState| {
-        printer.opened.as_ref().is_some_and(|queue| queue.marker_id() == verified.file.queue_id)
-    };
+    let is_staging =
+        |printer: &PrinterState| printer.opened.as_ref().is_some_and(|queue| queue.id() == verified.file.queue_id);
     ensure!(printers.iter().any(is_staging), "the queue folder has changed since the build was written");
     Ok(())
 }
@@ -177,14 +180,16 @@ pub(crate) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm
 
 /// A queue folder, and the names of the builds that are visible or staged in it.
 pub(crate) struct OpenedQueue {
-    queue: QueueFolder,
+    queue: OpenQueue,
     builds: Vec<String>,
 }
 
 /// The data for opening a queue folder.
 struct QueueOpening {
     profile: String,
-    lease: FolderLease,
+    address: QueueAddress,
+    /// The lease on its folder, if it is one.
+    lease: Option<FolderLease>,
     /// File names of the builds that may be staged. Their files are kept.
     staged: Vec<String>,
     ledger: Ledger,
@@ -194,22 +199,23 @@ impl QueueOpening {
     /// Opens the folder and removes the half-written files that a crash left in it.
     async fn open_and_sweep(mut self) -> Result<Option<OpenedQueue>, String> {
         // This check comes first, so that an empty mount point is not marked as a queue.
-        if self.lease.check_usable().is_err() {
+        if self.lease.as_mut().is_some_and(|lease| lease.check_usable().is_err()) {
             return Ok(None);
         }
-        let queue = QueueFolder::open(self.lease.folder_path()).map_err(|error| error_chain(&error))?;
+        let queue = self.address.open().map_err(|error| error_chain(&error))?;
         // Another farm staged the builds that this farm has not fired. Their files are kept.
-        for file in queue.staged_build_names().unwrap_or_default() {
+        for file in queue.names(FileState::Staged).unwrap_or_default() {
             if !is_own_build(&self.ledger, &self.profile, &file).await.map_err(|error| format!("{error:#}"))? {
                 self.staged.push(file);
             }
         }
-        let swept = queue.remove_unknown_staged(&self.staged).map_err(|error| error_chain(&error))?;
+        let swept = queue.sweep(&self.staged).map_err(|error| error_chain(&error))?;
         if !swept.is_empty() {
             info!(profile = %self.profile, files = swept.len(), "Removed half-written files of an earlier run.");
         }
-        let mut builds = queue.published_build_names().map_err(|error| error_chain(&error))?;
-        builds.extend(queue.staged_build_names().map_err(|error| error_chain(&error))?);
+        let mut builds = queue.names(FileState::Visible).map_err(|error| error_chain(&error))?;
+        builds.retain(|name| is_build_name(name));
+        builds.extend(queue.names(FileState::Staged).map_err(|error| error_chain(&error))?);
         Ok(Some(OpenedQueue { queue, builds }))
     }
 }
@@ -226,7 +232,7 @@ async fn is_own_build(ledger: &Ledger, profile: &str, file: &str) -> Result<bool
 ///
 /// # Errors
 /// The queue folder cannot be read, or the file is missing.
-pub(crate) fn demand_staged(queue: &QueueFolder, name: &str) -> Result<()> {
-    ensure!(queue.staged_state(name)? == StagedState::Staged, "the written build is gone from the queue folder");
+pub(crate) fn demand_staged(queue: &OpenQueue, name: &str) -> Result<()> {
+    ensure!(queue.state(name)? == FileState::Staged, "the written build is gone from the queue folder");
     Ok(())
 }

@@ -1,5 +1,5 @@
 //! A build that was published to a printer goes to another one of its machine if the printer went down before it took the
-//! file. `ledger/builds/move_build` says in which steps, and `queue/withdrawal` how the file is taken back.
+//! file. `ledger/builds/move_build` says in which steps, and `queue/take_back` how the file is taken back.
 
 use anyhow::{Context, Result, ensure};
 use jobs::BackgroundJob;
@@ -13,10 +13,10 @@ use crate::{
         core::{desks::Building, farm::Farm, machine_state::MachineState},
         leases::folder_leases::FolderLeases,
         printers::printers::choose_for_build,
-        records::staged_build::has_hash,
+        records::staged_build::{has_hash, is_of_hash},
         scanning::machine_fit::find_misfit,
     },
-    queue::{QueueFolder, StagedState, WithdrawalOutcome},
+    queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome},
 };
 
 /// Moves the file of a build one step further.
@@ -61,10 +61,10 @@ impl BackgroundJob<Farm> for MoveBuildJob {
 /// A build between two printers.
 struct MovingBuild {
     build: BuildRow,
-    source: QueueFolder,
-    target: QueueFolder,
+    source: OpenQueue,
+    target: OpenQueue,
     /// The folder that it was to go to before another one was chosen.
-    abandoned: Option<QueueFolder>,
+    abandoned: Option<OpenQueue>,
     /// Why it does not fit its machine any more; `None` = it does.
     misfit: Option<String>,
     leases: FolderLeases,
@@ -166,18 +166,18 @@ fn check_missing_source(machine: &MachineState, build: &BuildRow) -> Result<()> 
     Ok(())
 }
 
-/// The open queue folder of a machine that has this marker.
-pub(super) fn queue_with_marker(machine: &MachineState, marker: Option<&str>) -> Option<QueueFolder> {
+/// The open queue of a machine that has this id.
+pub(super) fn queue_with_marker(machine: &MachineState, marker: Option<&str>) -> Option<OpenQueue> {
     let queues = machine.printers.0.iter().filter_map(|printer| printer.opened.as_ref());
-    queues.into_iter().find(|queue| Some(queue.marker_id()) == marker).cloned()
+    queues.into_iter().find(|queue| Some(queue.id()) == marker).cloned()
 }
 
 impl MovingBuild {
     /// Fails unless this daemon still serves both folders and the ledger.
     fn check_rights(&self) -> Result<()> {
         self.ledger.ensure_served()?;
-        self.leases.check_publish_folders(self.source.folder_path())?;
-        Ok(self.leases.check_publish_folders(self.target.folder_path())?)
+        self.leases.check_publishing(self.source.address())?;
+        Ok(self.leases.check_publishing(self.target.address())?)
     }
 
     /// The next step, from what the ledger has recorded.
@@ -200,29 +200,32 @@ impl MovingBuild {
     /// Removes the file from both folders.
     fn drop_file(&self, name: &str) -> Result<MoveStep> {
         let may_be_visible = self.build.place.move_queue_id.is_some();
-        let is_staged = self.target.staged_state(name)? == StagedState::Staged;
-        if self.source.withdrawn_path(name).exists() || may_be_visible && is_staged {
+        let is_staged = self.target.state(name)? == FileState::Staged;
+        if self.source.holds_taken_back(name) || may_be_visible && is_staged {
             self.runtime.block_on(self.ledger.record_dropped_move(self.build.id))?;
         }
         let step = if may_be_visible && !is_staged {
-            match self.target.withdraw(name)? {
-                WithdrawalOutcome::TakenBack => {
-                    self.target.remove_withdrawn(name)?;
+            match self.target.take_back(name, &|_| Ok(true))? {
+                TakeBackOutcome::TakenBack => {
+                    self.target.remove_taken_back(name)?;
                     MoveStep::Dropped
                 }
-                WithdrawalOutcome::Gone | WithdrawalOutcome::Altered => MoveStep::TakenThere,
+                TakeBackOutcome::Gone | TakeBackOutcome::Altered => MoveStep::TakenThere,
             }
         } else {
-            discard_staged(&self.target, name)?;
+            discard_staged(&*self.target, name)?;
             MoveStep::Dropped
         };
-        self.source.remove_withdrawn(name)?;
+        self.source.remove_taken_back(name)?;
         Ok(step)
     }
 
     fn take_and_stage(&self, name: &str) -> Result<MoveStep> {
-        if self.source.withdraw(name)? == WithdrawalOutcome::Gone {
-            return Ok(MoveStep::Taken);
+        let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
+        match self.source.take_back(name, &|file| is_of_hash(file, proved))? {
+            TakeBackOutcome::TakenBack => {}
+            TakeBackOutcome::Gone => return Ok(MoveStep::Taken),
+            TakeBackOutcome::Altered => anyhow::bail!(self.not_proved_text()),
         }
         if let Some(why) = &self.misfit {
             anyhow::bail!(
@@ -232,26 +235,26 @@ impl MovingBuild {
             );
         }
         if let Some(abandoned) = &self.abandoned {
-            discard_staged(abandoned, name)?;
+            discard_staged(&**abandoned, name)?;
         }
-        self.target.stage_withdrawn(&self.source, name)?;
-        let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
-        if !has_hash(&self.target.staged_path(name), proved)? {
+        self.target.stage_taken_back(&*self.source, name)?;
+        if !has_hash(&self.target.file(name, FileState::Staged)?, proved)? {
             self.target.discard(name)?;
-            anyhow::bail!(
-                "what lay in the queue folder {} is not the file that was proved; `nestd outcome {} failed` has its parts \
-                 printed again",
-                self.source.folder_path().display(),
-                self.build.id
-            );
+            anyhow::bail!(self.not_proved_text());
         }
-        Ok(MoveStep::Staged(self.target.marker_id().to_owned()))
+        Ok(MoveStep::Staged(self.target.id().to_owned()))
+    }
+
+    fn not_proved_text(&self) -> String {
+        format!(
+            "what lay in the queue folder {} is not the file that was proved; `nestd outcome {} failed` has its parts printed again",
+            self.source.address(),
+            self.build.id
+        )
     }
 
     fn publish_staged(&self, name: &str) -> Result<MoveStep> {
-        if let Some(why) =
-            self.misfit.as_ref().filter(|_| matches!(self.target.staged_state(name), Ok(StagedState::Staged)))
-        {
+        if let Some(why) = self.misfit.as_ref().filter(|_| matches!(self.target.state(name), Ok(FileState::Staged))) {
             anyhow::bail!(
                 "it was on its way to another printer and is not put into its queue, for {why}. Undo that change of the machine's file and \
                  reload nestd; then `nestd withdraw {}`, and change the file again",
@@ -259,7 +262,7 @@ impl MovingBuild {
             );
         }
         // First, so that what was taken back is never there when it may be visible at the other printer.
-        self.source.remove_withdrawn(name)?;
+        self.source.remove_taken_back(name)?;
         self.check_rights()?;
         // The share may have hung since the row was read.
         if !self.is_wanted()? {
@@ -271,8 +274,8 @@ impl MovingBuild {
 }
 
 /// Removes a copy that was not visible yet.
-fn discard_staged(queue: &QueueFolder, name: &str) -> Result<()> {
-    if queue.staged_state(name)? == StagedState::Staged {
+fn discard_staged(queue: &dyn PrinterQueue, name: &str) -> Result<()> {
+    if queue.state(name)? == FileState::Staged {
         queue.discard(name)?;
     }
     Ok(())

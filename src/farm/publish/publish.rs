@@ -94,7 +94,7 @@ fn publish_facts(desk: &Building<'_>, machine: &MachineState, build: &BuildRow, 
     let printer = machine.printers.of_build(build);
     let is_printer_down = printer.is_some_and(|printer| printer.down.is_some());
     let is_agreed = match (&machine.agreed_folders, printer) {
-        (Some(agreed), Some(printer)) => printer.opened.is_none() || agreed.has_queue(&printer.folder),
+        (Some(agreed), Some(printer)) => printer.opened.is_none() || agreed.has_queue(&printer.address),
         (agreed, _) => agreed.is_some(),
     };
     PublishFacts {

@@ -18,7 +18,7 @@ use crate::{
         printers::queue_alerts::report_wrong_files,
         scanning::queue_files::{QueueFileFindings, QueueFileLook},
     },
-    queue::{QueueFolder, StagedState},
+    queue::{FileState, OpenQueue, PrinterQueue},
     settings::MachineProfile,
 };
 
@@ -120,7 +120,7 @@ fn report_removed_printers(
 /// The open queue folders of a machine, by the names of its printers.
 struct QueueLook {
     profile: Arc<MachineProfile>,
-    queues: Vec<(String, QueueFolder)>,
+    queues: Vec<(String, OpenQueue)>,
     leases: FolderLeases,
     ledger: Ledger,
     runtime: Handle,
@@ -130,32 +130,31 @@ impl QueueLook {
     fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
         let mut found = QueueFindings { files: self.look_at_files(), ..QueueFindings::default() };
         for build in wanted {
-            let own = self.queues.iter().find(|(_, queue)| Some(queue.marker_id()) == build.queue_id.as_deref());
+            let own = self.queues.iter().find(|(_, queue)| Some(queue.id()) == build.queue_id.as_deref());
             // Another folder than the one that it was published in says nothing.
             let (Some((_, own)), Some(file)) = (own, build.file_name) else { continue };
-            if !is_gone(own, &file) {
+            if !matches!(own.state(&file), Ok(FileState::Gone)) {
                 continue;
             }
-            let is_visible =
-                |(_, queue): &&(String, QueueFolder)| matches!(queue.staged_state(&file), Ok(StagedState::Published));
+            let is_visible = |(_, queue): &&(String, OpenQueue)| matches!(queue.state(&file), Ok(FileState::Visible));
             match self.queues.iter().find(is_visible) {
                 Some((printer, queue)) => {
                     let place = FoundPlace {
                         printer: printer.clone(),
-                        queue_id: queue.marker_id().to_owned(),
+                        queue_id: queue.id().to_owned(),
                         instead_of: build.queue_id,
                         is_taken_back: false,
                     };
                     found.elsewhere.push((build.build, place));
                 }
-                None if self.queues.iter().any(|(_, queue)| queue.withdrawn_path(&file).exists()) => {}
-                None => found.taken.push((build.build, own.marker_id().to_owned())),
+                None if self.queues.iter().any(|(_, queue)| queue.holds_taken_back(&file)) => {}
+                None => found.taken.push((build.build, own.id().to_owned())),
             }
         }
         for (printer, queue) in &self.queues {
             // A folder that is away keeps nobody from looking into the others.
-            for file in queue.withdrawn_builds().unwrap_or_default() {
-                match self.settle_withdrawn(printer, queue, &file) {
+            for file in queue.names(FileState::TakenBack).unwrap_or_default() {
+                match self.settle_withdrawn(printer, &**queue, &file) {
                     Ok(place) => found.elsewhere.extend(place),
                     Err(failure) => {
                         warn!(profile = %self.profile.name, "{file} was taken back and stays so: {failure:#}.")
@@ -188,7 +187,7 @@ impl QueueLook {
     fn settle_withdrawn(
         &self,
         printer: &str,
-        queue: &QueueFolder,
+        queue: &dyn PrinterQueue,
         file: &str,
     ) -> Result<Option<(BuildId, FoundPlace)>> {
         let row = self.runtime.block_on(self.ledger.find_build_of_file(file))?;
@@ -202,8 +201,8 @@ impl QueueLook {
         }
         if build.times.published_at.is_some() {
             self.ledger.ensure_served()?;
-            self.leases.check_publish_folders(queue.folder_path())?;
-            queue.remove_withdrawn(file)?;
+            self.leases.check_publishing(queue.address())?;
+            queue.remove_taken_back(file)?;
         }
         Ok(None)
     }
@@ -211,25 +210,17 @@ impl QueueLook {
     fn find_withdrawn(
         &self,
         printer: &str,
-        queue: &QueueFolder,
+        queue: &dyn PrinterQueue,
         build: BuildRow,
     ) -> Result<Option<(BuildId, FoundPlace)>> {
         let file = build.staged.file_name.as_deref().context("its row names no file")?;
         let place = FoundPlace {
             printer: printer.to_owned(),
-            queue_id: queue.marker_id().to_owned(),
+            queue_id: queue.id().to_owned(),
             instead_of: build.staged.queue_id.clone(),
             is_taken_back: true,
         };
         // Once more: its move may have ended before the row was read.
-        Ok(queue.withdrawn_path(file).exists().then_some((build.id, place)))
+        Ok(queue.holds_taken_back(file).then_some((build.id, place)))
     }
-}
-
-/// Whether a published file is in a queue folder no more.
-fn is_gone(queue: &QueueFolder, file: &str) -> bool {
-    // The marker once more: the folder may have been unmounted in between.
-    matches!(queue.staged_state(file), Ok(StagedState::Gone))
-        && !queue.withdrawn_path(file).exists()
-        && queue.check_marker().is_ok()
 }

@@ -1,6 +1,6 @@
 //! Published builds that are taken back out of the queue: because a person says so, because a word of a person makes their copies wait
 //! again (`operate`), or because the next build is better with their copies. `ledger/words/withdrawal` says in which steps, and
-//! `queue/withdrawal` how the file is taken back.
+//! `queue/take_back` how the file is taken back.
 
 use std::path::PathBuf;
 
@@ -30,10 +30,10 @@ use crate::{
         operate::operate::operate,
         printers::{printers::occupation_of, release_preview::awaits_release},
         process::tick_tasks::TimedTask,
-        records::{build_record::note_withdrawn, staged_build::has_hash},
+        records::{build_record::note_withdrawn, staged_build::is_of_hash},
         scanning::queue_contents,
     },
-    queue::{QueueFolder, StagedState, WithdrawalOutcome},
+    queue::{FileState, OpenQueue, TakeBackOutcome},
     settings::WithdrawalPolicy,
 };
 
@@ -79,9 +79,9 @@ impl BackgroundJob<Farm> for WithdrawBuildJob {
 /// A build that is taken back.
 struct WithdrawnBuild {
     build: BuildRow,
-    queue: QueueFolder,
-    /// The open queue folders of its machine, by the names of its printers.
-    all_queues: Vec<(String, QueueFolder)>,
+    queue: OpenQueue,
+    /// The open queues of its machine, by the names of its printers.
+    all_queues: Vec<(String, OpenQueue)>,
     leases: FolderLeases,
     ledger: Ledger,
     /// The archive with its record.
@@ -93,34 +93,31 @@ impl WithdrawnBuild {
     /// The next step, from what the ledger has recorded.
     fn go_on(&self) -> Result<WithdrawalStep> {
         self.ledger.ensure_served()?;
-        self.leases.check_publish_folders(self.queue.folder_path())?;
+        self.leases.check_publishing(self.queue.address())?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
         if self.is_carried_out {
             // Before nothing else tells any more that nobody printed it.
             if let Some(at) = self.build.place.withdrawn_at {
                 note_withdrawn(&self.archive, name, at)?;
             }
-            self.queue.remove_withdrawn(name)?;
+            self.queue.remove_taken_back(name)?;
             return Ok(WithdrawalStep::Removed);
         }
         let proved = self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?;
-        Ok(match self.queue.withdraw_proved(name, |file| has_hash(file, proved))? {
-            WithdrawalOutcome::TakenBack => WithdrawalStep::TakenBack,
-            WithdrawalOutcome::Altered => WithdrawalStep::Altered,
-            WithdrawalOutcome::Gone => {
-                self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere)
-            }
+        Ok(match self.queue.take_back(name, &|file| is_of_hash(file, proved))? {
+            TakeBackOutcome::TakenBack => WithdrawalStep::TakenBack,
+            TakeBackOutcome::Altered => WithdrawalStep::Altered,
+            TakeBackOutcome::Gone => self.find_elsewhere(name).map_or(WithdrawalStep::Taken, WithdrawalStep::Elsewhere),
         })
     }
 
     fn find_elsewhere(&self, name: &str) -> Option<FoundPlace> {
-        let lies_in = |queue: &QueueFolder| {
-            matches!(queue.staged_state(name), Ok(StagedState::Published)) || queue.withdrawn_path(name).exists()
-        };
+        let lies_in =
+            |queue: &OpenQueue| matches!(queue.state(name), Ok(FileState::Visible)) || queue.holds_taken_back(name);
         let (printer, queue) = self.all_queues.iter().find(|(_, queue)| lies_in(queue))?;
         Some(FoundPlace {
             printer: printer.clone(),
-            queue_id: queue.marker_id().to_owned(),
+            queue_id: queue.id().to_owned(),
             instead_of: self.build.staged.queue_id.clone(),
             is_taken_back: false,
         })
@@ -218,7 +215,7 @@ fn look_again_at(desk: &mut Building<'_>, build: &BuildRow) {
     if let (Some(queue), Some(name)) =
         (queue_with_marker(machine, build.staged.queue_id.as_deref()), build.staged.file_name.as_deref())
     {
-        queue_contents::forget(&queue.published_path(name));
+        queue_contents::forget(&*queue, name);
     }
     let now = desk.shared.now();
     desk.shared.schedule.tasks.make_due(TimedTask::CheckFolders, now);

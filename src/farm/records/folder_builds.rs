@@ -12,7 +12,7 @@ use anyhow::Context;
 use super::build_record;
 use crate::{
     farm::leases::{folder_check, folder_lease::LeaseError},
-    queue::{QueueFolder, StagedState},
+    queue::FileState,
     settings::{MachineProfile, Settings},
 };
 
@@ -101,7 +101,8 @@ impl FolderExpectations {
     pub fn check_all_available(&self, settings: &Settings) -> Result<(), FolderUnavailableError> {
         for profile in settings.profiles.values() {
             let folders = &profile.folders;
-            for folder in [&folders.archive, &folders.error, &folders.inbox].into_iter().chain(profile.queue_folders())
+            for folder in
+                [&*folders.archive, &*folders.error, &*folders.inbox].into_iter().chain(profile.queue_folders())
             {
                 self.is_available(folder)?;
             }
@@ -134,12 +135,14 @@ pub fn list_folder_builds(
         let records = build_record::list_records(archive).map_err(|error| unavailable_error(archive, &error))?;
         builds.extend(records.into_iter().map(|(name, record)| FolderBuild { name, record: Some(record) }));
     }
-    for queue in profile.queue_folders() {
-        if !known.is_available(queue)? {
+    for queue in profile.printers.iter().map(|printer| &printer.queue) {
+        if let Some(folder) = queue.folder()
+            && !known.is_available(folder)?
+        {
             continue;
         }
         let seen: HashSet<String> = builds.iter().map(|build| build.name.clone()).collect();
-        let names = list_queue_files(queue).map_err(|error| unavailable_error(queue, &error))?;
+        let names = queue.visible_builds().map_err(|error| unavailable_error(Path::new(&queue.to_string()), &error))?;
         builds.extend(
             names.into_iter().filter(|name| !seen.contains(name)).map(|name| FolderBuild { name, record: None }),
         );
@@ -148,29 +151,19 @@ pub fn list_folder_builds(
     Ok(builds)
 }
 
-fn list_queue_files(queue: &Path) -> io::Result<Vec<String>> {
-    let mut names = Vec::new();
-    for entry in fs::read_dir(queue)? {
-        // nestd gives only names in UTF-8.
-        names.extend(entry?.file_name().into_string().ok());
-    }
-    names.retain(|name| !name.starts_with('.') && name.ends_with(".build.3mf"));
-    Ok(names)
-}
-
 /// Whether the file of a build is still under its dot-name: its record was written, but it was not published. Of several printers, the
 /// folder of another one than `queue_id` may still hold what was staged for an earlier attempt: that says nothing.
 pub fn is_staged(profile: &MachineProfile, name: &str, queue_id: Option<&str>) -> anyhow::Result<bool> {
     let marker = queue_id.filter(|_| profile.printers.len() > 1);
-    for queue in profile.queue_folders() {
-        if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
+    for queue in profile.printers.iter().map(|printer| &printer.queue) {
+        if queue.identity().with_context(|| format!("looking at {queue}"))?.is_none() {
             continue;
         }
-        let state = QueueFolder::open(queue).and_then(|queue| match marker.is_none_or(|id| id == queue.marker_id()) {
-            true => queue.staged_state(name),
-            false => Ok(StagedState::Gone),
+        let state = queue.open().and_then(|queue| match marker.is_none_or(|id| id == queue.id()) {
+            true => queue.state(name),
+            false => Ok(FileState::Gone),
         });
-        if state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged {
+        if state.with_context(|| format!("looking for {name} in {queue}"))? == FileState::Staged {
             return Ok(true);
         }
     }

@@ -23,6 +23,7 @@ use crate::{
         files::claim_note,
         leases::{folder_check, own_machines::without_other_nodes},
     },
+    queue::QueueAddress,
     settings::{MachineProfile, Settings},
 };
 
@@ -89,7 +90,7 @@ pub async fn find_unknown_build_names(
     // Folders of a new machine that were never created hold nothing.
     let folders = &profile.folders;
     let mut new_folders = vec![folders.archive.clone()];
-    new_folders.extend(profile.queue_folders().cloned());
+    new_folders.extend(profile.queue_folders().map(Path::to_owned));
     new_folders.retain(|folder| !crate::farm::leases::known_folders::is_known_folder(&settings.state_dir, folder));
     let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders };
     let builds = find_unknown_builds(settings, ledger, profile, &known, &mut HashSet::new()).await?;
@@ -146,31 +147,32 @@ pub fn summarize_unknown(unknown: &[String]) -> Option<String> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FolderIdentities {
     archive: (u64, u64),
-    queues: BTreeMap<PathBuf, (u64, u64)>,
+    queues: BTreeMap<QueueAddress, (u64, u64)>,
 }
 
 impl FolderIdentities {
     /// Looks at the folders; `None` = the archive, or every queue folder, is away. Where one of several printers is away, the others
     /// go on.
     fn look_at(settings: &Settings, profile: &MachineProfile) -> Option<Self> {
-        let identity = |folder: &Path| std::fs::metadata(folder).map(|meta| (meta.dev(), meta.ino())).ok();
-        let is_expected = |folder: &Path| {
-            profile.printers.len() == 1 || folder_check::check_readable(&settings.state_dir, folder).is_ok()
+        let is_expected = |queue: &QueueAddress| {
+            let is_readable = |folder: &Path| folder_check::check_readable(&settings.state_dir, folder).is_ok();
+            profile.printers.len() == 1 || queue.folder().is_none_or(is_readable)
         };
-        let seen = profile.queue_folders().filter(|folder| is_expected(folder));
-        let queues: BTreeMap<PathBuf, (u64, u64)> =
-            seen.filter_map(|folder| Some((folder.clone(), identity(folder)?))).collect();
-        Some(Self { archive: identity(&profile.folders.archive)?, queues }).filter(|seen| !seen.queues.is_empty())
+        let expected = profile.printers.iter().map(|printer| &printer.queue).filter(|queue| is_expected(queue));
+        let queues: BTreeMap<_, _> =
+            expected.filter_map(|queue| Some((queue.clone(), queue.identity().ok()??))).collect();
+        let archive = std::fs::metadata(&profile.folders.archive).ok()?;
+        Some(Self { archive: (archive.dev(), archive.ino()), queues }).filter(|seen| !seen.queues.is_empty())
     }
 
     /// Whether every queue folder of a machine was there.
     pub fn has_all_queues(&self, profile: &MachineProfile) -> bool {
-        profile.queue_folders().all(|folder| self.has_queue(folder))
+        profile.printers.iter().all(|printer| self.has_queue(&printer.queue))
     }
 
-    /// Whether a queue folder was there.
-    pub fn has_queue(&self, folder: &Path) -> bool {
-        self.queues.contains_key(folder)
+    /// Whether a queue was there.
+    pub fn has_queue(&self, queue: &QueueAddress) -> bool {
+        self.queues.contains_key(queue)
     }
 }
 

@@ -183,7 +183,7 @@ async fn record_from_build_file(
     name: &str,
     unclear: &mut HashSet<String>,
 ) -> Result<Option<UnknownBuild>> {
-    let file = profile.queue_with_file(name).join(name);
+    let file = profile.visible_file(name);
     fs::File::open(&file).with_context(|| format!("reading {}", file.display()))?;
     // A file that is not one of our build files says nothing.
     let Ok(placed) = build_file::read_build(&file, &settings.limits) else { return Ok(None) };

@@ -1,7 +1,10 @@
 //! A staged, proved build on its way into the queue: checks that it is still what was proved, and renames it once. Runs
 //! on a job's thread, since a queue folder may be a share that hangs.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result, ensure};
 use ledger::{BuildRow, Ledger};
@@ -9,7 +12,7 @@ use ledger::{BuildRow, Ledger};
 use super::build_record;
 use crate::{
     farm::leases::{folder_lease::LeaseError, folder_leases::FolderLeases},
-    queue::{PublishOutcome, QueueError, QueueFolder, StagedState},
+    queue::{FileState, OpenQueue, PublishOutcome, QueueError},
 };
 
 /// The progress of a build on its way into the queue.
@@ -31,8 +34,8 @@ pub enum PublishStep {
 /// A build in the state verified.
 #[derive(Debug)]
 pub struct StagedBuild {
-    /// The queue folder that is there now.
-    pub queue: QueueFolder,
+    /// The queue that is there now.
+    pub queue: OpenQueue,
     /// Its row.
     pub build: BuildRow,
     /// Why it does not fit its machine any more; `None` = it does.
@@ -66,15 +69,15 @@ impl StagedBuild {
 
     /// Fails unless this farm still holds the queue folder and the archive.
     pub fn check_folders(&self) -> Result<(), LeaseError> {
-        self.leases.check_publish_folders(self.queue.folder_path())
+        self.leases.check_publishing(self.queue.address())
     }
 
     /// Where its file is. If the queue folder is not the one that it was staged in, "gone" says nothing: a person must
     /// check.
-    fn staged_state(&self) -> Result<StagedState> {
+    fn staged_state(&self) -> Result<FileState> {
         let (name, was) = (self.file_name()?, self.build.staged.queue_id.as_deref());
-        match self.queue.staged_state(name)? {
-            StagedState::Gone if was != Some(self.queue.marker_id()) => {
+        match self.queue.state(name)? {
+            FileState::Gone | FileState::TakenBack if was != Some(self.queue.id()) => {
                 Err(QueueReplacedError { name: name.to_owned(), was: was.unwrap_or_default().to_owned() }.into())
             }
             state => Ok(state),
@@ -86,17 +89,17 @@ impl StagedBuild {
     pub fn check_before_publishing(&self) -> Result<PublishStep> {
         let name = self.file_name()?;
         Ok(match self.staged_state()? {
-            StagedState::Staged => self.misfit.clone().map_or(PublishStep::Ready, PublishStep::MadeAgain),
+            FileState::Staged => self.misfit.clone().map_or(PublishStep::Ready, PublishStep::MadeAgain),
             _ if build_record::has_record(&self.archive, name)? => PublishStep::Ready,
-            StagedState::Published => {
-                let visible = self.queue.published_path(name);
+            FileState::Visible => {
+                let visible = self.queue.file(name, FileState::Visible)?;
                 match self.is_proved(&visible)? {
                     // Somebody renamed it by hand: the printer has it, or will take it.
                     true => PublishStep::Ready,
                     false => return Err(QueueError::NameTaken(visible).into()),
                 }
             }
-            StagedState::Gone => PublishStep::MadeAgain("its staged file was removed".to_owned()),
+            FileState::Gone | FileState::TakenBack => PublishStep::MadeAgain("its staged file was removed".to_owned()),
         })
     }
 
@@ -107,7 +110,7 @@ impl StagedBuild {
             return self.check_before_publishing();
         }
         match self.staged_state() {
-            Ok(StagedState::Staged) => Ok(PublishStep::NeverPublished),
+            Ok(FileState::Staged) => Ok(PublishStep::NeverPublished),
             // Another folder is there now. Without a record, nothing was renamed in the one that was.
             Err(failure) if failure.is::<QueueReplacedError>() => Ok(PublishStep::NeverPublished),
             Ok(_) => self.check_before_publishing(),
@@ -117,7 +120,7 @@ impl StagedBuild {
 
     /// Publishes the build, after the ledger has recorded the attempt. `is_first` = nothing was ever tried before.
     pub fn try_publish(&self, record: &str, is_first: bool) -> Result<PublishStep> {
-        if self.staged_state()? != StagedState::Staged {
+        if self.staged_state()? != FileState::Staged {
             self.check_rights()?;
             return Ok(PublishStep::Done(self.queue.publish(self.file_name()?)?));
         }
@@ -153,13 +156,12 @@ impl StagedBuild {
     /// Why the staged file is not the one that was proved, if so: bytes rot, a crash tears files, people delete them.
     fn find_damage(&self) -> Result<Option<String>> {
         let name = self.file_name()?;
-        if !self.is_proved(&self.queue.staged_path(name))? {
+        if !self.is_proved(&self.queue.file(name, FileState::Staged)?)? {
             return Ok(Some("its staged file is not the one that was proved".to_owned()));
         }
         for (sidecar, hash) in self.build.sidecar_hashes() {
-            let places = [self.queue.staged_path(&sidecar), self.queue.published_path(&sidecar)];
-            let is_whole = places.iter().map(|place| has_hash(place, &hash)).collect::<Result<Vec<bool>>>()?;
-            if !is_whole.contains(&true) {
+            let is_whole_as = |state| has_hash(&self.queue.file(&sidecar, state)?, &hash);
+            if !is_whole_as(FileState::Staged)? && !is_whole_as(FileState::Visible)? {
                 return Ok(Some(format!("what was staged beside it as {sidecar} is not whole any more")));
             }
         }
@@ -184,11 +186,14 @@ pub(crate) fn check_record_of_away(archive: &Path, build: &BuildRow, leases: &Fo
 
 /// Whether a file has this hash; a missing file does not.
 pub(crate) fn has_hash(file: &Path, hash: &str) -> Result<bool> {
+    is_of_hash(file, hash).with_context(|| format!("reading {}", file.display()))
+}
+
+/// Same as [`has_hash`], for who names the file in the error.
+pub(crate) fn is_of_hash(file: &Path, hash: &str) -> io::Result<bool> {
     match intake::hash_file(file) {
         Ok(found) => Ok(found == hash),
-        Err(error) if matches!(error.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::InvalidInput) => {
-            Ok(false)
-        }
-        Err(error) => Err(error).with_context(|| format!("reading {}", file.display())),
+        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput) => Ok(false),
+        Err(error) => Err(error),
     }
 }

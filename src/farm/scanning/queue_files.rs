@@ -1,8 +1,6 @@
 //! The build files that lie visible in the queue folders of a machine, and whether they should. The entries of the folders are the list,
 //! and the ledger is asked by name, so that a look costs no more with a long history.
 
-use std::{fs, path::Path};
-
 use anyhow::Result;
 use ledger::{BuildRow, BuildState};
 
@@ -10,7 +8,10 @@ use super::{
     machine_fit::find_misfit,
     queue_contents::{self, ContentReader},
 };
-use crate::{queue::QueueFolder, settings::MachineProfile};
+use crate::{
+    queue::{FileStamp, FileState, OpenQueue, PrinterQueue},
+    settings::MachineProfile,
+};
 
 /// Maximum number of files of which one look reads the content.
 const MAX_READ_PER_LOOK: usize = 8;
@@ -28,8 +29,8 @@ pub(crate) struct QueueFileFindings {
 pub(crate) struct QueueFileLook<'a> {
     /// The machine.
     pub(crate) profile: &'a MachineProfile,
-    /// Its open queue folders, by the names of its printers.
-    pub(crate) queues: &'a [(String, QueueFolder)],
+    /// Its open queues, by the names of its printers.
+    pub(crate) queues: &'a [(String, OpenQueue)],
     /// Finds the build of a machine that has a file of this name.
     pub(crate) find_build: &'a dyn Fn(&str) -> Result<Option<BuildRow>>,
     /// Whether copies of a build were told bad.
@@ -42,11 +43,11 @@ impl QueueFileLook<'_> {
         let (mut found, mut reader) = (QueueFileFindings::default(), ContentReader::new(MAX_READ_PER_LOOK));
         for (printer, queue) in self.queues {
             // A folder that is away keeps nobody from looking into the others.
-            let Ok(names) = queue.visible_names() else { continue };
+            let Ok(names) = queue.names(FileState::Visible) else { continue };
             for name in &names {
-                self.look_at((printer, queue), name, &mut reader, &mut found)?;
+                self.look_at((printer, &**queue), name, &mut reader, &mut found)?;
             }
-            queue_contents::forget_others(queue, &names);
+            queue_contents::forget_others(&**queue, &names);
         }
         found.wrong.sort();
         Ok(found)
@@ -54,15 +55,14 @@ impl QueueFileLook<'_> {
 
     fn look_at(
         &self,
-        (printer, queue): (&String, &QueueFolder),
+        (printer, queue): (&String, &dyn PrinterQueue),
         name: &str,
         reader: &mut ContentReader,
         found: &mut QueueFileFindings,
     ) -> Result<()> {
-        let path = queue.published_path(name);
         let row = if name.ends_with(".build.3mf") { (self.find_build)(name)? } else { None };
         // After the row was read: what lies there now was not taken back before that.
-        let Ok(seen) = fs::symlink_metadata(&path) else { return Ok(()) };
+        let Some(stamp) = queue.stamp(name) else { return Ok(()) };
         let wrong = match row {
             Some(build) if build.place.move_to.is_some() || build.place.withdraw_by.is_some() => None,
             Some(build) if build.profile != self.profile.name => Some(match build.state {
@@ -77,15 +77,15 @@ impl QueueFileLook<'_> {
                 ),
             }),
             Some(build) if build.state == BuildState::Published => {
-                let is_proved = seen.is_file() && self.is_proved(&build, &path, &seen, reader);
+                let is_proved = stamp.is_file && is_proved(&build, (queue, name, stamp), reader);
                 let wrong = self.find_fault_of_published(&build, queue, is_proved);
                 if wrong.is_none() && build.place.taken_at.is_some() {
-                    found.back.push((build, printer.clone(), queue.marker_id().to_owned()));
+                    found.back.push((build, printer.clone(), queue.id().to_owned()));
                 }
                 wrong
             }
             Some(build) => self.find_fault_of_told(&build)?,
-            None => match reader.own_name(&path, &seen) {
+            None => match reader.own_name(queue, name, stamp) {
                 Some(own) => (self.find_build)(&own)?.map(|build| self.describe_copy(&build, &own)),
                 None => None,
             },
@@ -94,17 +94,17 @@ impl QueueFileLook<'_> {
         Ok(())
     }
 
-    fn find_fault_of_published(&self, build: &BuildRow, queue: &QueueFolder, is_proved: bool) -> Option<String> {
+    fn find_fault_of_published(&self, build: &BuildRow, queue: &dyn PrinterQueue, is_proved: bool) -> Option<String> {
         let id = build.id;
         if !is_proved {
             return Some(format!(
                 "is not the file that was proved as build {id}: take it out, look whether it was printed, and tell the outcome of build {id}"
             ));
         }
-        let is_own = |queue: &QueueFolder| Some(queue.marker_id()) == build.staged.queue_id.as_deref();
+        let is_own = |queue: &dyn PrinterQueue| Some(queue.id()) == build.staged.queue_id.as_deref();
         let name = build.staged.file_name.as_deref().unwrap_or_default();
-        let own = self.queues.iter().find(|(_, other)| is_own(other) && !is_own(queue));
-        if let Some((printer, _)) = own.filter(|(_, own)| own.published_path(name).exists()) {
+        let own = self.queues.iter().find(|(_, other)| is_own(&**other) && !is_own(queue));
+        if let Some((printer, _)) = own.filter(|(_, own)| own.stamp(name).is_some()) {
             return Some(format!("is a second file of build {id}, which lies at {printer}: take it out"));
         }
         let why = find_misfit(self.profile, build)?;
@@ -133,20 +133,24 @@ impl QueueFileLook<'_> {
     /// What is wrong with a file that holds the copies of a build under another name.
     fn describe_copy(&self, build: &BuildRow, own: &str) -> String {
         let is_wanted = build.state == BuildState::Published && build.profile == self.profile.name;
-        let is_alone = self.queues.iter().all(|(_, queue)| !queue.published_path(own).exists());
+        let is_alone = self.queues.iter().all(|(_, queue)| queue.stamp(own).is_none());
         let or_rename = if is_wanted && is_alone { ", or give it that name back" } else { "" };
         let (id, state) = (build.id, build.state_word());
         format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}")
     }
+}
 
-    /// Whether a file is the proved one, as far as it was read.
-    fn is_proved(&self, build: &BuildRow, path: &Path, seen: &fs::Metadata, reader: &mut ContentReader) -> bool {
-        if build.staged.file_bytes.is_some_and(|bytes| bytes != seen.len()) {
-            return false;
-        }
-        match (reader.hash(path, seen), &build.staged.file_hash) {
-            (Some(found), Some(proved)) => found == *proved,
-            _ => true,
-        }
+/// Whether a visible file is the proved one, as far as it was read.
+fn is_proved(
+    build: &BuildRow,
+    (queue, name, stamp): (&dyn PrinterQueue, &str, FileStamp),
+    reader: &mut ContentReader,
+) -> bool {
+    if build.staged.file_bytes.is_some_and(|bytes| bytes != stamp.bytes) {
+        return false;
+    }
+    match (reader.hash(queue, name, stamp), &build.staged.file_hash) {
+        (Some(found), Some(proved)) => found == *proved,
+        _ => true,
     }
 }

@@ -5,15 +5,18 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{FarmZone, WorkCalendar};
+use crate::{
+    queue::QueueAddress,
+    settings::{FarmZone, WorkCalendar},
+};
 
 /// A printer of a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrinterRules {
     /// Its name, unique in the farm.
     pub name: String,
-    /// Its queue folder.
-    pub queue: PathBuf,
+    /// Where its queue is.
+    pub queue: QueueAddress,
     /// When its prints begin.
     pub calendar: WorkCalendar,
 }

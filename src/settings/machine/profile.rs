@@ -236,9 +236,9 @@ impl MachineProfile {
 }
 
 impl MachineProfile {
-    /// Its queue folders, one per printer.
-    pub fn queue_folders(&self) -> impl Iterator<Item = &PathBuf> {
-        self.printers.iter().map(|printer| &printer.queue)
+    /// The folders of this machine that are queues of its printers.
+    pub fn queue_folders(&self) -> impl Iterator<Item = &Path> {
+        self.printers.iter().filter_map(|printer| printer.queue.folder())
     }
 
     /// Whether its file names printers.
@@ -254,10 +254,11 @@ impl MachineProfile {
         }
     }
 
-    /// The first of its printers in whose queue folder a file of this name is visible, else the first one's folder.
-    pub fn queue_with_file(&self, name: &str) -> &Path {
-        let holds = self.queue_folders().find(|folder| folder.join(name).exists());
-        holds.unwrap_or(&self.folders.queue)
+    /// The file of this name that is visible in the queue of one of its printers; where it is in none, its place in that of the first.
+    pub fn visible_file(&self, name: &str) -> PathBuf {
+        let mut places = self.printers.iter().map(|printer| printer.queue.visible_file(name)).peekable();
+        let first = places.peek().cloned().unwrap_or_default();
+        places.find(|file| file.exists()).unwrap_or(first)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, RwLock},
 };
 
@@ -86,8 +86,8 @@ impl Settings {
     pub fn all_folders(&self) -> Vec<PathBuf> {
         let of_profiles = self.profiles.values().flat_map(|profile| {
             let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
-            [inbox, error, archive].into_iter().chain(profile.queue_folders())
+            [inbox, error, archive].map(PathBuf::as_path).into_iter().chain(profile.queue_folders())
         });
-        of_profiles.chain([&self.state_dir]).cloned().collect()
+        of_profiles.chain([self.state_dir.as_path()]).map(Path::to_owned).collect()
     }
 }

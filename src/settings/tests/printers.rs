@@ -11,7 +11,10 @@ fn a_machine_without_printers_is_one_of_its_own_name() {
     let settings = TestConfig::new("root = \"/farm\"\n", &[("a.toml", &machine)]).load().unwrap();
     let profile = &settings.profiles["a"];
     let printer = &profile.printers[0];
-    assert_eq!((profile.printers.len(), printer.name.as_str(), printer.queue.as_path()), (1, "a", Path::new("/jobs")));
+    assert_eq!(
+        (profile.printers.len(), printer.name.as_str(), printer.queue.folder()),
+        (1, "a", Some(Path::new("/jobs")))
+    );
     assert!(!profile.has_named_printers());
 }
 
@@ -21,13 +24,16 @@ fn each_printer_has_its_folder_and_its_hours_or_those_of_its_machine() {
     let settings = TestConfig::new("root = \"/farm\"\n", &[("a.toml", &machine)]).load().unwrap();
     let profile = &settings.profiles["a"];
     let [left, right] = &profile.printers[..] else { panic!("{:?}", profile.printers) };
-    assert_eq!((left.queue.as_path(), right.queue.as_path()), (Path::new("/mnt/left"), Path::new("/farm/queue/right")));
-    assert_eq!(profile.folders.queue, left.queue);
+    assert_eq!(
+        [left, right].map(|printer| printer.queue.folder().unwrap()),
+        [Path::new("/mnt/left"), Path::new("/farm/queue/right")]
+    );
+    assert_eq!(Some(&*profile.folders.queue), left.queue.folder());
     let friday = "2026-11-27T12:00:00Z".parse().unwrap();
     let opens = |printer: &PrinterRules| printer.begins_at(friday, &jiff::tz::TimeZone::UTC.into()).to_string();
     assert_eq!((opens(left), opens(right)), ("2026-11-28T08:00:00Z".to_owned(), "2026-11-30T06:00:00Z".to_owned()));
     let folders = settings.all_folders();
-    assert!(folders.contains(&left.queue) && folders.contains(&right.queue));
+    assert!(profile.queue_folders().all(|queue| folders.iter().any(|folder| folder == queue)));
 }
 
 #[test]

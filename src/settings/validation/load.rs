@@ -239,7 +239,7 @@ fn build_profile(
     let mut folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
     let queue = (root, farm_inputs.folders.queue.as_path(), folders.queue.as_path());
     let printers = printer_validation::validate_printers(name, &inputs, queue, validator);
-    folders.queue = printers.first().map(|first| first.queue.clone()).unwrap_or_default();
+    folders.queue = printers.first().and_then(|first| Some(first.queue.folder()?.to_owned())).unwrap_or_default();
     if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported
     }
@@ -281,14 +281,17 @@ fn folder_claims(profile: &MachineProfile, validator: &ConfigValidator) -> Vec<F
         location: validator.locate_key(key),
     };
     let name = &profile.name;
-    let queue = |printer: &PrinterRules| match printer.name == *name {
-        true => claim(&printer.queue, format!("the queue folder of {name}"), "folders.queue"),
-        false => claim(&printer.queue, format!("the queue folder of the printer {}", printer.name), "printer"),
+    let queue = |printer: &PrinterRules| {
+        let folder = printer.queue.folder()?;
+        Some(match printer.name == *name {
+            true => claim(folder, format!("the queue folder of {name}"), "folders.queue"),
+            false => claim(folder, format!("the queue folder of the printer {}", printer.name), "printer"),
+        })
     };
     let others = [
         claim(inbox, format!("the inbox of {name}"), "folders.inbox"),
         claim(error, format!("the error folder of {name}"), "folders.error"),
         claim(archive, format!("the archive of {name}"), "folders.archive"),
     ];
-    others.into_iter().chain(profile.printers.iter().map(queue)).collect()
+    others.into_iter().chain(profile.printers.iter().filter_map(queue)).collect()
 }

@@ -5,15 +5,18 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::settings::{
-    ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
-    machine::{
-        printer::PrinterInputs,
-        profile::is_profile_name,
-        profile_inputs::{PrintingInputs, ProfileInputs},
+use crate::{
+    queue::QueueAddress,
+    settings::{
+        ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
+        machine::{
+            printer::PrinterInputs,
+            profile::is_profile_name,
+            profile_inputs::{PrintingInputs, ProfileInputs},
+        },
+        reading::validator::ConfigValidator,
+        service::folders::path_below,
     },
-    reading::validator::ConfigValidator,
-    service::folders::path_below,
 };
 
 /// The printers of a machine whose queue folder is `queue` if it names none. `farm_queue` is the folder of the farm that
@@ -26,7 +29,7 @@ pub(super) fn validate_printers(
 ) -> Vec<PrinterRules> {
     let calendar = validate_calendar(&inputs.printing, |option| option.to_owned(), validator);
     if inputs.printer.is_empty() {
-        return vec![PrinterRules { name: name.to_owned(), queue: queue.to_owned(), calendar }];
+        return vec![PrinterRules { name: name.to_owned(), queue: QueueAddress::Folder(queue.to_owned()), calendar }];
     }
     if inputs.folders.queue.is_some() {
         let text = "folders.queue is the queue folder of a machine without [[printer]]".to_owned();
@@ -52,7 +55,7 @@ pub(super) fn validate_printers(
             true => validate_calendar(&own, |option| key_of(printer, at, option), validator),
             false => calendar.clone(),
         };
-        printers.push(PrinterRules { name: printer.name.clone(), queue, calendar });
+        printers.push(PrinterRules { name: printer.name.clone(), queue: QueueAddress::Folder(queue), calendar });
     }
     printers
 }

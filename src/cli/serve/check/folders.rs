@@ -80,7 +80,9 @@ fn check_profile_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64)
         }
     }
     for printer in &profile.printers {
-        check_folder(&profile.queue_description(printer), &printer.queue, MIN_FOLDER_BYTES, seen, report);
+        if let Some(folder) = printer.queue.folder() {
+            check_folder(&profile.queue_description(printer), folder, MIN_FOLDER_BYTES, seen, report);
+        }
     }
     for (what, path) in [("error folder", &folders.error), ("archive", &folders.archive)] {
         check_folder(&format!("{what} of {}", profile.name), path, MIN_FOLDER_BYTES, seen, report);

@@ -1,8 +1,6 @@
 //! Checks the ledger: it can be opened, its schema is current, its rows are consistent, and the queue folders are those
 //! that it knows.
 
-use std::{fs, path::PathBuf};
-
 use anyhow::{Context, Result};
 use ledger::{BuildRow, BuildState, Ledger, LedgerError};
 
@@ -14,8 +12,6 @@ use crate::{
 
 const SUBJECT: &str = "ledger";
 const RESTORE: &str = "put a backup back with `nestd restore FILE`";
-/// The file in a queue folder that holds the folder's identity.
-const QUEUE_MARKER: &str = ".nestd-queue";
 
 /// Checks the ledger without changing it.
 pub fn check_ledger(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) -> Result<()> {
@@ -138,12 +134,13 @@ async fn check_left_claims(ledger: &Ledger, settings: &Settings, report: &mut Ch
 /// Checks that a staged build's queue folder is the one configured now. Published from another folder, the build would
 /// be printed twice or never.
 fn check_staging_queue(build: &BuildRow, profile: &MachineProfile, report: &mut CheckReport) {
-    let marker = |queue: &PathBuf| fs::read_to_string(queue.join(QUEUE_MARKER)).ok().map(|text| text.trim().to_owned());
-    let was_staged = |printer: &&PrinterRules| marker(&printer.queue) == build.staged.queue_id;
-    if build.staged.queue_id.is_some() && !profile.printers.iter().any(|printer| was_staged(&printer)) {
+    let was_staged = |printer: &PrinterRules| {
+        printer.queue.find().is_some_and(|queue| Some(queue.id()) == build.staged.queue_id.as_deref())
+    };
+    if build.staged.queue_id.is_some() && !profile.printers.iter().any(was_staged) {
         let assigned = profile.printers.iter().find(|printer| Some(&printer.name) == build.place.printer.as_ref());
         let Some(printer) = assigned.or(profile.printers.first()) else { return };
-        let text = format!("{} is not the folder in which build {} was staged", printer.queue.display(), build.id);
+        let text = format!("{} is not the folder in which build {} was staged", printer.queue, build.id);
         report.add_problem(
             &profile.queue_description(printer),
             text,

@@ -14,7 +14,7 @@ use crate::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
     },
-    queue::QueueFolder,
+    queue::{PrinterQueue, QueueFolder},
 };
 
 fn open_queue(farm: &HandDrivenFarm, printer: &str) -> QueueFolder {
@@ -45,10 +45,10 @@ fn stage_on_the_right(farm: &HandDrivenFarm, build: &BuildRow, file: &str) {
     let [left, right] = ["left", "right"].map(|printer| open_queue(farm, printer));
     farm.ask(async |ledger| {
         ledger.begin_move(build.id, "right").await.unwrap();
-        left.withdraw(file).unwrap();
-        right.stage_withdrawn(&left, file).unwrap();
-        ledger.record_move(build.id, right.marker_id()).await.unwrap();
-        left.remove_withdrawn(file).unwrap();
+        left.take_back(file, &|_| Ok(true)).unwrap();
+        right.stage_taken_back(&left, file).unwrap();
+        ledger.record_move(build.id, right.id()).await.unwrap();
+        left.remove_taken_back(file).unwrap();
     });
 }
 
@@ -103,7 +103,7 @@ fn a_file_that_was_taken_back_and_belongs_to_no_move_gets_into_a_queue_again() {
     // As after a crash in a move that a restored ledger does not know.
     farm.stop();
     let left = open_queue(&farm, "left");
-    left.withdraw(&file).unwrap();
+    left.take_back(&file, &|_| Ok(true)).unwrap();
     farm.start();
     farm.pass_until("a printer can take it", |farm| visible(farm) == [1, 0]);
     wait_for_end_of_move(&mut farm, &build);
@@ -112,7 +112,7 @@ fn a_file_that_was_taken_back_and_belongs_to_no_move_gets_into_a_queue_again() {
     // It had been moved to the other printer before it was taken back there.
     farm.stop();
     let right = open_queue(&farm, "right");
-    left.withdraw(&file).unwrap();
+    left.take_back(&file, &|_| Ok(true)).unwrap();
     for entry in fs::read_dir(left.folder_path()).unwrap().map(Result::unwrap) {
         if entry.file_name().to_str().unwrap().ends_with(".moving") {
             fs::rename(entry.path(), right.folder_path().join(entry.file_name())).unwrap();
@@ -198,7 +198,7 @@ fn what_the_ledger_does_not_know_of_one_folder_is_not_settled_by_its_absence() {
 fn a_person_learns_that_a_file_that_was_taken_back_has_no_printer_to_go_to() {
     let (mut farm, build, file) = one_build();
     farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
-    open_queue(&farm, "left").withdraw(&file).unwrap();
+    open_queue(&farm, "left").take_back(&file, &|_| Ok(true)).unwrap();
     take_down(&farm, "left");
     take_down(&farm, "right");
     farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::PublishingFails));
@@ -229,7 +229,7 @@ fn a_move_from_a_printer_that_is_configured_no_more_ends_when_the_outcome_is_tol
     let (mut farm, build, file) = one_build();
     farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
     let left = open_queue(&farm, "left");
-    left.withdraw(&file).unwrap();
+    left.take_back(&file, &|_| Ok(true)).unwrap();
     remove_left(&mut farm);
     farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::PublishingFails));
     assert!(left.withdrawn_path(&file).exists() && visible(&farm) == [0, 0]);
@@ -242,7 +242,7 @@ fn a_move_from_a_printer_that_is_configured_no_more_ends_when_the_outcome_is_tol
 fn a_build_whose_failure_was_told_while_its_file_had_no_printer_to_go_to_never_counts_as_printed() {
     let (mut farm, build, file) = one_build();
     farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
-    open_queue(&farm, "left").withdraw(&file).unwrap();
+    open_queue(&farm, "left").take_back(&file, &|_| Ok(true)).unwrap();
     take_down(&farm, "left");
     take_down(&farm, "right");
     farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::PublishingFails));

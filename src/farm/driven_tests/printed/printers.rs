@@ -10,13 +10,16 @@ use std::{
 use ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
 use ledger_fixtures::ToldWords;
 
-use crate::farm::{
-    AlertKind,
-    driven_tests::{
-        HandDrivenFarm, PROFILE, QUICK, block,
-        hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
+use crate::{
+    farm::{
+        AlertKind,
+        driven_tests::{
+            HandDrivenFarm, PROFILE, QUICK, block,
+            hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
+        },
+        preview_release,
     },
-    preview_release,
+    queue::{PrinterQueue, QueueFolder},
 };
 
 const PRINTERS: &str = "[[printer]]\nname = \"left\"\n[[printer]]\nname = \"right\"\n";
@@ -156,8 +159,8 @@ fn a_build_that_was_told_while_it_moves_is_published_nowhere() {
     // As after a crash: the file was taken back, and then somebody told that the print failed.
     farm.stop();
     let file = build.staged.file_name.clone().unwrap();
-    let folder = crate::queue::QueueFolder::open(queue(&farm, "left")).unwrap();
-    folder.withdraw(&file).unwrap();
+    let folder = QueueFolder::open(queue(&farm, "left")).unwrap();
+    folder.take_back(&file, &|_| Ok(true)).unwrap();
     farm.start();
     farm.ask(async |ledger| ledger.begin_move(build.id, "right").await.unwrap());
     let told = ledger::ToldOutcome::new(ledger::PrintOutcome::Failed, "", "a@test");

@@ -14,7 +14,7 @@ use crate::{
         AlertKind,
         driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
     },
-    queue::QueueFolder,
+    queue::{PrinterQueue, QueueFolder},
 };
 
 fn withdraw(farm: &HandDrivenFarm, build: BuildId) -> Result<(), LedgerError> {
@@ -205,7 +205,7 @@ fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_nothing_else_is_told_
         withdraw(&farm, build).unwrap();
         let queue = open_queue(&farm);
         if kill != DoneBeforeKill::Nothing {
-            queue.withdraw(&file).unwrap();
+            queue.take_back(&file, &|_| Ok(true)).unwrap();
         }
         if tell {
             let failed = OperatorWord::Outcome(build, ToldOutcome::new(PrintOutcome::Failed, "", "b@test"));
@@ -216,7 +216,7 @@ fn a_withdrawal_goes_on_wherever_the_daemon_was_killed_and_nothing_else_is_told_
             assert!(farm.ask(async |ledger| ledger.finish_noted_word(build, true).await.unwrap()).is_some());
         }
         if kill == DoneBeforeKill::Removed {
-            queue.remove_withdrawn(&file).unwrap();
+            queue.remove_taken_back(&file).unwrap();
         }
         farm.stop();
         farm.start();

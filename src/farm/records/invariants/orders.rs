@@ -1,9 +1,6 @@
 //! I5 from outside: the copies in the build files themselves, against what was asked as a witness wrote it down.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::Result;
 use ledger::{Ledger, LineCopies};
@@ -73,10 +70,11 @@ fn count_printed_copies(
     witness: &InvariantExpectations,
     report: &mut InvariantReport,
 ) -> BTreeMap<String, u32> {
-    let folders = settings.profiles.values().flat_map(|profile| profile.queue_folders());
-    let queues = folders.filter_map(|folder| std::fs::read_dir(folder).ok());
-    let queued =
-        queues.flat_map(|entries| entries.flatten().map(|entry| entry.path())).filter(|path| is_build_file(path));
+    let queues = settings.profiles.values().flat_map(|profile| &profile.printers).map(|printer| &printer.queue);
+    let queued = queues.flat_map(|queue| {
+        let names = queue.visible_builds().unwrap_or_default();
+        names.into_iter().map(|name| queue.visible_file(&name))
+    });
     let files: Vec<PathBuf> = queued.chain(witness.taken.iter().cloned()).collect();
     let mut printed: BTreeMap<String, u32> = BTreeMap::new();
     for file in files {
@@ -91,11 +89,6 @@ fn count_printed_copies(
         }
     }
     printed
-}
-
-fn is_build_file(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.ends_with(".build.3mf") && !name.starts_with('.')
 }
 
 const REPORT_IT: &str = "keep all folders as they are and report it to nestd's makers";

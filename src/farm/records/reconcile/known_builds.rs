@@ -6,7 +6,7 @@ use ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WITHDRAWN_BY_NESTD, Wit
 
 use crate::{
     farm::records::{build_record, folder_builds, reconcile_report::ReconcileReport},
-    queue::{QueueFolder, StagedState},
+    queue::FileState,
     settings::{MachineProfile, Settings},
 };
 
@@ -91,7 +91,6 @@ fn place_of<'a>(settings: &'a Settings, build: &'a BuildRow) -> Option<(&'a Mach
 
 /// Whether a file is visible in a queue folder of a machine, or was taken back there.
 fn is_in_queue(profile: &MachineProfile, name: &str) -> bool {
-    let mut queues = profile.queue_folders().filter_map(QueueFolder::find);
-    queues
-        .any(|queue| queue.withdrawn_path(name).exists() || !matches!(queue.staged_state(name), Ok(StagedState::Gone)))
+    let mut queues = profile.printers.iter().filter_map(|printer| printer.queue.find());
+    queues.any(|queue| !matches!(queue.state(name), Ok(FileState::Gone)))
 }

@@ -12,9 +12,9 @@ pub use base::refusal_cause::RefusalCause;
 pub use base::server_error::ServerError;
 pub use base::state::{BuildState, IllegalMove, PartState};
 pub use base::time::UtcTimestamp;
-pub use builds::move_build::{FoundPlace, MoveEnd};
 pub use builds::night_search::{NightSearchRow, NightState};
 pub use builds::placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
+pub use builds::take_back::{FoundPlace, TakeBackEnd};
 pub use keep::backup::prove_backup;
 pub use keep::build_record::ImportOutcome;
 pub use keep::copy::{CopyError, CopyReport, ExistingRows};
@@ -64,7 +64,7 @@ pub use words::operator_word::{OperatorWord, SeenFile, SeenFiles, TakenBackFor, 
 pub use words::outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use words::pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use words::put_back::{PartCopies, PutBackReport, ReprintTarget};
-pub use words::withdrawal::{WITHDRAWN_BY_NESTD, WithdrawalEnd};
+pub use words::withdrawal::WITHDRAWN_BY_NESTD;
 
 #[cfg(test)]
 extern crate self as ledger; // for the fixtures, which know it by that name

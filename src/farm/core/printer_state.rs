@@ -53,6 +53,12 @@ impl MachinePrinters {
         self.0.iter().filter_map(|printer| Some((printer.name.clone(), printer.opened.clone()?))).collect()
     }
 
+    /// The open queue that has this id.
+    pub fn queue_with_id(&self, id: Option<&str>) -> Option<OpenQueue> {
+        let mut queues = self.0.iter().filter_map(|printer| printer.opened.as_ref());
+        queues.find(|queue| Some(queue.id()) == id).cloned()
+    }
+
     /// Whether a queue folder is open.
     pub fn has_open_queue(&self) -> bool {
         self.0.iter().any(|printer| printer.opened.is_some())

@@ -92,8 +92,9 @@ pub async fn fate_of_queued(ledger: &Ledger, profile: &MachineProfile, printer: 
         return Ok(format!("The builds of {} wait until a printer of it is up.", profile.name));
     }
     let mut sentences = vec![format!("What it has not taken goes to {}.", others.join(" or "))];
-    for build in ledger.builds_to_move(&profile.name).await? {
+    for build in ledger.builds_to_take_back(&profile.name).await? {
         if build.place.printer.as_deref() == Some(printer)
+            && build.place.withdraw_by.is_none()
             && let Some(why) = find_misfit(profile, &build)
         {
             sentences.push(format!("Build {0} goes to no other one, for {why}: `nestd withdraw {0}`.", build.id));

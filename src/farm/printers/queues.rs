@@ -94,7 +94,7 @@ pub(crate) async fn open_queues(desk: &mut Serving<'_>) -> Result<()> {
         live.extend(desk.shared.ledger.builds_in_state(state).await?);
     }
     for (name, machine) in desk.machines.iter_mut() {
-        live.extend(desk.shared.ledger.builds_to_move(name).await?);
+        live.extend(desk.shared.ledger.builds_to_take_back(name).await?);
         let names: Vec<String> = machine.printers.0.iter().map(|printer| printer.name.clone()).collect();
         for printer in machine.printers.0.iter_mut().filter(|printer| is_due(printer)) {
             printer.open_at = now + OPEN_AGAIN;

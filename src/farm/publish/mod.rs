@@ -1,8 +1,10 @@
-//! A proved build goes to its printer, exactly once: published, moved to another printer, taken back, looked after while it lies there.
+//! A proved build goes to its printer, exactly once: published, taken back to wait again or for another printer, looked after while it lies there.
 //!
-//! Every rename in a queue folder is here.
+//! Whatever changes a queue is here.
 
-pub(super) mod build_move;
+mod build_move;
 pub(super) mod publish;
 pub(super) mod queue_look;
+pub(super) mod take_back;
+mod taken_file;
 pub(super) mod withdrawal;

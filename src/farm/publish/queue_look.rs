@@ -192,8 +192,7 @@ impl QueueLook {
     ) -> Result<Option<(BuildId, FoundPlace)>> {
         let row = self.runtime.block_on(self.ledger.find_build_of_file(file))?;
         // Other farms and machines have files of their own.
-        let is_left = |build: &BuildRow| build.place.move_to.is_none() && build.place.withdraw_by.is_none();
-        let Some(build) = row.filter(|build| build.profile == self.profile.name && is_left(build)) else {
+        let Some(build) = row.filter(|build| build.profile == self.profile.name && !build.place.is_on_its_way()) else {
             return Ok(None);
         };
         if build.state == BuildState::Published {

@@ -38,7 +38,7 @@ use crate::farm::{
         systemd,
         tick_tasks::TimedTask,
     },
-    publish::{build_move, publish, queue_look, withdrawal},
+    publish::{publish, queue_look, take_back},
     receive::{
         claim_completion, damaged_files, hurried_scans,
         intake_jobs::{self, PartReadJob},
@@ -211,9 +211,8 @@ async fn run_ledger_steps(farm: &mut Farm) {
         farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(&mut farm.desk(), &name).await)
             .await;
     }
-    farm.run_step("withdrawing builds", async |farm| withdrawal::withdraw_builds(&mut farm.desk()).await).await;
+    farm.run_step("taking builds back", async |farm| take_back::take_back_builds(&mut farm.desk()).await).await;
     farm.run_step("publishing", async |farm| publish::publish_verified_builds(&mut farm.desk()).await).await;
-    farm.run_step("moving builds", async |farm| build_move::move_builds(&mut farm.desk()).await).await;
     farm.run_step("status", async |farm| status::update_status(&mut farm.desk()).await).await;
 }
 

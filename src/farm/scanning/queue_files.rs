@@ -64,7 +64,7 @@ impl QueueFileLook<'_> {
         // After the row was read: what lies there now was not taken back before that.
         let Some(stamp) = queue.stamp(name) else { return Ok(()) };
         let wrong = match row {
-            Some(build) if build.place.move_to.is_some() || build.place.withdraw_by.is_some() => None,
+            Some(build) if build.place.is_on_its_way() => None,
             Some(build) if build.profile != self.profile.name => Some(match build.state {
                 BuildState::Published => {
                     format!("is build {} of {}: take it to a queue of {1}", build.id, build.profile)

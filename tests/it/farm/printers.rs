@@ -124,7 +124,7 @@ fn builds_that_move_under_kills_are_printed_exactly_once() {
     farm.nestd_ok(&["printer", "left", "up"]);
     farm.nestd_ok(&["printer", "right", "up"]);
     let moving = || {
-        farm.query_ledger(async |ledger| ledger.builds_to_move("test").await.unwrap())
+        farm.query_ledger(async |ledger| ledger.builds_to_take_back("test").await.unwrap())
             .into_iter()
             .filter(|build| build.place.move_to.is_some())
             .count()
@@ -198,7 +198,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
         farm.parts(PartState::Built).len() == parts
     };
     wait_until_or("all is built", 90.0, || log_text(&farm), all_is_built);
-    let withdrawing = || farm.query_ledger(async |ledger| ledger.builds_to_withdraw("test").await.unwrap()).len();
+    let withdrawing = || farm.query_ledger(async |ledger| ledger.builds_to_take_back("test").await.unwrap()).len();
     wait_until_or("nothing is taken back any more", 60.0, || log_text(&farm), || withdrawing() == 0);
     wait_until_or("all is built", 90.0, || log_text(&farm), all_is_built);
     farm.stop();

@@ -1,8 +1,8 @@
 //! Builds from their first layout to the queue.
 
 pub(super) mod build;
-pub(super) mod move_build;
 pub(super) mod nesting;
 pub(super) mod night_search;
 pub(super) mod placement;
 pub(super) mod publish;
+pub(super) mod take_back;

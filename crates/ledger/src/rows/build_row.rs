@@ -103,6 +103,13 @@ pub struct PrinterPlace {
     pub withdrawn_at: Option<UtcTimestamp>,
 }
 
+impl PrinterPlace {
+    /// Whether its file is being taken back: for a word that waits for it, or for another printer.
+    pub fn is_on_its_way(&self) -> bool {
+        self.move_to.is_some() || self.withdraw_by.is_some()
+    }
+}
+
 sql_row!(PrinterPlace {
     printer,
     taken_at,

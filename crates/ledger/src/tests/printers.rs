@@ -1,7 +1,7 @@
 //! Printers: which are down, where the file of a build is while it moves, and what told prints teach.
 
 use super::*;
-use crate::{FoundPlace, MoveEnd, PrintOutcome, ToldOutcome};
+use crate::{FoundPlace, PrintOutcome, TakeBackEnd, ToldOutcome};
 
 /// A published build that was made for a printer.
 pub(super) async fn published_at(ledger: &Ledger, claim: &str, printer: &str) -> BuildId {
@@ -18,7 +18,7 @@ async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
 }
 
 async fn to_move(ledger: &Ledger) -> Vec<BuildId> {
-    ledger.builds_to_move("paper-200").await.unwrap().into_iter().map(|build| build.id).collect()
+    ledger.builds_to_take_back("paper-200").await.unwrap().into_iter().map(|build| build.id).collect()
 }
 
 #[tokio::test]
@@ -83,7 +83,7 @@ async fn a_move_ends_where_the_printer_took_the_file_and_none_begins_after_an_ou
     let ledger = fresh().await;
     let build = published_at(&ledger, "a", "left").await;
     ledger.begin_move(build, "right").await.unwrap();
-    ledger.end_move(build, MoveEnd::Taken).await.unwrap();
+    ledger.end_take_back(build, TakeBackEnd::Taken).await.unwrap();
     let now = place(&ledger, build).await;
     assert!(now.taken_at.is_some() && now.move_to.is_none() && now.printer.as_deref() == Some("left"));
     ledger.begin_move(build, "right").await.unwrap();
@@ -93,7 +93,7 @@ async fn a_move_ends_where_the_printer_took_the_file_and_none_begins_after_an_ou
     ledger.record_outcome(told, &ToldOutcome::new(PrintOutcome::Failed, "", "a@b")).await.unwrap();
     assert!(matches!(ledger.record_move(told, "marker").await, Err(LedgerError::WrongState { .. })));
     assert!(matches!(ledger.begin_move(told, "right").await, Err(LedgerError::WrongState { .. })));
-    ledger.end_move(told, MoveEnd::Dropped).await.unwrap();
+    ledger.end_take_back(told, TakeBackEnd::Removed).await.unwrap();
     let now = place(&ledger, told).await;
     assert_eq!((now.taken_at, now.move_to), (None, None), "no printer took it");
 }
@@ -111,7 +111,7 @@ async fn a_move_is_not_finished_once_the_outcome_was_told() {
         Some("marker"),
         "it is still to be taken out there"
     );
-    ledger.end_move(build, MoveEnd::TakenThere).await.unwrap();
+    ledger.end_take_back(build, TakeBackEnd::TakenThere).await.unwrap();
     let now = place(&ledger, build).await;
     assert!(now.printer.as_deref() == Some("right") && now.taken_at.is_some() && now.move_to.is_none(), "{now:?}");
 }

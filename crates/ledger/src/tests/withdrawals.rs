@@ -2,8 +2,8 @@
 
 use super::{printers::published_at, *};
 use crate::{
-    BuildsAhead, InQueueError, MoveEnd, OperatorWord, PrintOutcome, SeenFile, SeenFiles, TakenBackFor, ToldOutcome,
-    WITHDRAWN_BY_NESTD, WithdrawalEnd, WordAnswer, base::error::Result,
+    BuildsAhead, InQueueError, OperatorWord, PrintOutcome, SeenFile, SeenFiles, TakeBackEnd, TakenBackFor, ToldOutcome,
+    WITHDRAWN_BY_NESTD, WordAnswer, base::error::Result,
 };
 
 async fn place(ledger: &Ledger, build: BuildId) -> PrinterPlace {
@@ -15,7 +15,7 @@ async fn withdraw(ledger: &Ledger, build: BuildId, by: &str, why: &str) -> Resul
 }
 
 async fn to_withdraw(ledger: &Ledger) -> Vec<BuildId> {
-    ledger.builds_to_withdraw("paper-200").await.unwrap().into_iter().map(|build| build.id).collect()
+    ledger.builds_to_take_back("paper-200").await.unwrap().into_iter().map(|build| build.id).collect()
 }
 
 #[tokio::test]
@@ -38,7 +38,7 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     assert_eq!(ledger.taken_back_for(build).await.unwrap(), Some(TakenBackFor::Nothing));
     assert!(ledger.finish_noted_word(build, true).await.unwrap().is_none());
     assert_eq!(to_withdraw(&ledger).await, [build], "its file is still to be removed");
-    ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
+    ledger.end_take_back(build, TakeBackEnd::Removed).await.unwrap();
     assert!(to_withdraw(&ledger).await.is_empty());
     assert_no_outcome_is_heard(&ledger, build).await;
     let row = ledger.find_build(build).await.unwrap().unwrap();
@@ -67,7 +67,7 @@ async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
     assert!(matches!(refused, Err(LedgerError::NotInQueue(_))), "{refused:?}");
     let refused = withdraw(&ledger, moves, "a@b", "").await;
     assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::OnItsWay(_)))), "{refused:?}");
-    ledger.end_move(moves, MoveEnd::Dropped).await.unwrap();
+    ledger.end_take_back(moves, TakeBackEnd::Removed).await.unwrap();
     withdraw(&ledger, moves, "a@b", "").await.unwrap();
     // One word at a time.
     let told = OperatorWord::Outcome(moves, ToldOutcome::new(PrintOutcome::Complete, "", "a@b"));
@@ -75,7 +75,7 @@ async fn a_build_that_its_printer_took_or_that_moves_is_not_withdrawn() {
     assert!(matches!(refused, Err(LedgerError::InQueue(InQueueError::BeingTakenBack(_)))), "{refused:?}");
     // The printer is first.
     withdraw(&ledger, raced, "a@b", "").await.unwrap();
-    ledger.end_withdrawal(raced, WithdrawalEnd::Taken).await.unwrap();
+    ledger.end_take_back(raced, TakeBackEnd::Taken).await.unwrap();
     let now = place(&ledger, raced).await;
     assert!(now.taken_at.is_some() && now.withdraw_by.is_none() && now.withdrawn_at.is_none());
     assert_eq!(build_state(&ledger, raced).await, BuildState::Published);
@@ -169,7 +169,7 @@ async fn a_build_that_is_issued_or_printed_again_and_was_taken_back_untouched_co
         ledger.carry_out(&word, "ann", &SeenFiles::new(), true).await.unwrap();
         assert_eq!(build_state(&ledger, build).await, BuildState::Published);
         ledger.finish_noted_word(build, true).await.unwrap().unwrap();
-        ledger.end_withdrawal(build, WithdrawalEnd::Removed).await.unwrap();
+        ledger.end_take_back(build, TakeBackEnd::Removed).await.unwrap();
         let row = ledger.find_build(build).await.unwrap().unwrap();
         assert_eq!((row.state, row.state_word().as_str()), (BuildState::Failed, "withdrawn"));
         assert_no_outcome_is_heard(&ledger, build).await;

@@ -1,17 +1,13 @@
-//! A published build that its printer has not taken can be withdrawn. Each step is recorded before the disk is changed, so
-//! that after a crash the file shows what happened:
-//!
-//! 1. The word is noted (`operator_word`). The file is taken back by one rename; if it is not there, its printer took it (`end_withdrawal`).
-//! 2. The word is carried out: its copies wait again, with all that was asked. From now on the file is not wanted.
-//! 3. What was taken back is removed. `end_withdrawal`.
+//! What a published build becomes whose file was taken back untouched (`builds/take_back`) because its copies wait again.
 //!
 //! For the ledger, the print of a withdrawn build has failed and somebody has seen to it: whatever holds for the copies of a failed
 //! print holds for its copies, also where a backup is put back.
 
 use super::outcome::{counted_copies, record_told};
 use crate::{
-    BuildId, BuildRow, BuildState, EventKind, Ledger, PauseCause, PrintOutcome, PutBackReport, ToldOutcome,
+    BuildId, BuildState, EventKind, Ledger, PauseCause, PrintOutcome, PutBackReport, ToldOutcome,
     base::{error::Result, sql},
+    builds::take_back::clear_way,
     store::change::LedgerChange,
 };
 
@@ -21,33 +17,6 @@ pub const WITHDRAWN_BY_NESTD: &str = "nestd";
 pub(crate) const TAKEN_BACK_SINCE: &str = "taken back out of the queue untouched, as its record in the archive says";
 
 impl Ledger {
-    /// The builds of a machine whose files are to be taken back.
-    pub async fn builds_to_withdraw(&self, profile: &str) -> Result<Vec<BuildRow>> {
-        let query = sql::select_as("FROM build WHERE withdraw_by IS NOT NULL AND profile = $1 ORDER BY id");
-        Ok(query.bind(profile).fetch_all(self.reader()?).await?)
-    }
-
-    /// Nothing of a withdrawal is left to do.
-    pub async fn end_withdrawal(&self, build: BuildId, end: WithdrawalEnd) -> Result<()> {
-        let mut change = self.begin_change().await?;
-        let (profile, state) = change.require_build(build).await?;
-        let now = change.now;
-        if end == WithdrawalEnd::Taken {
-            let set = sql::query("UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2");
-            set.bind(now).bind(build).execute(change.db()).await?;
-        }
-        let detail = match end {
-            WithdrawalEnd::Taken if state == BuildState::Published => "not taken back: its printer took the file first",
-            WithdrawalEnd::Altered => "not taken back: what lies in the queue is not the file that was proved",
-            _ => "",
-        };
-        if !detail.is_empty() {
-            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), detail).await?;
-        }
-        clear_noted_word(&mut change, build).await?;
-        change.commit().await
-    }
-
     /// The outcome of a build was told while its file was on its way, which lay in no queue then: it is about to be removed.
     pub async fn record_dropped_move(&self, build: BuildId) -> Result<()> {
         let mut change = self.begin_change().await?;
@@ -78,7 +47,7 @@ impl Ledger {
     pub async fn take_in_withdrawal(&self, build: BuildId) -> Result<()> {
         let mut change = self.begin_change().await?;
         put_withdrawn_back(&mut change, build, WITHDRAWN_BY_NESTD, TAKEN_BACK_SINCE).await?;
-        clear_noted_word(&mut change, build).await?;
+        clear_way(&mut change, build).await?;
         change.commit().await
     }
 
@@ -105,24 +74,6 @@ impl Ledger {
         let build: Option<Option<BuildId>> = query.bind(profile).fetch_optional(self.reader()?).await?;
         Ok(build.flatten())
     }
-}
-
-/// No word waits for the file of a build any more.
-async fn clear_noted_word(change: &mut LedgerChange, build: BuildId) -> Result<()> {
-    let set = "UPDATE build SET withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1";
-    sql::query(set).bind(build).execute(change.db()).await?;
-    Ok(())
-}
-
-/// How a withdrawal ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WithdrawalEnd {
-    /// The printer took the file before it could be taken back.
-    Taken,
-    /// What lies there is not the proved file.
-    Altered,
-    /// The file is in no queue folder, or the outcome of its print was told.
-    Removed,
 }
 
 /// The file of a published build was taken back: its copies wait again, in the place that they had in the order of precedence. Where nestd

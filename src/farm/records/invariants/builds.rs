@@ -63,9 +63,8 @@ fn sorted_names(folder: &Path) -> Vec<String> {
 
 /// Whether a dot-file, without its dot, belongs to a build that is on its way between two printers, or out of the queue.
 async fn is_of_moving_build(ledger: &Ledger, profile: &MachineProfile, rest: &str) -> Result<bool> {
-    let mut moving = ledger.builds_to_move(&profile.name).await?;
-    moving.retain(|build| build.place.move_to.is_some());
-    moving.extend(ledger.builds_to_withdraw(&profile.name).await?);
+    let mut moving = ledger.builds_to_take_back(&profile.name).await?;
+    moving.retain(|build| build.place.is_on_its_way());
     let mut moving = moving.iter();
     Ok(moving.any(|build| {
         let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));

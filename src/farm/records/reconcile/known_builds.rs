@@ -2,7 +2,7 @@
 //! waited for their file can still be carried out.
 
 use anyhow::Result;
-use ledger::{BuildRow, BuildState, Ledger, TakenBackFor, WITHDRAWN_BY_NESTD, WithdrawalEnd};
+use ledger::{BuildRow, BuildState, Ledger, TakeBackEnd, TakenBackFor, WITHDRAWN_BY_NESTD};
 
 use crate::{
     farm::records::{build_record, folder_builds, reconcile_report::ReconcileReport},
@@ -61,14 +61,14 @@ pub(super) async fn take_in_withdrawals(
 /// whether a printer took it, or nestd, which then did as was said.
 pub(super) async fn end_noted_words(settings: &Settings, ledger: &Ledger, found: &mut ReconcileReport) -> Result<()> {
     for name in settings.profiles.keys() {
-        for build in ledger.builds_to_withdraw(name).await? {
-            let (id, by) = (build.id, build.place.withdraw_by.clone().unwrap_or_default());
+        for build in ledger.builds_to_take_back(name).await? {
+            let (id, Some(by)) = (build.id, build.place.withdraw_by.clone()) else { continue };
             let is_over = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
             let place = place_of(settings, &build);
             if is_over || place.is_none_or(|(profile, file)| is_in_queue(profile, file)) {
                 continue;
             }
-            ledger.end_withdrawal(id, WithdrawalEnd::Removed).await?;
+            ledger.end_take_back(id, TakeBackEnd::Removed).await?;
             // Its record would say so if nestd had taken it back: its printer did.
             if by == WITHDRAWN_BY_NESTD {
                 continue;

@@ -1,11 +1,14 @@
-//! The way of a published file from the queue folder of one printer to that of another. The build stays published
-//! meanwhile. Each step is recorded before the disk is changed, so that after a crash the files show what happened:
+//! The way of a published file that is taken back out of the queue of its printer. The build stays published meanwhile. Each step is
+//! recorded before the disk is changed, so that after a crash the files show what happened:
 //!
-//! 1. `begin_move`. The file is taken back by one rename; if it is not there, its printer took it (`end_move`).
-//! 2. It is copied under a dot-name into the other folder. `record_move`: from now on, it may be visible there.
-//! 3. What was taken back is removed, then the dot-file is renamed. `finish_move`.
+//! 1. Its target is noted: a word, whose copies wait again (`words/operator_word`), or another printer (`begin_move`). The file is taken
+//!    back by one rename; if it is not there, its printer took it (`end_take_back`).
+//! 2. For a word, that is carried out: from now on the file is not wanted. For another printer, the file is staged in the other queue
+//!    (`record_move`): from now on, it may be visible there.
+//! 3. What was taken back is removed. For a word, nothing is left to do (`end_take_back`). For another printer, what is staged becomes
+//!    visible (`finish_move`).
 //!
-//! Where the outcome is told meanwhile, the file goes out of both folders (`end_move`).
+//! Where the outcome is told during a move, the file goes out of both queues (`end_take_back`).
 
 use crate::{
     BuildId, BuildRow, BuildState, EventKind, Ledger,
@@ -13,16 +16,22 @@ use crate::{
     store::change::LedgerChange,
 };
 
+/// The builds of a machine whose files are taken back for a word, those that go to another printer, and those that lie in the queue of a
+/// printer that is down. No build is two of these.
+const TAKEN_BACK: [&str; 3] = [
+    "FROM build WHERE withdraw_by IS NOT NULL AND profile = $1 ORDER BY id",
+    "FROM build WHERE move_to IS NOT NULL AND profile = $1 ORDER BY id",
+    "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
+     AND move_to IS NULL AND withdraw_by IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
+];
+
 impl Ledger {
-    /// The builds whose files are being moved, or lie in the queue of a printer that is down.
-    pub async fn builds_to_move(&self, profile: &str) -> Result<Vec<BuildRow>> {
-        let moving = sql::select_as("FROM build WHERE move_to IS NOT NULL AND profile = $1 ORDER BY id").bind(profile);
-        let mut builds: Vec<BuildRow> = moving.fetch_all(self.reader()?).await?;
-        let left = sql::select_as(
-            "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
-             AND move_to IS NULL AND withdraw_by IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
-        );
-        builds.extend(left.bind(profile).fetch_all(self.reader()?).await?);
+    /// The builds whose files are being taken back, or lie in the queue of a printer that is down.
+    pub async fn builds_to_take_back(&self, profile: &str) -> Result<Vec<BuildRow>> {
+        let mut builds = Vec::new();
+        for query in TAKEN_BACK {
+            builds.extend(sql::select_as(query).bind(profile).fetch_all(self.reader()?).await?);
+        }
         Ok(builds)
     }
 
@@ -64,29 +73,38 @@ impl Ledger {
         Ok(true)
     }
 
-    /// The file is not moved after all.
-    pub async fn end_move(&self, build: BuildId, end: MoveEnd) -> Result<()> {
+    /// The file is on its way no more: nothing of it is left to do, and no word waits for it.
+    pub async fn end_take_back(&self, build: BuildId, end: TakeBackEnd) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let (now, (profile, from, to)) = (change.now, printers_of(&mut change, build).await?);
+        let (now, state) = (change.now, change.require_build(build).await?.1);
+        let (profile, from, to) = printers_of(&mut change, build).await?;
+        let (is_word, from, to) = (to.is_none(), from.unwrap_or_default(), to.unwrap_or_default());
         let set = match end {
-            MoveEnd::Taken => {
-                let set = "UPDATE build SET taken_at = coalesce(taken_at, $2), move_to = NULL, move_queue_id = NULL WHERE id = $1";
-                sql::query(set).bind(build).bind(now)
+            TakeBackEnd::Taken => "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2",
+            TakeBackEnd::TakenThere => {
+                "UPDATE build SET taken_at = $1, printer = coalesce(move_to, printer), \
+                 queue_id = coalesce(move_queue_id, queue_id) WHERE id = $2"
             }
-            MoveEnd::Dropped => {
-                sql::query("UPDATE build SET move_to = NULL, move_queue_id = NULL WHERE id = $1").bind(build)
-            }
-            MoveEnd::TakenThere => {
-                let set = "UPDATE build SET taken_at = $2, printer = coalesce(move_to, printer), \
-                    queue_id = coalesce(move_queue_id, queue_id), move_to = NULL, move_queue_id = NULL WHERE id = $1";
-                sql::query(set).bind(build).bind(now)
-            }
+            TakeBackEnd::Altered | TakeBackEnd::Removed => "",
         };
-        set.execute(change.db()).await?;
-        if end == MoveEnd::TakenThere {
-            let detail = format!("from {} to {}, which took it", from.unwrap_or_default(), to.unwrap_or_default());
-            change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+        if !set.is_empty() {
+            sql::query(set).bind(now).bind(build).execute(change.db()).await?;
         }
+        let told = match end {
+            TakeBackEnd::Taken if is_word && state == BuildState::Published => {
+                Some((EventKind::Withdrawn, "not taken back: its printer took the file first".to_owned()))
+            }
+            TakeBackEnd::Altered if is_word => {
+                let detail = "not taken back: what lies in the queue is not the file that was proved";
+                Some((EventKind::Withdrawn, detail.to_owned()))
+            }
+            TakeBackEnd::TakenThere => Some((EventKind::Relocated, format!("from {from} to {to}, which took it"))),
+            _ => None,
+        };
+        if let Some((kind, detail)) = told {
+            change.write_event(kind, &profile, None, Some(build), &detail).await?;
+        }
+        clear_way(&mut change, build).await?;
         change.commit().await
     }
 
@@ -113,15 +131,17 @@ impl Ledger {
     }
 }
 
-/// How a move ended that did not bring the file to another printer.
+/// How it ended that a file was to be taken back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MoveEnd {
+pub enum TakeBackEnd {
     /// Its printer took the file before it could be taken back.
     Taken,
-    /// The outcome was told meanwhile, and the file is in no queue.
-    Dropped,
-    /// The outcome was told meanwhile, and the other printer has taken the file.
+    /// The outcome was told while it moved, and the other printer has taken the file.
     TakenThere,
+    /// What lies there is not the proved file.
+    Altered,
+    /// The file is not in the queue where the ledger has it: it was taken back, or found elsewhere.
+    Removed,
 }
 
 /// Where the file of a published build was found.
@@ -141,4 +161,12 @@ pub struct FoundPlace {
 async fn printers_of(change: &mut LedgerChange, build: BuildId) -> Result<(String, Option<String>, Option<String>)> {
     let query = sql::query_as("SELECT profile, printer, move_to FROM build WHERE id = $1").bind(build);
     Ok(query.fetch_one(change.db()).await?)
+}
+
+/// The file of a build is on its way nowhere, and no word waits for it any more.
+pub(crate) async fn clear_way(change: &mut LedgerChange, build: BuildId) -> Result<()> {
+    let set = "UPDATE build SET move_to = NULL, move_queue_id = NULL, \
+        withdraw_by = NULL, withdraw_reason = NULL, withdraw_word = NULL WHERE id = $1";
+    sql::query(set).bind(build).execute(change.db()).await?;
+    Ok(())
 }

@@ -120,21 +120,34 @@ fn licences_bans_and_sources_are_as_deny_toml_says() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-#[test]
-fn a_first_build_compiles_no_more_crates_than_it_must() {
+/// What `cargo tree` prints, a line each.
+fn tree(arguments: &[&str]) -> BTreeSet<String> {
     let output = Command::new(env!("CARGO"))
-        .args(["tree", "--locked", "--offline", "--package", "nestd", "--edges", "normal,build", "--prefix", "none"])
-        .args(["--target", "x86_64-unknown-linux-gnu", "--format", "{p}"])
+        .args(["tree", "--locked", "--offline", "--prefix", "none", "--target", "x86_64-unknown-linux-gnu"])
+        .args(arguments)
         .current_dir(root())
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+#[test]
+fn a_first_build_compiles_no_more_crates_than_it_must() {
+    let tree = tree(&["--package", "nestd", "--edges", "normal,build", "--format", "{p}"]);
     // One of our own is followed by its path.
-    let of_others = text.lines().filter(|line| !line.contains("(/"));
+    let of_others = tree.iter().filter(|line| !line.contains("(/"));
     let crates: BTreeSet<&str> = of_others.map(|line| line.split(" (").next().unwrap()).collect();
     assert!(crates.len() > 100 && crates.len() <= MAX_CRATES, "{} crates: look at `cargo tree -d`", crates.len());
     assert!(!crates.iter().any(|name| name.starts_with("icu_")), "idna_adapter is not 1.1: see docs/dependencies.md");
+}
+
+#[test]
+fn tests_compile_again_no_crate_that_the_program_has_compiled() {
+    let of_the_program = tree(&["--package", "nestd", "--edges", "normal,build", "--format", "{p} [{f}]"]);
+    let of_the_tests = tree(&["--workspace", "--edges", "normal,build,dev", "--format", "{p} [{f}]"]);
+    let again: Vec<_> = of_the_program.difference(&of_the_tests).collect();
+    assert!(again.is_empty(), "tests add features to these: name them in Cargo.toml as it does others: {again:#?}");
 }
 
 #[test]

@@ -17,24 +17,18 @@ const PAGE: &str = "docs/benchmark.md";
 const HEAD: &str = "\
 # How low, how fast
 
-Written by `cargo bench --bench heights` from [benchmark.json](benchmark.json), which records every search with its
-seed, its commit and its curve. To measure again:
+Written by `cargo bench --bench heights` from [benchmark.json](benchmark.json), which records every search with its seed, commit and curve.
+To measure again:
 
-    cargo bench --bench heights                                        # everything, an hour and a half on two cores
-    cargo bench --bench heights -- --only heights --secs 10,60,160     # a part of it, with longer searches
-    cargo bench --bench heights -- --only heights --cases engine30 --seeds 10
-    cargo bench --bench heights -- --only flowers --secs 60 --seeds 8  # what flower pollination is worth
+    cargo bench --bench heights                                        # everything, 90 minutes on two cores
+    cargo bench --bench heights -- --only heights --cases engine30 --seeds 10 --secs 10,60
     cargo bench --bench heights -- --only ablation --evaluations 100000 --seeds 8
     cargo bench --bench heights -- --resume                            # what is missing at this commit
     cargo bench --bench heights -- --page                              # only this page
-    cargo bench --bench lid_probe                                      # evaluations per lowered lid, from saved layouts
 
-Each search is a separate process. Its time is CPU time, so that other work on the machine has little influence. Heights
-are in mm: means over the seeds, with the least and the greatest in brackets; the column of seeds tells their number,
-and that of the published method where it is another. The rows and cells of a table may come from different days, commits
-and processors, as the line below it tells; benchmark.json tells which. The last layout of each search is proved on its
-triangles. The published method is `--method paper`; both methods search in one thread. No layout can be lower
-than the lower bound, but the bound may be out of reach.
+Heights are mm, means over the seeds (8 of ours, up to 3 of the published method). Times are CPU seconds of one thread, in a process of its own.
+Each last layout is proved on its triangles. The published method is `--method paper`. The lower bound may be out of reach. The searches of
+a table may come from different days, commits and processors.
 ";
 
 /// Writes page and drawings.
@@ -72,15 +66,22 @@ fn section(
     }
 }
 
+/// When and on what processors it was measured.
 fn origins<'a>(measured: impl Iterator<Item = &'a MeasurementOrigin>) -> String {
-    let told: BTreeSet<String> = measured.map(|o| format!("{} on {}, {}", o.date, o.machine, o.commit)).collect();
-    format!("\nMeasured {}.\n", told.into_iter().collect::<Vec<_>>().join("; "))
+    let (mut dates, mut machines) = (BTreeSet::new(), BTreeSet::new());
+    for origin in measured {
+        dates.insert(origin.date.as_str());
+        machines.insert(origin.machine.as_str());
+    }
+    let (first, last) = (dates.first().copied().unwrap_or_default(), dates.last().copied().unwrap_or_default());
+    let days = if first == last { first.to_owned() } else { format!("{first} to {last}") };
+    format!("\nMeasured {days} on {}.\n", machines.into_iter().collect::<Vec<_>>().join("; "))
 }
 
 /// A drawing for each workload, of the searches with the most seeds, and of these the longest.
 fn drawings(records: &[&SearchRecord]) -> Result<String> {
     let cases: BTreeSet<&str> = records.iter().map(|r| r.finding.trial.case.as_str()).collect();
-    let mut links = String::new();
+    let mut links = "\nHeight over time:\n".to_owned();
     for case in cases {
         let secs = |r: &SearchRecord| match r.finding.trial.budget {
             TrialBudget::CpuSecs(secs) => Some(secs),
@@ -97,7 +98,7 @@ fn drawings(records: &[&SearchRecord]) -> Result<String> {
         let file = format!("docs/heights-{name}.svg");
         let drawing = plot::drawing(&format!("{name}: build height over time"), &drawn, drawn_secs as f64);
         std::fs::write(repository(&file), drawing).with_context(|| format!("writing {file}"))?;
-        links.push_str(&format!("\n![Height over time, {name}](heights-{name}.svg)\n"));
+        links.push_str(&format!("\n![{name}](heights-{name}.svg)\n"));
     }
     Ok(links)
 }

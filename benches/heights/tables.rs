@@ -15,8 +15,8 @@ use super::{
 
 /// What the column of other packers needs to be read.
 const ABOUT_OTHERS: &str = "\
-Others, each with one thread and one seed: sparrow-3d is an open source packer that rotates parts about one axis only and
-has no clearance (it packs enlarged parts); \"prototype\" is an early version of this search.";
+Others: sparrow-3d is an open source packer that rotates parts about one axis only and packs enlarged parts; \"prototype\" is
+an early version of this search. Both with one thread and one seed.";
 
 /// Values of the same search with different seeds.
 struct SeedSample(Vec<f64>);
@@ -36,13 +36,9 @@ impl SeedSample {
         (mean / base_mean - 1.0, variance / mean.powi(2) + base_variance / base_mean.powi(2))
     }
 
-    /// `mean (least - greatest)`; only the mean where there is one value.
-    fn mean_and_range(&self) -> String {
-        let (least, most) = self.0.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &v| (l.min(v), m.max(v)));
-        if self.0.len() < 2 {
-            return format!("{:.1}", self.mean());
-        }
-        format!("{:.1} ({least:.1} - {most:.1})", self.mean())
+    /// The mean as text.
+    fn mean_text(&self) -> String {
+        format!("{:.1}", self.mean())
     }
 }
 
@@ -53,18 +49,9 @@ fn height(findings: &[&SearchFinding]) -> String {
         (_, 0) => "-".to_owned(),
         (0, _) => "no whole layout".to_owned(),
         (some, all) if some < all => {
-            format!("{}, {} of {all} whole", SeedSample::of(&whole, |f| f.height_mm).mean_and_range(), some)
+            format!("{}, {} of {all} whole", SeedSample::of(&whole, |f| f.height_mm).mean_text(), some)
         }
-        _ => SeedSample::of(&whole, |f| f.height_mm).mean_and_range(),
-    }
-}
-
-fn first(findings: &[&SearchFinding]) -> String {
-    let known: Vec<&SearchFinding> = findings.iter().copied().filter(|f| f.first_secs().is_some()).collect();
-    if known.is_empty() {
-        "-".to_owned()
-    } else {
-        format!("{:.2}", SeedSample::of(&known, |f| f.first_secs().unwrap_or(0.0)).mean())
+        _ => SeedSample::of(&whole, |f| f.height_mm).mean_text(),
     }
 }
 
@@ -90,64 +77,50 @@ fn others(case: &str) -> String {
 /// Like [`heights`], with the heights that others reached.
 pub fn listed(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let (text, origins) = heights(records);
-    let head = text.replacen("| evaluations |\n|", "| evaluations | others |\n|---|", 1);
+    let head = text.replacen("| lower bound |\n|", "| lower bound | others |\n|---|", 1);
     (format!("{ABOUT_OTHERS}\n\n{head}"), origins)
 }
 
-/// Our own method compared with the published one.
+/// CPU seconds of the searches that the page compares: short ones, and long ones.
+const COMPARED_SECS: [u64; 2] = [10, 60];
+
+/// Our own method compared with the published one, a row for each workload.
 pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
-    let mut rows: BTreeMap<(usize, &str, TrialBudget, usize), [Vec<&SearchFinding>; 2]> = BTreeMap::new();
+    // Our short and long searches, and the long ones of the published method.
+    let mut rows: BTreeMap<(usize, &str), [Vec<&SearchFinding>; 3]> = BTreeMap::new();
     let mut origins = Vec::new();
-    let threads = |f: &SearchFinding| if f.trial.method == NestingMethod::Paper { 1 } else { f.trial.threads };
-    for record in records.iter().filter(|r| r.finding.trial.without.is_none()) {
+    for record in records.iter().filter(|r| r.finding.trial.without.is_none() && r.finding.trial.threads == 1) {
         let (f, trial) = (&record.finding, &record.finding.trial);
-        if matches!(trial.budget, TrialBudget::CpuSecs(_)) {
-            let known = cases::COMPARED.iter().position(|c| *c == trial.case).unwrap_or(usize::MAX);
-            let row = rows.entry((known, &trial.case, trial.budget, threads(f))).or_default();
-            row[usize::from(trial.method == NestingMethod::Paper)].push(f);
-            origins.push(record.origin.clone());
-        }
+        let known = cases::COMPARED.iter().position(|c| *c == trial.case).unwrap_or(usize::MAX);
+        let [short, long] = COMPARED_SECS.map(|secs| trial.budget == TrialBudget::CpuSecs(secs));
+        let cell = match (short, long, trial.method == NestingMethod::Paper) {
+            (true, _, false) => 0,
+            (_, true, false) => 1,
+            (_, true, true) => 2,
+            _ => continue,
+        };
+        rows.entry((known, &trial.case)).or_default()[cell].push(f);
+        origins.push(record.origin.clone());
     }
     let mut text =
-        "| workload | copies (meshes) | base, clearance | CPU s | seeds | published method | nestd | ratio | lower bound \
-                    | first layout, s | evaluations |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
+        "| workload | copies (meshes) | published method, 60 s | nestd, 10 s | nestd, 60 s | ratio | lower bound |\n\
+                    |---|---|---|---|---|---|---|\n"
             .to_owned();
-    let paper: BTreeMap<(&str, TrialBudget), Vec<&SearchFinding>> =
-        rows.iter().filter(|(key, _)| key.3 == 1).map(|(key, row)| ((key.1, key.2), row[1].clone())).collect();
-    for ((_, case, budget, threads), [ours, _]) in &rows {
-        let Some(any) = ours.first().or(paper.get(&(case, *budget)).and_then(|p| p.first())) else { continue };
-        let (TrialBudget::CpuSecs(secs) | TrialBudget::Evaluations(secs)) = budget;
-        let threads = if *threads > 1 { format!(", {threads} threads") } else { String::new() };
-        let none = Vec::new();
-        let theirs = paper.get(&(case, *budget)).unwrap_or(&none);
-        let evaluations = if ours.is_empty() {
-            "-".to_owned()
-        } else {
-            thousands(SeedSample::of(ours, |f| f.evaluations as f64).mean())
-        };
+    for ((_, case), [short, long, theirs]) in &rows {
+        let Some(any) = long.first().or(short.first()) else { continue };
         text.push_str(&format!(
-            "| {case} | {} ({}) | {} | {secs}{threads} | {} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
+            "| {case} | {} ({}) | {} | {} | **{}** | {} | {:.1} |{}\n",
             any.copies,
             any.meshes,
-            machine(case),
-            seeds(ours, theirs),
             height(theirs),
-            height(ours),
-            ratio(ours, theirs),
+            height(short),
+            height(long),
+            ratio(long, theirs),
             any.lower_bound_mm,
-            first(ours),
             others(case),
         ));
     }
     (text, origins)
-}
-
-/// The number of seeds, and of those of the published method where that is another.
-fn seeds(ours: &[&SearchFinding], theirs: &[&SearchFinding]) -> String {
-    match (ours.len(), theirs.len()) {
-        (ours, theirs) if theirs == 0 || theirs == ours => ours.to_string(),
-        (ours, theirs) => format!("{ours} ({theirs})"),
-    }
 }
 
 /// Our mean height divided by theirs, when all layouts are complete.
@@ -201,13 +174,12 @@ fn changes(
     let wholes = ABLATED.map(|case| of(case, None));
     let seeds = wholes.iter().map(Vec::len).max().unwrap_or(0);
     let mut text = format!(
-        "Mean height at {words} with up to {seeds} seeds, and the change against the whole search with its 95 % interval; CPU\n\
-         seconds in brackets.\n\n| without | {} | mean |\n|---|{}---|\n",
-        ABLATED.join(" | "),
-        "---|".repeat(ABLATED.len())
+        "Change of the mean height at {words} with up to {seeds} seeds against the whole search, with its 95 % interval; mean of {}.\n\n\
+         | without | change |\n|---|---|\n",
+        ABLATED.join(", ")
     );
-    for component in [None].into_iter().chain(SearchComponents::each_disabled().map(|(component, _)| Some(component))) {
-        let found = ABLATED.map(|case| of(case, component));
+    for (component, _) in SearchComponents::each_disabled() {
+        let found = ABLATED.map(|case| of(case, Some(component)));
         if found.iter().any(|found| !found.is_empty()) {
             text.push_str(&row_of_changes(component, &found, &wholes));
         }
@@ -215,29 +187,14 @@ fn changes(
     (text, origins)
 }
 
-/// The searches without a component beside the whole ones, workload by workload.
-fn row_of_changes(component: Option<&str>, found: &[Vec<&SearchFinding>], wholes: &[Vec<&SearchFinding>]) -> String {
+/// The searches without a component beside the whole ones.
+fn row_of_changes(component: &str, found: &[Vec<&SearchFinding>], wholes: &[Vec<&SearchFinding>]) -> String {
     let heights = |findings: &[&SearchFinding]| SeedSample::of(findings, |f| f.height_mm);
-    let (mut changes, mut cells) = (Vec::new(), String::new());
-    for (found, whole) in found.iter().zip(wholes) {
-        if found.is_empty() || whole.is_empty() {
-            cells.push_str(" - |");
-            continue;
-        }
-        let change = heights(found).change_against(&heights(whole));
-        let told = match component {
-            None => String::new(),
-            Some(_) if are_the_same(found, whole) => " took no part".to_owned(),
-            Some(_) => format!(" {}", told_change(&[change])),
-        };
-        let secs = SeedSample::of(found, |f| f.cpu_secs).mean();
-        cells.push_str(&format!(" {:.1}{told} ({secs:.1}) |", heights(found).mean()));
-        if !told.ends_with("no part") {
-            changes.push(change);
-        }
-    }
-    let mean = if component.is_some() { told_change(&changes) } else { String::new() };
-    format!("| {} |{cells} {mean} |\n", component.unwrap_or("nothing"))
+    let pairs = found.iter().zip(wholes).filter(|(found, whole)| !found.is_empty() && !whole.is_empty());
+    let told = pairs.filter(|(found, whole)| !are_the_same(found, whole));
+    let changes: Vec<(f64, f64)> = told.map(|(found, whole)| heights(found).change_against(&heights(whole))).collect();
+    let told = if changes.is_empty() { "took no part".to_owned() } else { told_change(&changes) };
+    format!("| {component} | {told} |\n")
 }
 
 /// Whether the searches of each seed did the same.
@@ -264,8 +221,7 @@ fn told_change(changes: &[(f64, f64)]) -> String {
 pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut text = format!(
         "Small parts of the project's own on a base of {}, {} evaluations per copy.\n\n| copies (meshes) | triangles \
-         | first layout, s | s per copy | first height | height | lower bound | CPU s | CPU s per copy | evaluations per s \
-         | memory, MiB |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+         | first layout, s | height | CPU s | memory, MiB |\n|---|---|---|---|---|---|\n",
         machine("scale-20"),
         plan::SCALE_EVALUATIONS
     );
@@ -277,19 +233,14 @@ pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
         };
         let Some(record) = records.iter().find(of) else { continue };
         let f = &record.finding;
-        let (first_secs, first_mm) = f.curve.first().map_or((f64::NAN, f64::NAN), |step| (step.0, step.2));
-        let per_copy = |secs: f64| secs / f.copies as f64;
+        let first_secs = f.curve.first().map_or(f64::NAN, |step| step.0);
         text.push_str(&format!(
-            "| {} ({}) | {} | {first_secs:.2} | {:.4} | {first_mm:.1} | {} | {:.1} | {:.1} | {:.4} | {} | {:.0} |\n",
+            "| {} ({}) | {} | {first_secs:.2} | {} | {:.1} | {:.0} |\n",
             f.copies,
             f.meshes,
             thousands(f.triangles as f64),
-            per_copy(first_secs),
             height(&[f]),
-            f.lower_bound_mm,
             f.cpu_secs,
-            per_copy(f.cpu_secs),
-            thousands(f.evaluations as f64 / f.cpu_secs.max(1e-9)),
             f.peak_mib
         ));
         origins.push(record.origin.clone());
@@ -299,9 +250,8 @@ pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
 
 /// The time to the first layout.
 pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
-    let mut text = "CPU seconds of one core from the meshes in memory to the first layout of all copies, nothing prepared before.\n\n\
-                    | workload | copies (meshes) | first layout, s | its height | height at the end | lower bound | memory, MiB |\n\
-                    |---|---|---|---|---|---|---|\n"
+    let mut text = "CPU seconds of one core from the meshes in memory, nothing prepared before, to the first layout of all copies.\n\n\
+                    | workload | copies (meshes) | first layout, s | its height | height at the end |\n|---|---|---|---|---|\n"
         .to_owned();
     let mut origins = Vec::new();
     for record in records.iter().filter(|r| r.finding.trial.budget == FIRST_BUDGET) {
@@ -309,13 +259,11 @@ pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigi
         if FIRST.contains(&f.trial.case.as_str()) {
             let (secs, mm) = f.curve.first().map_or((f64::NAN, f64::NAN), |step| (step.0, step.2));
             text.push_str(&format!(
-                "| {} | {} ({}) | {secs:.2} | {mm:.1} | {} | {:.1} | {:.0} |\n",
+                "| {} | {} ({}) | {secs:.2} | {mm:.1} | {} |\n",
                 f.trial.case,
                 f.copies,
                 f.meshes,
-                height(&[f]),
-                f.lower_bound_mm,
-                f.peak_mib
+                height(&[f])
             ));
             origins.push(record.origin.clone());
         }
@@ -325,20 +273,17 @@ pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigi
 
 /// Both kernels.
 pub fn kernel(records: &[KernelRecord]) -> String {
-    let mut text = "Queries per CPU second on the same pairs of parts in random turns: *just clear* pairs stand at most 0.05 mm \
-                    further apart than the\nclearance, *too close* ones half of it on average. Capped = up to the clearance.\n\n\
-                    | pairs | triangles | nestd, capped | nestd, yes or no | parry3d, capped | parry3d, distance | ratio, capped \
-                    | greatest difference, mm |\n|---|---|---|---|---|---|---|---|\n"
+    let mut text = "Queries per CPU second on the same pairs of parts in random turns, up to the clearance: *just clear* pairs stand at \
+                    most 0.05 mm further\napart than that, *too close* ones half of it on average.\n\n\
+                    | pairs | triangles | nestd | parry3d | ratio | greatest difference, mm |\n|---|---|---|---|---|---|\n"
         .to_owned();
     for r in records {
         text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {:.1} | {:.0e} |\n",
+            "| {} | {} | {} | {} | {:.1} | {:.0e} |\n",
             r.pairs,
             thousands(r.triangles as f64),
             thousands(r.distances_per_sec),
-            thousands(r.answers_per_sec),
             thousands(r.parry_capped_per_sec),
-            thousands(r.parry_distances_per_sec),
             r.distances_per_sec / r.parry_capped_per_sec,
             r.difference_mm
         ));

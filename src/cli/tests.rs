@@ -36,6 +36,32 @@ fn the_command_line_is_sound() {
     CommandLine::command().debug_assert();
 }
 
+/// What the chapter of commands must name: each command by its whole name, and each option.
+fn names_of(command: &clap::Command, path: &str) -> Vec<String> {
+    let options = command.get_arguments().filter_map(|option| option.get_long()).filter(|long| *long != "help");
+    let mut names: Vec<String> = options.map(|long| format!("--{long}")).collect();
+    for inner in command.get_subcommands().filter(|inner| !inner.is_hide_set()) {
+        let path = format!("{path} {}", inner.get_name());
+        names.extend(names_of(inner, &path));
+        names.extend((!inner.has_subcommands()).then_some(path));
+    }
+    names
+}
+
+#[test]
+fn the_chapter_of_commands_names_every_command_and_every_option() {
+    use clap::CommandFactory;
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/commands.md");
+    let chapter = std::fs::read_to_string(file).unwrap();
+    let names = names_of(&CommandLine::command(), "nestd");
+    assert!(names.len() > 60, "{names:?}");
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '-');
+    let is_named =
+        |name: &String| chapter.match_indices(name.as_str()).any(|(at, _)| ends(&chapter[at + name.len()..]));
+    let missing: Vec<&String> = names.iter().filter(|name| !is_named(name)).collect();
+    assert!(missing.is_empty(), "docs/commands.md lacks {missing:?}");
+}
+
 #[tokio::test]
 async fn an_order_is_noted_while_the_daemon_does_not_run() {
     let ledger = fresh().await;

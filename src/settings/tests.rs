@@ -7,6 +7,7 @@ use std::{
 
 use super::{machine::profile_inputs::ProfileInputs, service::inputs::FarmInputs, *};
 
+mod chapter;
 mod folders;
 mod printers;
 

@@ -1,4 +1,4 @@
-//! Clients that others' generators make of the description of the interface: they run the examples of docs/api.md against the real
+//! Clients that others' generators make of the description of the interface: they run the examples of docs/integrator.md against the real
 //! daemon. Needs `NESTD_API_TOOLS=<folder>`, which `clients/fetch.sh <folder>` fills.
 
 use std::{

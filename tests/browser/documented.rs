@@ -1,4 +1,4 @@
-//! What documents show runs as it stands there: the examples of docs/api.md with curl, the receiver of docs/monitoring.md with Python.
+//! What documents show runs as it stands there: the examples of docs/integrator.md with curl, the receiver of docs/integrator.md with Python.
 
 use std::{
     fs,
@@ -22,7 +22,7 @@ pub fn missing(program: &str) -> Option<String> {
 
 pub fn the_examples_of_the_interface_for_programs_work_as_they_stand_there() {
     let dashboard = BrowserDashboard::serve(TestFarm::new(QUICK));
-    let document = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/api.md")).unwrap();
+    let document = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/integrator.md")).unwrap();
     let examples: Vec<&str> = document.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     assert!(examples.len() >= 6, "{}", examples.len());
     let folder = tempfile::tempdir().unwrap();
@@ -49,9 +49,9 @@ pub fn the_examples_of_the_interface_for_programs_work_as_they_stand_there() {
     dashboard.farm.assert_ledger_agrees();
 }
 
-/// The receiver of docs/monitoring.md, word for word except for its port and its key.
+/// The receiver of docs/integrator.md, word for word except for its port and its key.
 fn documented_receiver(folder: &Path, port: u16) -> Child {
-    let text = include_str!("../../docs/monitoring.md");
+    let text = include_str!("../../docs/integrator.md");
     let (_, code) = text.split_once("standard library only:\n\n").unwrap();
     let lines = code.lines().take_while(|line| line.is_empty() || line.starts_with("    "));
     let code: String = lines.map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(""))).collect();

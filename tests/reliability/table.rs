@@ -4,17 +4,29 @@ use std::{fs, path::Path};
 
 use super::section_result::SectionResult;
 
+/// The document, and its heading above the table.
+const DOCUMENT: &str = "docs/reliability.md";
+const HEADING: &str = "## The last run\n";
+
 const HEAD: [&str; 8] = ["section", "points tried", "faults injected", "files", "builds", "broken", "seconds", "note"];
+
+/// The columns that the document has.
+const DOCUMENTED: [usize; 5] = [0, 2, 3, 4, 5];
 
 /// The table, in Markdown.
 pub fn table(rows: &[SectionResult]) -> String {
+    table_of(rows, &[0, 1, 2, 3, 4, 5, 6, 7])
+}
+
+/// The table with these columns.
+fn table_of(rows: &[SectionResult], shown: &[usize]) -> String {
     let mut cells: Vec<Vec<String>> = vec![HEAD.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(cells_of));
     cells.push(cells_of(&SectionResult { section: "all", ..SectionResult::sum(rows) }));
     let width = |at: usize| cells.iter().map(|row| row[at].chars().count()).max().unwrap_or_default();
     let widths: Vec<usize> = (0..HEAD.len()).map(width).collect();
-    let mut lines: Vec<String> = cells.iter().map(|row| line(row, &widths)).collect();
-    let rule: Vec<String> = (0..HEAD.len()).map(|at| rule(at, widths[at])).collect();
+    let mut lines: Vec<String> = cells.iter().map(|row| line(row, &widths, shown)).collect();
+    let rule: Vec<String> = shown.iter().map(|&at| rule(at, widths[at])).collect();
     lines.insert(1, format!("|{}|", rule.join("|")));
     lines.join("\n") + "\n"
 }
@@ -27,12 +39,12 @@ fn rule(at: usize, width: usize) -> String {
     if is_number(at) { format!("{}:", "-".repeat(width + 1)) } else { "-".repeat(width + 2) }
 }
 
-fn line(row: &[String], widths: &[usize]) -> String {
-    let cell = |(at, text): (usize, &String)| {
-        let width = widths[at];
+fn line(row: &[String], widths: &[usize], shown: &[usize]) -> String {
+    let cell = |&at: &usize| {
+        let (text, width) = (&row[at], widths[at]);
         if is_number(at) { format!(" {text:>width$} ") } else { format!(" {text:<width$} ") }
     };
-    format!("|{}|", row.iter().enumerate().map(cell).collect::<Vec<_>>().join("|"))
+    format!("|{}|", shown.iter().map(cell).collect::<Vec<_>>().join("|"))
 }
 
 fn cells_of(row: &SectionResult) -> Vec<String> {
@@ -44,25 +56,25 @@ fn cells_of(row: &SectionResult) -> Vec<String> {
     cells
 }
 
-/// Writes `docs/reliability.md`; only a long run of every section does.
+/// Writes the section of the last run into the document; only a long run of every section does. What it prints has all columns.
 pub fn write_document(rows: &[SectionResult], minutes: f64) {
     let profile = if cfg!(debug_assertions) { "test" } else { "release" };
     let host = rustix::system::uname();
     let threads = std::thread::available_parallelism().map_or(0, usize::from);
-    let text = format!(
-        "# Reliability\n\n\
-         Written by `cargo test --release --test reliability -- --minutes {minutes}`; do not edit. A budget of {minutes} minutes, \
-         {profile} profile, nestd {}, {} {}, {threads} threads, on {}.\n\n\
-         \"Broken\" counts violations of the invariants I1-I5 (ARCHITECTURE.md) and of further conditions of a \
-         section; it must be 0.\n\n{}",
+    let run = format!(
+        "A budget of {minutes} minutes, {profile} profile, nestd {}, {} {}, {threads} threads, on {}.\n\n{}",
         env!("CARGO_PKG_VERSION"),
         host.sysname().to_string_lossy(),
         host.release().to_string_lossy(),
         jiff::Zoned::now().strftime("%Y-%m-%d"),
-        table(rows)
+        table_of(rows, &DOCUMENTED)
     );
     let broken: Vec<String> =
         rows.iter().flat_map(|row| row.broken.iter().map(|b| format!("- {}: {b}\n", row.section))).collect();
     let broken = if broken.is_empty() { String::new() } else { format!("\nBroken:\n\n{}", broken.concat()) };
-    fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reliability.md"), text + &broken).unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(DOCUMENT);
+    let text = fs::read_to_string(&file).unwrap();
+    let (before, last) = text.split_once(HEADING).expect("the document has a section of the last run");
+    let after = last.split_once("\n## ").map_or(String::new(), |(_, after)| format!("\n## {after}"));
+    fs::write(file, format!("{before}{HEADING}\n{run}{broken}{after}")).unwrap();
 }

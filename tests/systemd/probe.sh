@@ -67,7 +67,7 @@ check "a technician drops an order" runuser -u technician -- sh -c \
     'umask 077; mkdir "/srv/nestd/inbox/paper-200/order 7" && cat > "/srv/nestd/inbox/paper-200/order 7/piece.stl"' < <(cube /tmp/piece.stl; cat /tmp/piece.stl)
 check "it is taken or refused with a reason" within 30 test ! -e "/srv/nestd/inbox/paper-200/order 7/piece.stl"
 
-# Least privilege, and the operator's commands from docs/operations.md.
+# Least privilege, and the operator's commands from docs/administrator.md.
 refuses_root() { ! /usr/bin/nestd run -c /etc/nestd/nestd.toml > /tmp/said 2>&1 && grep -q 'does not run as root' /tmp/said; }
 check "it does not run as root" refuses_root
 owns_only_its_folders() {
@@ -81,7 +81,7 @@ check "a build has the mode of the configuration and the group of its folder" mo
 install -d -o nestd -g nestd /var/backups/nestd /var/backups/nestd/store
 nestd() { as_nestd "$@"; }
 # The indented lines of a section of the document, with the day that the document names as an example.
-documented() { sed -n "/^## $1\$/,/^## /p" /usr/share/doc/nestd/operations.md | sed -n 's/^    //p' | sed "s/2026-11-20/$(date +%F)/"; }
+documented() { sed -n "/^## $1\$/,/^## /p" /usr/share/doc/nestd/administrator.md | sed -n 's/^    //p' | sed "s/2026-11-20/$(date +%F)/"; }
 does_as_documented() { local line; while read -r line; do echo "$line"; eval "$line" || return 1; done < <(documented "$1"); }
 check "backing up works as documented" does_as_documented "Backing up"
 check "restoring works as documented" does_as_documented "Restoring"

@@ -43,7 +43,7 @@ install -m 0755 "$BINARY" "$ROOT/usr/bin/nestd"
 install -D -m 0644 "$REPO/systemd/nestd.service" "$ROOT/usr/lib/systemd/system/nestd.service"
 install -D -m 0644 "$REPO/systemd/nestd.sysusers" "$ROOT/usr/lib/sysusers.d/nestd.conf"
 install -D -m 0644 "$REPO/systemd/nestd.tmpfiles" "$ROOT/usr/lib/tmpfiles.d/nestd.conf"
-install -D -m 0644 "$REPO/docs/operations.md" "$ROOT/usr/share/doc/nestd/operations.md"
+install -D -m 0644 "$REPO/docs/administrator.md" "$ROOT/usr/share/doc/nestd/administrator.md"
 install -d "$ROOT/etc/nestd/profiles"
 install -m 0644 "$REPO/config/profiles/paper-200.toml" "$ROOT/etc/nestd/profiles/"
 

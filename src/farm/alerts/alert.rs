@@ -5,7 +5,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 /// A kind of alert. Each is shown with its remedy in `nestd status`, in `STATUS.txt` and in the journal;
-/// `docs/operations.md` lists them.
+/// `docs/symptoms.md` lists them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlertKind {
@@ -318,7 +318,7 @@ impl AlertKind {
                 "Free some room where the disk is full, and let nestd's user write into the queue folder."
             }
             Self::QueueReplaced => {
-                "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/operations.md says \
+                "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/administrator.md says \
                  how to settle the build."
             }
             Self::QueueAltered => {
@@ -328,7 +328,7 @@ impl AlertKind {
             Self::NotTakenBack => "Look whether it was printed, or is, and tell that (`nestd outcome`): it ends this.",
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
-                 them. Lines that a program ordered are cancelled with DELETE (docs/api.md)."
+                 them. Lines that a program ordered are cancelled with DELETE (docs/integrator.md)."
             }
             Self::Incomplete => {
                 "Add the rows or files that are missing, and leave one list in each folder; what is left is refused, each with its \

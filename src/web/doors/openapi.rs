@@ -17,7 +17,7 @@ use super::{
 };
 use crate::web::base::error::ProblemDetails;
 
-const ABOUT: &str = "What the pages of the dashboard show, and orders of programs. docs/api.md shows how to use it. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
+const ABOUT: &str = "What the pages of the dashboard show, and orders of programs. docs/integrator.md shows how to use it. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
     _bytes; density is a share, 0 to 1; rotations and directions have no unit; times are UTC, RFC 3339.";
 
 /// Path of the schemas in the document.

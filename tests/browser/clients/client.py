@@ -1,4 +1,4 @@
-"""The examples of docs/api.md, by the client that openapi-python-client makes of /api/v1/openapi.json.
+"""The examples of docs/integrator.md, by the client that openapi-python-client makes of /api/v1/openapi.json.
 
 client.py BASE FOLDER: the farm, and the folder with hinge.stl and cover.stl.
 """

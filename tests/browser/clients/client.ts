@@ -1,4 +1,4 @@
-// The examples of docs/api.md, by the types that openapi-typescript makes of /api/v1/openapi.json.
+// The examples of docs/integrator.md, by the types that openapi-typescript makes of /api/v1/openapi.json.
 // node client.js BASE FOLDER: the farm, and the folder with hinge.stl and cover.stl.
 import { readFileSync } from "node:fs";
 import createClient from "openapi-fetch";

@@ -77,12 +77,12 @@ fn every_kind_is_reported_by_status_with_its_remedy() {
 
 #[test]
 fn the_document_lists_every_kind_with_its_remedy() {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/operations.md")).unwrap();
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/symptoms.md")).unwrap();
     let missing: Vec<String> = (AlertKind::ALL.iter())
-        .map(|kind| format!("| {} | {} |", kind.headline(), kind.remedy()))
+        .map(|kind| format!("- **{}.** {}\n", kind.headline(), kind.remedy()))
         .filter(|row| !text.contains(row))
         .collect();
-    assert!(missing.is_empty(), "docs/operations.md lacks these rows:\n{}", missing.join("\n"));
+    assert!(missing.is_empty(), "docs/symptoms.md lacks these rows:\n{}", missing.join("\n"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The commands of docs/operations.md, word for word.
+//! The commands of docs/administrator.md, word for word.
 
 use std::{fs, path::Path, process::Command};
 
@@ -8,7 +8,7 @@ use super::support::{QUICK, TestFarm, block};
 
 /// The commands of a section of the document.
 fn commands(section: &str) -> Vec<String> {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/operations.md")).unwrap();
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/administrator.md")).unwrap();
     let section = text.split(&format!("## {section}\n")).nth(1).unwrap_or_else(|| panic!("no section {section}"));
     let lines = section.split("\n## ").next().unwrap().lines();
     let commands: Vec<String> = lines.filter_map(|line| line.strip_prefix("    ")).map(str::to_owned).collect();

@@ -48,7 +48,7 @@ fn check_secret(webhook: &WebhookSettings, report: &mut CheckReport) {
 fn check_webhook(webhook: &WebhookSettings, report: &mut CheckReport) {
     let what = "webhook of [notify]";
     let address = host_and_port(&webhook.url);
-    let remedy = "see that the host is up and may be reached from here; under systemd see docs/monitoring.md";
+    let remedy = "see that the host is up and may be reached from here; under systemd see docs/integrator.md";
     let found = address.to_socket_addrs().map(Iterator::collect::<Vec<_>>);
     let tried =
         found.map(|all| all.iter().map(|one| TcpStream::connect_timeout(one, CONNECT_TIMEOUT)).collect::<Vec<_>>());

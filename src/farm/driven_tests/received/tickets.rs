@@ -10,9 +10,9 @@ use crate::farm::{
     driven_tests::{HandDrivenFarm, QUICK, block, stl},
 };
 
-/// The ticket that docs/dropping.md shows, as somebody copies it.
+/// The ticket that docs/technician.md shows, as somebody copies it.
 fn readme_ticket() -> String {
-    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/dropping.md")).unwrap();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/technician.md")).unwrap();
     let section = readme.split_once("**A ticket beside the part**").unwrap().1;
     let lines = section.lines().skip_while(|line| !line.starts_with("    ")).take_while(|line| !line.is_empty());
     lines.map(|line| format!("{line}\n")).collect()

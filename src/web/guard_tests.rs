@@ -206,7 +206,10 @@ async fn of_a_farm_that_has_halted_every_page_says_why_and_takes_nothing() {
         assert_eq!(answer.status, StatusCode::SERVICE_UNAVAILABLE, "{path}");
         assert!(answer.text.contains("put the newest backup back"), "{path}: {}", answer.text);
     }
-    assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
+    // What helps then can be read.
+    for path in ["/healthz", "/help", "/help/symptoms"] {
+        assert_eq!(dashboard.get(path).await.status, StatusCode::OK, "{path}");
+    }
     let pause = dashboard.post("key=key&kind=pause&profile=cube", "same-origin").await;
     assert_eq!(pause.status, StatusCode::SERVICE_UNAVAILABLE);
     assert!(dashboard.ledger.pending_commands().await.unwrap().is_empty());

@@ -9,6 +9,7 @@ mod core;
 mod doors;
 mod figures;
 mod forms;
+mod help;
 mod pages;
 mod serve;
 #[cfg(test)]

@@ -39,6 +39,8 @@ mod edit_tests;
 mod form_tests;
 #[path = "guard_tests.rs"]
 mod guard;
+#[path = "help_tests.rs"]
+mod help_tests;
 #[path = "order_tests.rs"]
 mod order_tests;
 #[path = "plan_tests.rs"]
@@ -134,7 +136,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 13] = [
+const PAGES: [&str; 15] = [
     "/",
     "/history",
     "/parts",
@@ -148,6 +150,8 @@ const PAGES: [&str; 13] = [
     "/month",
     "/machines/cube/flush",
     "/machines/cube/drop",
+    "/help",
+    "/help?q=paused",
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {

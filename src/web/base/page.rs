@@ -28,7 +28,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 header {
                     nav aria-label="Pages" {
                         span.brand { "nestd" }
-                        (link("/", "Farm")) (link("/plan", "Plan")) (link("/orders", "Orders")) (link("/history", "History")) (link("/parts", "Parts")) (link("/month", "Month"))
+                        (link("/", "Farm")) (link("/plan", "Plan")) (link("/orders", "Orders")) (link("/history", "History")) (link("/parts", "Parts")) (link("/month", "Month")) (link("/help", "Help"))
                         (search_field("", "Search the farm"))
                     }
                 }

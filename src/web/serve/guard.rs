@@ -74,7 +74,7 @@ pub(super) async fn guard_request(
 
 /// Whether the answer at an address comes from the ledger.
 fn needs_ledger(path: &str) -> bool {
-    path != "/healthz" && !path.starts_with("/assets/")
+    path != "/healthz" && path != "/help" && !path.starts_with("/help/") && !path.starts_with("/assets/")
 }
 
 /// Who asks, unless it asks too much.

@@ -39,6 +39,7 @@ use crate::{
             request_stage::{self, MAX_BODY_BYTES},
         },
         forms::{build_forms, order_forms, part_forms},
+        help::pages as help,
         pages::{build, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, plan, search},
     },
 };
@@ -137,6 +138,8 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/parts/{part}/edit", post(part_forms::post_edit))
         .route("/parts/{part}/reprint", post(part_forms::post_reprint))
         .route("/search", get(search::show_found))
+        .route("/help", get(help::show_contents))
+        .route("/help/{chapter}", get(help::show_chapter))
         .route("/live", get(live::stream_changes))
         .route("/commands", post(command::post_command))
         .route("/name", post(device_name::post_name))

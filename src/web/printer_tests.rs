@@ -1,10 +1,13 @@
 //! Tests of what the pages show of printers, and of builds that wait for a yes.
 
-use ledger::BuildId;
+use ledger::{BuildId, OperatorWord};
 use ledger_fixtures::*;
 
 use super::*;
-use crate::settings::{ApprovalPolicy, PrinterRules, Settings};
+use crate::{
+    farm,
+    settings::{ApprovalPolicy, MachineProfile, PrinterRules, Settings},
+};
 
 /// A dashboard with the machine of the ledger's fixtures: two printers, and every build waits for a yes.
 async fn with_two_printers() -> TestDashboard {
@@ -45,10 +48,56 @@ async fn the_page_of_a_build_that_waits_for_a_yes_says_what_that_means_and_has_i
     assert_eq!(row.place.released_by.as_deref(), Some("dashboard"));
 }
 
+/// Says a word as the command line does.
+async fn say(dashboard: &TestDashboard, word: OperatorWord) {
+    farm::operate(&dashboard.ledger, &dashboard.web.current_settings(), &word, "ann@farm", false).await.unwrap();
+}
+
+/// What a page and a program are told of the same word.
+async fn told_by_page_and_program(dashboard: &TestDashboard) -> (String, serde_json::Value) {
+    let page = Request::post("/builds/1/told").header("sec-fetch-site", "same-origin");
+    let page = dashboard.send_form(page, "key=key&act=release").await.text;
+    let program = Request::post("/api/v1/builds/1/release").header("content-type", "application/json");
+    (page, door_tests::send(dashboard, program, "{}").await.json)
+}
+
+#[tokio::test]
+async fn a_page_and_a_program_that_release_a_build_are_told_the_same() {
+    let dashboard = with_two_printers().await;
+    let ledger = &dashboard.ledger;
+    let part = waiting(ledger, "a", 1).await;
+    let build = nesting(ledger, &[(part, 0)]).await;
+    ledger.verify_build(build, &verified(build, 1), &placed(&[(part, 0)])).await.unwrap();
+    say(&dashboard, OperatorWord::Release { build, seen: None }).await;
+    let (page, program) = told_by_page_and_program(&dashboard).await;
+    assert!(page.contains("Build 1 was released before."), "{page}");
+    assert_eq!(program["answers"], serde_json::json!(["Build 1 was released before."]));
+}
+
+#[tokio::test]
+async fn nobody_releases_a_build_that_is_made_again_and_a_page_and_a_program_are_told_why() {
+    let dashboard = with_two_printers().await;
+    let ledger = &dashboard.ledger;
+    let part = waiting(ledger, "a", 1).await;
+    let build = nesting(ledger, &[(part, 0)]).await;
+    let mut made = verified(build, 1);
+    // The machine asks for more clearance now.
+    let mut was = MachineProfile::clone(&dashboard.web.current_settings().profiles["paper-200"]);
+    was.space.clearance_mm /= 2.0;
+    made.profile_snapshot = serde_json::to_string(&was).unwrap();
+    ledger.verify_build(build, &made, &placed(&[(part, 0)])).await.unwrap();
+    let (page, program) = told_by_page_and_program(&dashboard).await;
+    let told = "build 1 is not released: it is made again, for";
+    assert!(page.contains(told), "{page}");
+    assert!(program["detail"].as_str().unwrap().starts_with(told), "{program}");
+    assert_eq!(ledger.find_build(build).await.unwrap().unwrap().place.released_at, None);
+}
+
 #[tokio::test]
 async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_is_down() {
     let dashboard = with_two_printers().await;
-    dashboard.ledger.take_printer_down("left", "paper-200", "ann@farm", "its laser").await.unwrap();
+    let (profile, printer, reason) = ("paper-200".to_owned(), "left".to_owned(), "its laser".to_owned());
+    say(&dashboard, OperatorWord::PrinterDown { profile, printer, reason }).await;
     let page = dashboard.get("/").await.text;
     assert!(page.contains("Printer <b>left</b>: down since") && page.contains("by ann@farm: its laser."), "{page}");
     assert!(page.contains("Printer <b>right</b>: 0 builds, free now"), "{page}");

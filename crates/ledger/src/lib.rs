@@ -60,10 +60,11 @@ pub use store::ledger::Ledger;
 pub use store::location::find_network_file_system;
 pub use store::service::{LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
 pub use words::command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
-pub use words::operator_word::{OperatorWord, SeenFile, SeenFiles, TakenBackFor, WordAnswer};
+pub use words::operator_word::TakenBackFor;
 pub use words::outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use words::pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use words::put_back::{PartCopies, PutBackReport, ReprintTarget};
+pub use words::said::{OperatorWord, SeenFile, SeenFiles, WordAnswer};
 pub use words::withdrawal::WITHDRAWN_BY_NESTD;
 
 #[cfg(test)]

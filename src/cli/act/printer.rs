@@ -2,18 +2,19 @@
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
-use ledger::Ledger;
+use ledger::{Ledger, OperatorWord};
 
+use super::operate::say_all;
 use crate::{
     cli::{
         CommandExit, CommonArgs, UsageError,
         terminal::{
-            farm_context::{user_at_host, with_ledger, with_ledger_to_read},
+            farm_context::{with_ledger, with_ledger_to_read},
             table::{TextTable, print_json, print_text},
             terminal::output_columns,
         },
     },
-    farm::{PrinterView, fate_of_queued, printer_views},
+    farm::{PrinterView, printer_views},
     settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
 };
@@ -49,10 +50,11 @@ enum PrinterUse {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &PrinterArgs) -> Result<CommandExit> {
     if let (Some(name), Some(state)) = (&args.name, args.state) {
-        let text = with_ledger(common, async |settings, ledger| {
-            set_printer_use(settings, ledger, (name, state), &args.reason).await
+        let said = with_ledger(common, async |settings, ledger| {
+            let word = word_of(settings, ledger, (name, state), &args.reason).await?;
+            say_all(settings, ledger, &[word], false).await
         })?;
-        print_text(&text)?;
+        print_text(&said.join(" "))?;
         return Ok(CommandExit::Success);
     }
     let (printers, view) = with_ledger_to_read(common, async |settings, ledger| {
@@ -76,28 +78,24 @@ pub fn run(common: &CommonArgs, args: &PrinterArgs) -> Result<CommandExit> {
     Ok(CommandExit::Success)
 }
 
-async fn set_printer_use(
+/// What is said of the printer of this name.
+async fn word_of(
     settings: &Settings,
     ledger: &Ledger,
     (name, state): (&str, PrinterUse),
     reason: &str,
-) -> Result<String> {
-    let (by, down) = (user_at_host(), ledger.down_printers().await?);
-    if state == PrinterUse::Up {
-        // Also one that is configured no more: another one may get its name.
-        let profile = match down.into_iter().find(|down| down.printer == name) {
-            Some(down) => down.profile,
-            None => machine_of_printer(settings, name)?.name.clone(),
-        };
-        return Ok(match ledger.bring_printer_up(name, &profile, &by).await? {
-            true => format!("The printer {name} takes builds again."),
-            false => format!("The printer {name} was not down."),
-        });
-    }
-    let profile = machine_of_printer(settings, name)?;
-    ledger.take_printer_down(name, &profile.name, &by, reason).await?;
-    let next = fate_of_queued(ledger, profile, name).await?;
-    Ok(format!("The printer {name} is down: it is given no builds. {next}"))
+) -> Result<OperatorWord> {
+    // Also one that is configured no more is put into use: another one may get its name.
+    let down = ledger.down_printers().await?.into_iter().find(|down| down.printer == name && state == PrinterUse::Up);
+    let profile = match down {
+        Some(down) => down.profile,
+        None => machine_of_printer(settings, name)?.name.clone(),
+    };
+    let printer = name.to_owned();
+    Ok(match state {
+        PrinterUse::Down => OperatorWord::PrinterDown { profile, printer, reason: reason.to_owned() },
+        PrinterUse::Up => OperatorWord::PrinterUp { profile, printer },
+    })
 }
 
 /// The machine of a printer.

@@ -2,14 +2,15 @@
 
 use anyhow::{Context, Result, ensure};
 use jiff::Timestamp;
-use ledger::{BuildId, BuildState};
+use ledger::{BuildId, BuildState, OperatorWord};
 
+use super::operate::say_all;
 use crate::{
     cli::{
         CommandExit, CommonArgs,
         terminal::{
             candidates,
-            farm_context::{user_at_host, with_ledger},
+            farm_context::with_ledger,
             table::{print_json, print_text},
             values::parse_build_number,
         },
@@ -35,7 +36,7 @@ pub struct ReleaseArgs {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &ReleaseArgs) -> Result<CommandExit> {
     let id = BuildId(args.build);
-    let (preview, sentences, released) = with_ledger(common, async |settings, ledger| {
+    let (preview, sentences) = with_ledger(common, async |settings, ledger| {
         let build = ledger.find_build(id).await?.with_context(|| format!("there is no build {id}"))?;
         ensure!(
             build.state == BuildState::Verified,
@@ -45,21 +46,16 @@ pub fn run(common: &CommonArgs, args: &ReleaseArgs) -> Result<CommandExit> {
         let now = settings.profiles.get(&build.profile);
         let made = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now);
         let preview = preview_release(ledger, now.unwrap_or(&made), &build, Timestamp::now()).await?;
-        let released = match args.preview || preview.made_again_for.is_some() {
-            true => None,
-            false => Some(ledger.release_build(id, build.staged.file_hash.as_deref(), &user_at_host()).await?),
-        };
-        let sentences = preview.sentences(&settings.time_zone);
-        Ok((preview, sentences, released))
+        let mut sentences = preview.sentences(&settings.time_zone);
+        if !args.preview {
+            let word = OperatorWord::Release { build: id, seen: build.staged.file_hash.clone() };
+            sentences.extend(say_all(settings, ledger, &[word], false).await?);
+        }
+        Ok((preview, sentences))
     })?;
     if args.json {
         return print_json(&preview).map(|()| CommandExit::Success);
     }
     sentences.iter().try_for_each(|sentence| print_text(sentence))?;
-    match released {
-        None => {}
-        Some(true) => print_text(&format!("Build {id} is released and goes to the queue."))?,
-        Some(false) => print_text(&format!("Build {id} was released before."))?,
-    }
     Ok(CommandExit::Success)
 }

@@ -1,13 +1,16 @@
-//! The one door for what a person says of published builds, whichever face says it: the command line, a page or a program. It looks
+//! The one door for what a person says of builds and printers, whichever face says it: the command line, a page or a program. It looks
 //! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
 //! for the daemon that serves the machine, or refuses it.
 
 use std::time::Duration;
 
-use ledger::{BuildRow, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
+use ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
 
 use crate::{
-    farm::scanning::queue_contents,
+    farm::{
+        printers::printers::fate_of_queued,
+        scanning::{machine_fit::find_misfit, queue_contents},
+    },
     queue::{FileState, OpenQueue, QueueAddress},
     settings::Settings,
 };
@@ -39,7 +42,27 @@ pub async fn operate(
         let (id, file) = (build.id, see_file(ledger, settings, build, word).await?);
         seen.extend(file.map(|file| (id, file)));
     }
-    ledger.carry_out(word, by, &seen, anyway).await
+    if let OperatorWord::Release { build, .. } = word {
+        ensure_not_made_again(ledger, settings, *build).await?;
+    }
+    let mut answer = ledger.carry_out(word, by, &seen, anyway).await?;
+    if let OperatorWord::PrinterDown { profile, printer, .. } = word
+        && let Some(profile) = settings.profiles.get(profile)
+    {
+        answer.sentences.push(fate_of_queued(ledger, profile, printer).await?);
+    }
+    Ok(answer)
+}
+
+/// A build that does not fit its machine any more is made again before it is published: nobody can say yes to it.
+async fn ensure_not_made_again(ledger: &Ledger, settings: &Settings, build: BuildId) -> Result<(), LedgerError> {
+    let Some(row) = ledger.find_build(build).await?.filter(|row| row.state == BuildState::Verified) else {
+        return Ok(());
+    };
+    match settings.profiles.get(&row.profile).and_then(|profile| find_misfit(profile, &row)) {
+        Some(why) => Err(LedgerError::MadeAgain { build, why }),
+        None => Ok(()),
+    }
 }
 
 /// What is certain of the file of a published build.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildRow, DownPrinter, Ledger, OccupyingBuild, UtcTimestamp, WaitingPart};
+use ledger::{BuildRow, DownPrinter, Ledger, LedgerError, OccupyingBuild, UtcTimestamp, WaitingPart};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -83,7 +83,7 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
 ///
 /// # Errors
 /// The ledger cannot be read.
-pub async fn fate_of_queued(ledger: &Ledger, profile: &MachineProfile, printer: &str) -> Result<String> {
+pub async fn fate_of_queued(ledger: &Ledger, profile: &MachineProfile, printer: &str) -> Result<String, LedgerError> {
     let down = ledger.down_printers().await?;
     let is_up = |other: &&str| !down.iter().any(|down| down.profile == profile.name && down.printer == **other);
     let others = profile.printers.iter().map(|rules| rules.name.as_str()).filter(|other| *other != printer);

@@ -80,8 +80,12 @@ pub(super) async fn post_outcome(
         is_correction: request.correct,
         ..ToldOutcome::new(outcome, request.note.trim(), &by)
     };
-    let word = OperatorWord::Outcome(build, told);
-    let said = farm::operate(&web.ledger, &web.current_settings(), &word, &by, request.anyway).await;
+    say(&web, &OperatorWord::Outcome(build, told), &by, request.anyway).await
+}
+
+/// Says a word as `farm::operate` judges it, also for the command line and pages.
+async fn say(web: &DashboardState, word: &OperatorWord, by: &str, anyway: bool) -> HandlerResult<Json<CarriedOut>> {
+    let said = farm::operate(&web.ledger, &web.current_settings(), word, by, anyway).await;
     let said = said.map_err(refusal_of_ledger)?;
     Ok(Json(CarriedOut { done: said.noted.is_empty(), answers: said.sentences }))
 }
@@ -94,13 +98,7 @@ pub(super) async fn post_release(
     JsonBody(request): JsonBody<ReleaseRequest>,
 ) -> HandlerResult<Json<CarriedOut>> {
     let build = require_build(&web, number).await?;
-    let released =
-        web.ledger.release_build(build, request.file_hash.as_deref(), &by).await.map_err(refusal_of_ledger)?;
-    let answer = match released {
-        true => format!("Build {build} is released and goes to the queue."),
-        false => format!("Build {build} was released before."),
-    };
-    Ok(Json(CarriedOut { done: true, answers: vec![answer] }))
+    say(&web, &OperatorWord::Release { build, seen: request.file_hash }, &by, false).await
 }
 
 /// Nests and publishes the waiting parts of a machine.

@@ -1,5 +1,5 @@
 //! The forms of the page of a build, for what became of its print: the outcome, printing it again, and that somebody has
-//! seen to a failed print. The ledger carries them out, as it does for `nestd outcome`, `reprint`, `requeue` and `dismiss`.
+//! seen to a failed print. They are words, as those of `nestd outcome`, `reprint`, `requeue`, `release` and `dismiss`.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -10,8 +10,7 @@ use axum::{
 };
 use jiff::Timestamp;
 use ledger::{
-    BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, PartId, PlacementRow, PrintOutcome,
-    ReprintTarget, ToldOutcome,
+    BuildId, BuildRow, BuildState, OperatorWord, PartId, PlacementRow, PrintOutcome, ReprintTarget, ToldOutcome,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -23,7 +22,6 @@ use crate::{
     web::{
         base::error::{HandlerError, HandlerResult},
         core::{
-            command::answer_form,
             form_answer::{FormAnswer, key_field},
             request_user::RequestUser,
             state::DashboardState,
@@ -190,22 +188,20 @@ pub(crate) async fn post_told(
     }
     let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let back = format!("/builds/{number}");
-    match word_of(build, &form, bad, &by) {
-        Some(word) => say_word(&web, &word, &by, form.anyway.is_some(), &back).await,
-        None => answer_form(carry_out(&web.ledger, build, &form, &by).await, &back),
-    }
+    say_word(&web, &word_of(build, &form, bad, &by), &by, form.anyway.is_some(), &back).await
 }
 
-/// The word about its print that a form says.
-fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &str) -> Option<OperatorWord> {
+/// The word about the build that a form says.
+fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &str) -> OperatorWord {
     let outcome = match form.act {
         BuildFormAct::Complete => PrintOutcome::Complete,
         BuildFormAct::Interrupted => PrintOutcome::Interrupted,
         BuildFormAct::Failed => PrintOutcome::Failed,
-        BuildFormAct::Reprint => return Some(OperatorWord::Reprint(ReprintTarget::Build(build))),
-        BuildFormAct::Requeue => return Some(OperatorWord::Requeue(build)),
-        BuildFormAct::Withdraw => return Some(OperatorWord::Withdraw(build, String::new())),
-        BuildFormAct::Seen | BuildFormAct::Release => return None,
+        BuildFormAct::Reprint => return OperatorWord::Reprint(ReprintTarget::Build(build)),
+        BuildFormAct::Requeue => return OperatorWord::Requeue(build),
+        BuildFormAct::Withdraw => return OperatorWord::Withdraw(build, String::new()),
+        BuildFormAct::Seen => return OperatorWord::SeenTo(build),
+        BuildFormAct::Release => return OperatorWord::Release { build, seen: form.seen.clone() },
     };
     let told = ToldOutcome {
         bad,
@@ -213,26 +209,7 @@ fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &s
         is_correction: form.correct.is_some(),
         ..ToldOutcome::new(outcome, form.note.trim(), by)
     };
-    Some(OperatorWord::Outcome(build, told))
-}
-
-async fn carry_out(
-    ledger: &Ledger,
-    build: BuildId,
-    form: &BuildTellForm,
-    by: &str,
-) -> Result<Vec<String>, LedgerError> {
-    match form.act {
-        BuildFormAct::Release => {
-            ledger.release_build(build, form.seen.as_deref(), by).await?;
-            Ok(vec![format!("Build {build} is released and goes to the queue.")])
-        }
-        BuildFormAct::Seen => {
-            ledger.mark_failure_seen(build, by).await?;
-            Ok(Vec::new())
-        }
-        _ => Ok(Vec::new()),
-    }
+    OperatorWord::Outcome(build, told)
 }
 
 /// Parses `7=2, p9=1`.

@@ -13,6 +13,14 @@ use crate::{BuildId, CommandId, IllegalMove, InQueueError, PartId, ServerError};
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
 #[derive(Debug, Error)]
 pub enum LedgerError {
+    /// A build that was to be released does not fit its machine any more.
+    #[error("build {build} is not released: it is made again, for {why}")]
+    MadeAgain {
+        /// The build.
+        build: BuildId,
+        /// Why it does not fit.
+        why: String,
+    },
     /// There is no ledger.
     #[error("there is no ledger at {}; a daemon that starts for the first time makes it", .path.display())]
     Missing {

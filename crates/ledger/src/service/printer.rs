@@ -120,7 +120,7 @@ impl Ledger {
     }
 
     /// Takes a printer out of use; says its reason anew if it is down already.
-    pub async fn take_printer_down(&self, printer: &str, profile: &str, by: &str, reason: &str) -> Result<()> {
+    pub(crate) async fn take_printer_down(&self, printer: &str, profile: &str, by: &str, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
         let insert = "INSERT INTO printer_down (printer, profile, reason, told_by, down_at) VALUES ($1, $2, $3, $4, $5) \
@@ -133,7 +133,7 @@ impl Ledger {
     }
 
     /// Puts a printer into use again. Returns `false` if it was not down.
-    pub async fn bring_printer_up(&self, printer: &str, profile: &str, by: &str) -> Result<bool> {
+    pub(crate) async fn bring_printer_up(&self, printer: &str, profile: &str, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
         let lift =
             sql::query("DELETE FROM printer_down WHERE profile = $1 AND printer = $2").bind(profile).bind(printer);
@@ -259,7 +259,7 @@ impl Ledger {
     /// Returns `false` if that was said before.
     ///
     /// `WrongState` unless it is proved and not published; `ProvedAnew` if it is another file by now.
-    pub async fn release_build(&self, build: BuildId, seen: Option<&str>, by: &str) -> Result<bool> {
+    pub(crate) async fn release_build(&self, build: BuildId, seen: Option<&str>, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Verified]).await?;
         let proved = sql::query_as("SELECT profile, file_hash FROM build WHERE id = $1").bind(build);

@@ -1,9 +1,10 @@
-//! What a person says of published builds: how a print ended, that it is printed again, that its cake is broken out. This is the one
-//! place where such a word is judged against the ledger; `farm/operate/operate` looks into the queue folders first.
+//! What a person says of builds and printers: how a print ended, that it is printed again, that its cake is broken out, that a build may
+//! be published, that a printer is down. This is the one place where such a word is judged against the ledger; `farm/operate/operate`
+//! looks into the queue folders first. None of these words needs a daemon that runs.
 //!
 //! Copies that a word makes bad are printed again, so nobody may print them from the old file any more. As long as that file may lie
 //! in a queue folder, the word is refused. Where the person insists, it is noted in the build's row, the file is taken back as
-//! `ledger/words/withdrawal` says, and only then the word is carried out. A word that makes no copy bad changes nothing about the file.
+//! `ledger/builds/take_back` says, and only then the word is carried out. A word that makes no copy bad changes nothing about the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,6 +16,7 @@ use super::{
     pick::end_break_out,
     put_back::printed_copies,
     requeue::issue_again,
+    said::{OperatorWord, SeenFile, SeenFiles, WordAnswer},
     withdrawal::{record_untouched, record_withdrawn, withdraw},
 };
 use crate::{
@@ -23,47 +25,6 @@ use crate::{
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
-
-/// A word of a person about published builds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum OperatorWord {
-    /// How the print of a build ended.
-    Outcome(BuildId, ToldOutcome),
-    /// Printed copies are printed again.
-    Reprint(ReprintTarget),
-    /// The same proved build is issued once more.
-    Requeue(BuildId),
-    /// Something was said of each copy of its cake.
-    BreakOut(BuildId),
-    /// It was not printed, and its copies wait again; why.
-    Withdraw(BuildId, String),
-}
-
-/// What became of a word.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct WordAnswer {
-    /// What was done or noted, in sentences for people.
-    pub sentences: Vec<String>,
-    /// The builds for which it is carried out once their files are taken back.
-    pub noted: Vec<BuildId>,
-}
-
-/// Where the file of a build is that a word is about, as far as whoever says it could see. Where nothing is known, it may lie in a queue.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SeenFile {
-    /// In no queue folder, and it comes into none.
-    OutOfQueue,
-    /// In a queue folder under another name.
-    Copied {
-        /// The name.
-        name: String,
-        /// Whether its own name is free.
-        is_alone: bool,
-    },
-}
-
-/// What was seen of the files of builds.
-pub type SeenFiles = BTreeMap<BuildId, SeenFile>;
 
 /// How a person insists, as the command line, pages and programs do.
 const HOW_TO_INSIST: &str = "`--anyway`, \"anyway\" on the page and in the API";
@@ -151,6 +112,10 @@ impl Ledger {
             | OperatorWord::Requeue(build)
             | OperatorWord::BreakOut(build)
             | OperatorWord::Withdraw(build, _) => vec![*build],
+            OperatorWord::Release { .. }
+            | OperatorWord::SeenTo(_)
+            | OperatorWord::PrinterDown { .. }
+            | OperatorWord::PrinterUp { .. } => Vec::new(),
             OperatorWord::Reprint(target) => {
                 let mut change = self.begin_change().await?;
                 let copies = printed_copies(&mut change, target).await?;
@@ -168,6 +133,28 @@ impl Ledger {
     pub async fn carry_out(&self, word: &OperatorWord, by: &str, seen: &SeenFiles, anyway: bool) -> Result<WordAnswer> {
         let (build, word) = match word {
             OperatorWord::Reprint(target) => return self.reprint(target, by, seen, anyway).await,
+            OperatorWord::Release { build, seen } => {
+                return Ok(WordAnswer::from(match self.release_build(*build, seen.as_deref(), by).await? {
+                    true => format!("Build {build} is released and goes to the queue."),
+                    false => format!("Build {build} was released before."),
+                }));
+            }
+            OperatorWord::SeenTo(build) => {
+                self.mark_failure_seen(*build, by).await?;
+                let said = format!("The failed print of build {build} is dismissed; its copies are as they were.");
+                return Ok(WordAnswer::from(said));
+            }
+            OperatorWord::PrinterDown { profile, printer, reason } => {
+                self.take_printer_down(printer, profile, by, reason).await?;
+                let said = format!("The printer {printer} is down: it is given no builds.");
+                return Ok(WordAnswer::from(said));
+            }
+            OperatorWord::PrinterUp { profile, printer } => {
+                return Ok(WordAnswer::from(match self.bring_printer_up(printer, profile, by).await? {
+                    true => format!("The printer {printer} takes builds again."),
+                    false => format!("The printer {printer} was not down."),
+                }));
+            }
             OperatorWord::Outcome(build, told) => (*build, BuildWord::Outcome(told.clone())),
             OperatorWord::Requeue(build) => (*build, BuildWord::Requeue),
             OperatorWord::BreakOut(build) => (*build, BuildWord::BreakOut),

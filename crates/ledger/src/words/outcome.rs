@@ -98,7 +98,7 @@ impl Ledger {
     }
 
     /// Records that somebody has seen to a failed print.
-    pub async fn mark_failure_seen(&self, build: BuildId, by: &str) -> Result<()> {
+    pub(crate) async fn mark_failure_seen(&self, build: BuildId, by: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let profile = change.ensure_build_state(build, &[BuildState::Failed]).await?;
         let now = change.now;

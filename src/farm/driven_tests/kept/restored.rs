@@ -250,7 +250,7 @@ fn a_build_that_was_published_after_the_backup_was_made_is_known_to_be_it_and_ne
         |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.builds_in_state(BuildState::Verified).await.unwrap());
     farm.pass_until("the build is proved", |farm| proved(farm).len() == 1);
     let (build, backup) = (proved(&farm).remove(0), farm.write_backup("backup"));
-    farm.ask(async |ledger| ledger.release_build(build.id, None, "ann").await.unwrap());
+    farm.say(&OperatorWord::Release { build: build.id, seen: None }, false).unwrap();
     let queued = farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
     farm.pass_secs(2.0);

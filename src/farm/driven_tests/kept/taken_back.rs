@@ -41,7 +41,7 @@ fn prove(farm: &mut HandDrivenFarm) -> BuildId {
 }
 
 fn release(farm: &mut HandDrivenFarm, build: BuildId) {
-    farm.ask(async |ledger| ledger.release_build(build, None, "ann").await.unwrap());
+    farm.say(&OperatorWord::Release { build, seen: None }, false).unwrap();
     farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
     farm.pass_secs(2.0);

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use ledger::{BuildRow, BuildState, CommandKind, EventKind, PartState};
+use ledger::{BuildRow, BuildState, CommandKind, EventKind, OperatorWord, PartState};
 use ledger_fixtures::ToldWords;
 
 use crate::{
@@ -47,11 +47,13 @@ pub(crate) fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) 
 }
 
 pub(super) fn take_down(farm: &HandDrivenFarm, printer: &str) {
-    farm.ask(async |ledger| ledger.take_printer_down(printer, PROFILE, "a@test", "its lamp").await.unwrap());
+    let (profile, printer, reason) = (PROFILE.to_owned(), printer.to_owned(), "its lamp".to_owned());
+    farm.say(&OperatorWord::PrinterDown { profile, printer, reason }, false).unwrap();
 }
 
 pub(super) fn bring_up(farm: &HandDrivenFarm, printer: &str) {
-    assert!(farm.ask(async |ledger| ledger.bring_printer_up(printer, PROFILE, "a@test").await.unwrap()));
+    let word = OperatorWord::PrinterUp { profile: PROFILE.to_owned(), printer: printer.to_owned() };
+    assert!(farm.say(&word, false).unwrap().sentences[0].ends_with("takes builds again."));
 }
 
 pub(crate) fn published(farm: &HandDrivenFarm) -> Vec<BuildRow> {
@@ -103,7 +105,7 @@ fn a_printer_that_is_down_gets_nothing_and_without_any_nothing_is_fired() {
     assert_eq!((visible(&farm), farm.parts(PartState::Waiting).len()), ([0, 3], 1));
     let text = farm.status_text();
     assert!(text.contains("No printer is in use: nothing is fired."), "{text}");
-    assert!(text.contains("Printer left: down since") && text.contains("by a@test: its lamp."), "{text}");
+    assert!(text.contains("Printer left: down since") && text.contains("by ann@farm: its lamp."), "{text}");
     bring_up(&farm, "left");
     farm.tick();
     farm.order(CommandKind::Flush, None);
@@ -239,7 +241,7 @@ fn a_thin_build_waits_for_a_yes_and_goes_to_the_printer_that_is_up_then() {
     });
     farm.pass_secs(10.0);
     assert_eq!(visible(&farm), [1, 0]);
-    assert!(farm.ask(async |ledger| ledger.release_build(build.id, None, "b@test").await.unwrap()));
+    farm.say(&OperatorWord::Release { build: build.id, seen: None }, false).unwrap();
     farm.pass_until("it is published", |farm| visible(farm) == [2, 0]);
     farm.pass_until("nobody is asked any more", |farm| !farm.has_alert(AlertKind::ReleaseDue));
     farm.assert_ledger_agrees_with_folders();

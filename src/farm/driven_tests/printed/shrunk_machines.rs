@@ -31,7 +31,7 @@ fn proved(farm: &HandDrivenFarm) -> Vec<BuildRow> {
 }
 
 fn release(farm: &HandDrivenFarm, build: &BuildRow) {
-    farm.ask(async |ledger| ledger.release_build(build.id, None, "ann").await.unwrap());
+    farm.say(&OperatorWord::Release { build: build.id, seen: None }, false).unwrap();
 }
 
 /// The highest corner of what stands in a build file, mm.

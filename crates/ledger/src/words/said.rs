@@ -1,0 +1,77 @@
+//! What a person can say of builds and printers, what was seen of the files that it is about, and what becomes of it (`operator_word`).
+
+use std::collections::BTreeMap;
+
+use crate::{BuildId, ReprintTarget, ToldOutcome};
+
+/// A word of a person about builds and printers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum OperatorWord {
+    /// How the print of a build ended.
+    Outcome(BuildId, ToldOutcome),
+    /// Printed copies are printed again.
+    Reprint(ReprintTarget),
+    /// The same proved build is issued once more.
+    Requeue(BuildId),
+    /// Something was said of each copy of its cake.
+    BreakOut(BuildId),
+    /// It was not printed, and its copies wait again; why.
+    Withdraw(BuildId, String),
+    /// A proved build may be published.
+    Release {
+        /// The build.
+        build: BuildId,
+        /// BLAKE3 of the build file that the person was shown; `None` = of whichever there is.
+        seen: Option<String>,
+    },
+    /// Somebody has seen to its failed print.
+    SeenTo(BuildId),
+    /// A printer takes no builds any more.
+    PrinterDown {
+        /// Its machine.
+        profile: String,
+        /// The printer.
+        printer: String,
+        /// Why.
+        reason: String,
+    },
+    /// A printer takes builds again.
+    PrinterUp {
+        /// Its machine.
+        profile: String,
+        /// The printer.
+        printer: String,
+    },
+}
+
+/// What became of a word.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct WordAnswer {
+    /// What was done or noted, in sentences for people.
+    pub sentences: Vec<String>,
+    /// The builds for which it is carried out once their files are taken back.
+    pub noted: Vec<BuildId>,
+}
+
+/// Where the file of a build is that a word is about, as far as whoever says it could see. Where nothing is known, it may lie in a queue.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SeenFile {
+    /// In no queue folder, and it comes into none.
+    OutOfQueue,
+    /// In a queue folder under another name.
+    Copied {
+        /// The name.
+        name: String,
+        /// Whether its own name is free.
+        is_alone: bool,
+    },
+}
+
+/// What was seen of the files of builds.
+pub type SeenFiles = BTreeMap<BuildId, SeenFile>;
+
+impl From<String> for WordAnswer {
+    fn from(sentence: String) -> Self {
+        Self { sentences: vec![sentence], noted: Vec::new() }
+    }
+}

@@ -9,19 +9,35 @@ use ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, S
 use crate::{
     farm::{
         printers::printers::fate_of_queued,
-        scanning::{machine_fit::find_misfit, queue_contents},
+        scanning::{
+            machine_fit::find_misfit,
+            queue_contents::{ContentReader, VisibleFiles, is_proved},
+        },
     },
-    queue::{FileState, OpenQueue, QueueAddress},
+    queue::{OpenQueue, QueueAddress},
     settings::Settings,
 };
 
 /// How long a queue folder may take to answer. On a share that hangs, the file may still be there.
 const LOOK_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// What was seen of the file of a build.
+struct FileLook {
+    place: QueuePlace,
+    /// Where its copies lie visible besides.
+    others: Vec<String>,
+}
+
 /// Where the file of a build is, as far as this process can see.
 enum QueuePlace {
-    /// It is visible in the queue folder of this printer, with this marker.
-    Visible(String, String),
+    /// Something is visible under its name.
+    Visible {
+        printer: String,
+        /// Marker of the folder.
+        queue_id: String,
+        /// Whether it is what was proved, as far as it could be read.
+        is_proved: bool,
+    },
     /// The folder where it was published is there, and the file is not; with the marker of that folder.
     Gone(String),
     /// It was taken back out of the folder where it was published.
@@ -72,16 +88,18 @@ async fn see_file(
     build: BuildRow,
     word: &OperatorWord,
 ) -> Result<Option<SeenFile>, LedgerError> {
-    let (copy, seen) = look_for_file(settings, &build).await;
-    if let QueuePlace::Visible(printer, queue_id) = &seen {
+    let FileLook { place: seen, others } = look_for_file(settings, &build).await;
+    if let QueuePlace::Visible { printer, queue_id, .. } = &seen {
         ledger.record_back_in_queue(build.id, printer, queue_id).await?;
     }
-    if let Some(name) = copy {
-        return Ok(Some(SeenFile::Copied { name, is_alone: !matches!(seen, QueuePlace::Visible(..)) }));
+    if !others.is_empty() {
+        let own = if let QueuePlace::Visible { printer, .. } = seen { Some(printer) } else { None };
+        return Ok(Some(SeenFile::Copied { own, others }));
     }
     let place = &build.place;
     let is_out = match seen {
-        QueuePlace::Visible(..) => false,
+        QueuePlace::Visible { printer, is_proved: false, .. } => return Ok(Some(SeenFile::Altered { printer })),
+        QueuePlace::Visible { .. } => false,
         _ if place.move_queue_id.is_some() => false,
         QueuePlace::Gone(queue_id) => {
             ledger.record_taken(build.id, &queue_id).await?;
@@ -96,41 +114,45 @@ async fn see_file(
     Ok(is_out.then_some(SeenFile::OutOfQueue))
 }
 
-/// The name, other than its own, under which the file of a build lies in a queue folder of its machine; and where its own is.
-async fn look_for_file(settings: &Settings, build: &BuildRow) -> (Option<String>, QueuePlace) {
-    let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), build.staged.file_name.clone()) else {
-        return (None, QueuePlace::Unknown);
-    };
+/// Looks into the queues of the machine of a build.
+async fn look_for_file(settings: &Settings, build: &BuildRow) -> FileLook {
+    let unknown = FileLook { place: QueuePlace::Unknown, others: Vec::new() };
+    let Some(profile) = settings.profiles.get(&build.profile) else { return unknown };
     let queues: Vec<(String, QueueAddress)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
-    let own = build.staged.queue_id.clone();
-    let look = tokio::task::spawn_blocking(move || look_into(&queues, &name, own.as_deref()));
+    let build = build.clone();
+    let look = tokio::task::spawn_blocking(move || look_into(&queues, &build));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
-        Ok(Ok(seen)) => seen,
-        _ => (None, QueuePlace::Unknown),
+        Ok(Ok(Some(seen))) => seen,
+        _ => unknown,
     }
 }
 
-fn look_into(printers: &[(String, QueueAddress)], name: &str, own: Option<&str>) -> (Option<String>, QueuePlace) {
-    let mut seen = QueuePlace::Unknown;
-    let queues: Vec<(&String, OpenQueue)> =
-        printers.iter().filter_map(|(printer, queue)| Some((printer, queue.find()?))).collect();
-    let copy = queues.iter().find_map(|(_, queue)| queue_contents::find_copy(&**queue, name));
-    for (printer, queue) in queues {
-        let is_withdrawn = queue.holds_taken_back(name);
-        match queue.state(name) {
-            Ok(FileState::Visible) => {
-                return (copy, QueuePlace::Visible(printer.clone(), queue.id().to_owned()));
-            }
-            // The marker once more: the folder may have been unmounted in between.
-            Ok(_) if Some(queue.id()) == own && queue.check().is_ok() => {
-                seen = match is_withdrawn {
-                    true => QueuePlace::Withdrawn,
-                    false => QueuePlace::Gone(queue.id().to_owned()),
-                };
-            }
-            _ => {}
-        }
+/// `None` = the build was never written.
+fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow) -> Option<FileLook> {
+    let name = build.staged.file_name.as_deref()?;
+    let find = |(printer, queue): &(String, QueueAddress)| Some((printer.clone(), queue.find()?));
+    let queues: Vec<(String, OpenQueue)> = printers.iter().filter_map(find).collect();
+    let own_id = build.staged.queue_id.as_deref();
+    let published_in = queues.iter().find(|(_, queue)| Some(queue.id()) == own_id);
+    // Before and after: it may come or go meanwhile.
+    let was_withdrawn = published_in.is_some_and(|(_, queue)| queue.holds_taken_back(name));
+    let VisibleFiles { own, others } = VisibleFiles::find(&queues, name, own_id);
+    if let Some((printer, queue)) = own {
+        let mut reader = ContentReader::new(1);
+        let is_proved = queue.stamp(name).is_none_or(|stamp| is_proved(build, (&*queue, name, stamp), &mut reader));
+        let place = QueuePlace::Visible { printer, queue_id: queue.id().to_owned(), is_proved };
+        return Some(FileLook { place, others });
     }
-    (copy, seen)
+    let place = match published_in {
+        // The marker once more: the folder may have been unmounted in between.
+        Some((_, queue)) if queue.state(name).is_ok() && queue.check().is_ok() => {
+            match was_withdrawn || queue.holds_taken_back(name) {
+                true => QueuePlace::Withdrawn,
+                false => QueuePlace::Gone(queue.id().to_owned()),
+            }
+        }
+        _ => QueuePlace::Unknown,
+    };
+    Some(FileLook { place, others })
 }

@@ -192,6 +192,11 @@ async fn commit_step(desk: &mut Building<'_>, build: &BuildRow, step: TakeBackSt
             drop_word(desk, id, TakeBackEnd::Altered, (why, then)).await?;
             look_again_at(desk, build);
         }
+        TakeBackStep::Copied(places) => {
+            let why = format!("its copies lie in the queue as {places}");
+            let then = "Take that out of the queue, and say it once more";
+            drop_word(desk, id, TakeBackEnd::Copied(places), (&why, then)).await?;
+        }
         TakeBackStep::Taken => {
             let then = "Say it once more when it is known how it is printed";
             drop_word(desk, id, TakeBackEnd::Taken, ("its printer took it first", then)).await?;

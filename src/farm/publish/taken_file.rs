@@ -14,6 +14,7 @@ use crate::{
             build_record::note_withdrawn,
             staged_build::{has_hash, is_of_hash},
         },
+        scanning::queue_contents::VisibleFiles,
     },
     queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome},
 };
@@ -45,6 +46,8 @@ pub(crate) enum TakeBackStep {
     Taken,
     /// What lies under its name is not the proved file.
     Altered,
+    /// Its copies lie in a queue under another name, or a second time: where.
+    Copied(String),
     /// It is at another printer than the ledger says, as after a backup was put back.
     Elsewhere(FoundPlace),
     /// It is out of the printer's reach: its copies are to wait again.
@@ -78,9 +81,10 @@ impl TakenFile {
         self.check_rights()?;
         let name = self.build.staged.file_name.as_deref().context("its row names no file")?;
         match &self.target {
-            TakeBackTarget::Waiting { is_carried_out: false, .. } => {
-                Ok(self.take_back(name)?.unwrap_or(TakeBackStep::TakenBack))
-            }
+            TakeBackTarget::Waiting { is_carried_out: false, .. } => match self.find_copies(name) {
+                Some(places) => Ok(TakeBackStep::Copied(places)),
+                None => Ok(self.take_back(name)?.unwrap_or(TakeBackStep::TakenBack)),
+            },
             TakeBackTarget::Waiting { archive, .. } => {
                 // Before nothing else tells any more that nobody printed it.
                 if let Some(at) = self.build.place.withdrawn_at {
@@ -123,6 +127,16 @@ impl TakenFile {
                 Some(self.find_elsewhere(name).map_or(TakeBackStep::Taken, TakeBackStep::Elsewhere))
             }
         })
+    }
+
+    /// Where its copies could be printed from when its file is taken back. What was taken back before stays so: its word is carried out,
+    /// and what came since is told of.
+    fn find_copies(&self, name: &str) -> Option<String> {
+        if self.source.holds_taken_back(name) {
+            return None;
+        }
+        let others = VisibleFiles::find(&self.queues, name, Some(self.source.id())).others;
+        (!others.is_empty()).then(|| others.join(", "))
     }
 
     fn proved_hash(&self) -> Result<&str> {

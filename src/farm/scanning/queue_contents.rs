@@ -10,8 +10,9 @@ use std::{
 };
 
 use build_file::{HeadingMetadata, ReadLimits};
+use ledger::BuildRow;
 
-use crate::queue::{FileStamp, FileState, PrinterQueue, QueueAddress};
+use crate::queue::{FileStamp, FileState, OpenQueue, PrinterQueue, QueueAddress};
 
 /// How a ZIP package begins, as a 3MF file is one.
 const PACKAGE: &[u8] = b"PK";
@@ -107,14 +108,54 @@ pub(crate) fn forget_others(queue: &dyn PrinterQueue, names: &[String]) {
     known_contents().retain(|(address, name), _| address != queue.address() || names.contains(name));
 }
 
-/// The name, other than its own, under which a build file lies visible in a queue.
-pub(crate) fn find_copy(queue: &dyn PrinterQueue, name: &str) -> Option<String> {
-    let mut reader = ContentReader::new(usize::MAX);
-    let names = queue.names(FileState::Visible).ok()?;
-    names.into_iter().filter(|other| other != name).find(|other| {
-        let stamp = queue.stamp(other);
-        stamp.is_some_and(|stamp| reader.own_name(queue, other, stamp).as_deref() == Some(name))
-    })
+/// Where the copies of a build lie visible in the queues of its machine.
+#[derive(Debug, Default)]
+pub(crate) struct VisibleFiles {
+    /// The printer in whose queue its file lies under its own name, and that queue.
+    pub(crate) own: Option<(String, OpenQueue)>,
+    /// All others, under that name or any other, as people are told: `job.3mf at left`.
+    pub(crate) others: Vec<String>,
+}
+
+impl VisibleFiles {
+    /// Looks into all queues of the machine of a build for the file of this name. `queue_id` = the queue where it was published. A queue
+    /// that is away keeps nobody from looking into the others.
+    pub(crate) fn find(queues: &[(String, OpenQueue)], name: &str, queue_id: Option<&str>) -> Self {
+        let mut reader = ContentReader::new(usize::MAX);
+        let (mut found, mut named) = (Self::default(), Vec::new());
+        for (printer, queue) in queues {
+            if matches!(queue.state(name), Ok(FileState::Visible)) {
+                named.push((printer, queue));
+            }
+            let names = queue.names(FileState::Visible).unwrap_or_default();
+            let copies = names.into_iter().filter(|other| other != name).filter(|other| {
+                let stamp = queue.stamp(other);
+                stamp.is_some_and(|stamp| reader.own_name(&**queue, other, stamp).as_deref() == Some(name))
+            });
+            found.others.extend(copies.map(|other| format!("{other} at {printer}")));
+        }
+        // Where it was published, or else the first.
+        named.sort_by_key(|(_, queue)| Some(queue.id()) != queue_id);
+        let mut named = named.into_iter();
+        found.own = named.next().map(|(printer, queue)| (printer.clone(), queue.clone()));
+        found.others.extend(named.map(|(printer, _)| format!("{name} at {printer}")));
+        found
+    }
+}
+
+/// Whether a visible file is the one that was proved as a build, as far as it was read.
+pub(crate) fn is_proved(
+    build: &BuildRow,
+    (queue, name, stamp): (&dyn PrinterQueue, &str, FileStamp),
+    reader: &mut ContentReader,
+) -> bool {
+    if !stamp.is_file || build.staged.file_bytes.is_some_and(|bytes| bytes != stamp.bytes) {
+        return false;
+    }
+    match (reader.hash(queue, name, stamp), &build.staged.file_hash) {
+        (Some(found), Some(proved)) => found == *proved,
+        _ => true,
+    }
 }
 
 fn starts_as_package(file: &Path) -> io::Result<bool> {

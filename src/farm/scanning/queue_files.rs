@@ -9,7 +9,7 @@ use super::{
     queue_contents::{self, ContentReader},
 };
 use crate::{
-    queue::{FileStamp, FileState, OpenQueue, PrinterQueue},
+    queue::{FileState, OpenQueue, PrinterQueue},
     settings::MachineProfile,
 };
 
@@ -77,7 +77,7 @@ impl QueueFileLook<'_> {
                 ),
             }),
             Some(build) if build.state == BuildState::Published => {
-                let is_proved = stamp.is_file && is_proved(&build, (queue, name, stamp), reader);
+                let is_proved = queue_contents::is_proved(&build, (queue, name, stamp), reader);
                 let wrong = self.find_fault_of_published(&build, queue, is_proved);
                 if wrong.is_none() && build.place.taken_at.is_some() {
                     found.back.push((build, printer.clone(), queue.id().to_owned()));
@@ -137,20 +137,5 @@ impl QueueFileLook<'_> {
         let or_rename = if is_wanted && is_alone { ", or give it that name back" } else { "" };
         let (id, state) = (build.id, build.state_word());
         format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}")
-    }
-}
-
-/// Whether a visible file is the proved one, as far as it was read.
-fn is_proved(
-    build: &BuildRow,
-    (queue, name, stamp): (&dyn PrinterQueue, &str, FileStamp),
-    reader: &mut ContentReader,
-) -> bool {
-    if build.staged.file_bytes.is_some_and(|bytes| bytes != stamp.bytes) {
-        return false;
-    }
-    match (reader.hash(queue, name, stamp), &build.staged.file_hash) {
-        (Some(found), Some(proved)) => found == *proved,
-        _ => true,
     }
 }

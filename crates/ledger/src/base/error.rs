@@ -282,17 +282,11 @@ pub enum LedgerError {
     },
     /// Nobody printed the build: its file was taken back untouched.
     #[error(
-        "the file of build {build} was taken back out of the queue on {}, untouched: it does not count as printed, and its copies are made \
-         again. If somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; \
-         `nestd show b{build}` lists its parts",
-        .at.0.strftime("%Y-%m-%d %H:%M UTC")
+        "the file of build {0} was taken back out of the queue untouched: it does not count as printed, and its copies are made again. If \
+         somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; \
+         `nestd show b{0}` tells when, and lists its parts"
     )]
-    TakenBack {
-        /// The build.
-        build: BuildId,
-        /// When.
-        at: crate::UtcTimestamp,
-    },
+    TakenBack(BuildId),
     /// Fewer copies of the part are in the build than were named as bad.
     #[error("build {build} holds {} of part {part}, and {asked} were named; `nestd show b{build}` lists them", copies_text(*.placed))]
     TooFewInBuild {

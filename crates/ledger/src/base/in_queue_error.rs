@@ -30,18 +30,31 @@ pub enum InQueueError {
         /// The build.
         build: BuildId,
     },
-    /// Its bytes lie in a queue folder under another name, where nobody can take them back.
+    /// What lies under its name is not the file that was proved: it is not taken back.
     #[error(
-        "the file of build {build} lies in the queue under another name, as {name}, and could be printed from there. Take {name} out of the \
-         queue{}; then say it again", if *.is_alone { ", or give it its own name back" } else { "" }
+        "what lies in the queue of {printer} as the file of build {build} is not the file that was proved. Take it out of the queue, look \
+         whether it was printed, and say it again"
+    )]
+    Altered {
+        /// The build.
+        build: BuildId,
+        /// The printer.
+        printer: String,
+    },
+    /// Its copies lie in a queue folder under another name, or a second time: nestd takes only the file back that it published.
+    #[error(
+        "the file of build {build} {}, and could be printed from there. Take {} out of the queue{}; then say it again",
+        describe_places(.own.as_deref(), .others),
+        join_with_and(.others),
+        if .own.is_none() && .others.len() == 1 { ", or give it its own name back" } else { "" }
     )]
     Copied {
         /// The build.
         build: BuildId,
-        /// The name.
-        name: String,
-        /// Whether its own name is free.
-        is_alone: bool,
+        /// The printer at whose queue it lies under its own name.
+        own: Option<String>,
+        /// All other places, as `job.3mf at left`.
+        others: Vec<String>,
     },
     /// Its file is between two printers.
     #[error("the file of build {0} is on its way to another printer: say it again when it is there")]
@@ -49,4 +62,20 @@ pub enum InQueueError {
     /// Its file is being taken back.
     #[error("the file of build {0} is being taken back out of the queue: `nestd show b{0}` says what became of it")]
     BeingTakenBack(BuildId),
+}
+
+/// Where the copies of a build lie: `lies in the queue of left, and a second time as job.3mf at right`.
+fn describe_places(own: Option<&str>, others: &[String]) -> String {
+    let places = join_with_and(others);
+    match own {
+        Some(printer) => format!("lies in the queue of {printer}, and a second time as {places}"),
+        None => format!("lies in the queue under another name, as {places}"),
+    }
+}
+
+fn join_with_and(texts: &[String]) -> String {
+    match texts {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => texts.concat(),
+    }
 }

@@ -85,7 +85,7 @@ impl Ledger {
                 "UPDATE build SET taken_at = $1, printer = coalesce(move_to, printer), \
                  queue_id = coalesce(move_queue_id, queue_id) WHERE id = $2"
             }
-            TakeBackEnd::Altered | TakeBackEnd::Removed => "",
+            TakeBackEnd::Altered | TakeBackEnd::Copied(_) | TakeBackEnd::Removed => "",
         };
         if !set.is_empty() {
             sql::query(set).bind(now).bind(build).execute(change.db()).await?;
@@ -97,6 +97,9 @@ impl Ledger {
             TakeBackEnd::Altered if is_word => {
                 let detail = "not taken back: what lies in the queue is not the file that was proved";
                 Some((EventKind::Withdrawn, detail.to_owned()))
+            }
+            TakeBackEnd::Copied(places) => {
+                Some((EventKind::Withdrawn, format!("not taken back: its copies lie in the queue as {places}")))
             }
             TakeBackEnd::TakenThere => Some((EventKind::Relocated, format!("from {from} to {to}, which took it"))),
             _ => None,
@@ -132,7 +135,7 @@ impl Ledger {
 }
 
 /// How it ended that a file was to be taken back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TakeBackEnd {
     /// Its printer took the file before it could be taken back.
     Taken,
@@ -140,6 +143,8 @@ pub enum TakeBackEnd {
     TakenThere,
     /// What lies there is not the proved file.
     Altered,
+    /// Its copies lie in a queue under another name, or a second time: where.
+    Copied(String),
     /// The file is not in the queue where the ledger has it: it was taken back, or found elsewhere.
     Removed,
 }

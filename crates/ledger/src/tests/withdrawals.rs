@@ -136,7 +136,7 @@ async fn assert_no_outcome_is_heard(ledger: &Ledger, build: BuildId) {
             let told = ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "ann") };
             let word = OperatorWord::Outcome(build, told);
             let refused = ledger.carry_out(&word, "ann", &SeenFiles::from([(build, SeenFile::OutOfQueue)]), true).await;
-            assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{outcome} {is_correction}: {refused:?}");
+            assert!(matches!(refused, Err(LedgerError::TakenBack(_))), "{outcome} {is_correction}: {refused:?}");
         }
     }
     let broken_out = OperatorWord::BreakOut(build);

@@ -207,22 +207,25 @@ impl Ledger {
     /// printed, and of which no other outcome was told, is withdrawn. `is_taken_back` = the file lay there untouched, and nestd has it.
     pub async fn finish_noted_word(&self, build: BuildId, is_taken_back: bool) -> Result<Option<Vec<String>>> {
         let mut change = self.begin_change().await?;
-        let (profile, _) = change.require_build(build).await?;
+        let (profile, state) = change.require_build(build).await?;
         let Some((by, word)) = noted_word(&mut change, build).await?.filter(|(_, word)| *word != BuildWord::CarriedOut)
         else {
             return Ok(None);
         };
+        let tells_outcome =
+            matches!(word, BuildWord::Outcome(_) | BuildWord::BreakOut) || state != BuildState::Published;
+        if tells_outcome {
+            // First of all, as it was: what follows was true of no file in the queue.
+            let detail = format!("out of the queue, as {by} said");
+            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
+        }
         let effect = word.apply(&mut change, build, &by).await?;
         set_word(&mut change, build, &by, &BuildWord::CarriedOut).await?;
-        let said = effect.sentences.join(" ");
-        let detail = format!("out of the queue, as {by} said: {said}");
         if change.require_build(build).await?.1 == BuildState::Published {
+            let detail = format!("out of the queue, as {by} said: {}", effect.sentences.join(" "));
             record_withdrawn(&mut change, build, &by, &detail).await?;
-        } else if !matches!(word, BuildWord::Withdraw(_)) {
-            if is_taken_back {
-                record_untouched(&mut change, build).await?;
-            }
-            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
+        } else if tells_outcome && is_taken_back {
+            record_untouched(&mut change, build).await?;
         }
         change.commit().await?;
         Ok(Some(effect.sentences))
@@ -265,11 +268,13 @@ impl Ledger {
     }
 }
 
-/// Whether the file of a build is certainly in no queue. Under another name, nobody can take it back.
+/// Whether the file of a build is certainly in no queue. Under another name or altered, nobody can take it back, and of two files only
+/// one.
 fn is_out_of_queue(seen: &SeenFiles, build: BuildId) -> Result<bool> {
     match seen.get(&build).cloned() {
         Some(SeenFile::OutOfQueue) => Ok(true),
-        Some(SeenFile::Copied { name, is_alone }) => Err(InQueueError::Copied { build, name, is_alone }.into()),
+        Some(SeenFile::Altered { printer }) => Err(InQueueError::Altered { build, printer }.into()),
+        Some(SeenFile::Copied { own, others }) => Err(InQueueError::Copied { build, own, others }.into()),
         None => Ok(false),
     }
 }

@@ -164,17 +164,16 @@ pub(super) async fn record_told(change: &mut LedgerChange, build: BuildId, told:
 /// Moves a build to the state of its outcome. A withdrawn build has none: its copies would count as printed, and be lost.
 pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
     let (_, state) = change.require_build(build).await?;
-    let is_published: bool = sql::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = $1")
-        .bind(build)
-        .fetch_one(change.db())
-        .await?;
+    let query =
+        sql::query_as("SELECT published_at IS NOT NULL, taken_at IS NOT NULL FROM build WHERE id = $1").bind(build);
+    let (is_published, is_taken): (bool, bool) = query.fetch_one(change.db()).await?;
     let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
     if !is_published {
         // Only the farm may fail a nesting build, because it then releases the copies.
         change.ensure_build_state(build, REPORTABLE_STATES).await?;
     }
-    if let Some(at) = change.withdrawn_at(build).await? {
-        return Err(LedgerError::TakenBack { build, at });
+    if change.withdrawn_at(build).await?.is_some() {
+        return Err(LedgerError::TakenBack(build));
     }
     if is_told && !told.is_correction {
         return Err(LedgerError::AlreadyTold { build, state, asked: told.outcome.build_state() });
@@ -182,7 +181,9 @@ pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, t
     if is_told && state == told.outcome.build_state() {
         return Ok(());
     }
-    if state == BuildState::Published && told.outcome != PrintOutcome::Printing {
+    // Of a failed one whose file nobody is known to have taken, it is not said that it was printed.
+    let was_printed = is_taken || told.outcome != PrintOutcome::Failed;
+    if state == BuildState::Published && told.outcome != PrintOutcome::Printing && was_printed {
         change.move_build(build, BuildState::Printing, "").await?;
     }
     change.move_build(build, told.outcome.build_state(), &told.note).await?;

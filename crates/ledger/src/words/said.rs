@@ -58,12 +58,17 @@ pub struct WordAnswer {
 pub enum SeenFile {
     /// In no queue folder, and it comes into none.
     OutOfQueue,
-    /// In a queue folder under another name.
+    /// What lies under its name at this printer is not what was proved.
+    Altered {
+        /// The printer.
+        printer: String,
+    },
+    /// In a queue folder under another name, or a second time.
     Copied {
-        /// The name.
-        name: String,
-        /// Whether its own name is free.
-        is_alone: bool,
+        /// The printer at whose queue it lies under its own name.
+        own: Option<String>,
+        /// All other places, as `job.3mf at left`.
+        others: Vec<String>,
     },
 }
 

@@ -187,8 +187,8 @@ fn what_a_take_back_finds_changed_is_told_until_the_file_is_out_of_the_queue() {
     let (mut farm, build, file) = one_build();
     let mut bytes = fs::read(&file).unwrap();
     bytes[100] ^= 1;
-    fs::write(&file, &bytes).unwrap();
     farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
+    fs::write(&file, &bytes).unwrap();
     farm.pass_until("the withdrawal has ended", |farm| find(farm, &build).place.withdraw_by.is_none());
     expect_told(&mut farm, "is not the file that was proved");
     assert_eq!(find(&farm, &build).state, BuildState::Published);

@@ -3,14 +3,17 @@
 use std::fs;
 
 use ledger::{
-    BuildId, BuildRow, BuildState, CommandKind, InQueueError, LedgerError, OperatorWord, PartState, PickMark,
-    PrintOutcome, ReprintTarget, ToldOutcome,
+    BuildId, BuildRow, BuildState, CommandKind, EventKind, InQueueError, LedgerError, OperatorWord, PartState,
+    PickMark, PrintOutcome, ReprintTarget, ToldOutcome,
 };
 
-use super::printers::published;
+use super::printers::{published, queue, two_printers};
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+    driven_tests::{
+        HandDrivenFarm, PROFILE, QUICK, block,
+        hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
+    },
 };
 
 /// A farm with one published build of three copies.
@@ -68,6 +71,12 @@ fn a_word_that_has_copies_printed_again_takes_the_file_out_of_the_queue_first_or
             farm.start();
         }
         farm.pass_until("the word is carried out", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        let events = farm.ask(async |ledger| ledger.events_of_build(build.id).await.unwrap());
+        let at = |kind: EventKind| events.iter().position(|event| event.kind == kind);
+        assert_eq!(at(EventKind::Printing).is_some(), matches!(number, 1..=3), "nobody printed it: {events:?}");
+        let ended =
+            [EventKind::Failed, EventKind::Complete, EventKind::Interrupted].map(at).into_iter().flatten().min();
+        assert!(number > 3 || at(EventKind::Withdrawn) < ended, "it was out of the queue before: {events:?}");
         farm.order(CommandKind::Flush, None);
         farm.wait_for_queued(1);
         assert_each_copy_once(&farm.queued(), again);
@@ -114,21 +123,38 @@ fn a_file_that_was_emptied_replaced_or_is_a_folder_is_not_taken_back() {
     for harm in ["emptied", "replaced", "folder"] {
         let (mut farm, build) = three_copies();
         let file = farm.queued().remove(0);
-        let bytes = fs::metadata(&file).unwrap().len() as usize;
-        fs::remove_file(&file).unwrap();
-        match harm {
-            "folder" => fs::create_dir(&file).unwrap(),
-            _ => fs::write(&file, vec![7; if harm == "emptied" { 0 } else { bytes }]).unwrap(),
+        let proved = fs::read(&file).unwrap();
+        let (withdraw, failed) =
+            (OperatorWord::Withdraw(build.id, String::new()), outcome(&build, PrintOutcome::Failed, 0));
+        for word in [&withdraw, &failed] {
+            if file.is_dir() {
+                fs::remove_dir(&file).unwrap()
+            } else {
+                fs::remove_file(&file).unwrap()
+            }
+            fs::write(&file, &proved).unwrap();
+            farm.say(word, true).unwrap();
+            fs::remove_file(&file).unwrap();
+            match harm {
+                "folder" => fs::create_dir(&file).unwrap(),
+                _ => fs::write(&file, vec![7; if harm == "emptied" { 0 } else { proved.len() }]).unwrap(),
+            }
+            farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
+            farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+            farm.pass_secs(3.0);
+            assert_eq!(
+                farm.has_alert(AlertKind::NotTakenBack),
+                *word == failed,
+                "who withdraws it only wants the file"
+            );
         }
-        farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
-        farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
-        farm.pass_until("the withdrawal has ended", |farm| find(farm, build.id).place.withdraw_by.is_none());
-        assert!(!farm.has_alert(AlertKind::NotTakenBack), "who withdraws it only wants the file");
-        farm.say(&outcome(&build, PrintOutcome::Failed, 0), true).unwrap();
-        farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
-        farm.pass_until("that is told", |farm| farm.has_alert(AlertKind::NotTakenBack));
         let told = farm.alert_text(AlertKind::NotTakenBack);
         assert!(told.contains("is not the file that was proved") && told.contains("once more"), "{harm}: {told}");
+        // Said of what is altered already, it is refused at once, and nobody is asked to insist.
+        for (word, anyway) in [(&withdraw, false), (&failed, false), (&failed, true)] {
+            let refused = farm.say(word, anyway).unwrap_err();
+            assert!(matches!(refused, LedgerError::InQueue(InQueueError::Altered { .. })), "{harm}: {refused}");
+        }
         let row = find(&farm, build.id);
         assert_eq!((row.state, row.place.withdrawn_at), (BuildState::Published, None), "{harm}");
         assert!(file.exists() && farm.parts(PartState::Waiting).is_empty(), "{harm}");
@@ -221,7 +247,9 @@ fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name_which_a
         }
         for anyway in [false, true] {
             let refused = farm.say(&word, anyway).unwrap_err().to_string();
-            assert!(refused.contains(&format!("under another name, as {name}")), "{word:?}: {refused}");
+            let how = if is_moved { "under another name, as" } else { "in the queue of test, and a second time as" };
+            assert!(refused.contains(&format!("{how} {name} at test")), "{word:?}: {refused}");
+            assert!(refused.contains(&format!("Take {name} at test out")), "{word:?}: {refused}");
             // Its own name is free only where its file does not lie there.
             assert_eq!(refused.contains("its own name back"), is_moved, "{refused}");
         }
@@ -232,5 +260,74 @@ fn a_word_is_refused_while_the_file_lies_in_the_queue_under_another_name_which_a
         fs::remove_file(&other).unwrap();
         farm.say(&word, true).unwrap();
         farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::QueueAltered));
+    }
+}
+
+#[test]
+fn a_word_is_refused_while_a_second_file_of_the_build_lies_at_another_printer_under_whatever_name() {
+    for (number, is_own_name) in (0..7).flat_map(|number| [(number, true), (number, false)]) {
+        let mut farm = two_printers("");
+        farm.drop_bytes("a.stl.toml", b"copies = 3\n");
+        farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        farm.order(CommandKind::Flush, None);
+        farm.wait_for_parts(PartState::Built, 1);
+        let build = published(&farm).remove(0);
+        let withdraw = (OperatorWord::Withdraw(build.id, String::new()), 3);
+        let (word, again) = words(&farm, &build).into_iter().chain([withdraw]).nth(number).unwrap();
+        let at = build.place.printer.clone().unwrap();
+        let other = if at == "left" { "right" } else { "left" };
+        let name = build.staged.file_name.clone().unwrap();
+        let second = queue(&farm, other).join(if is_own_name { &name } else { "job.3mf" });
+        fs::copy(queue(&farm, &at).join(&name), &second).unwrap();
+        let seen = second.file_name().unwrap().to_str().unwrap().to_owned();
+        for anyway in [false, true] {
+            let refused = farm.say(&word, anyway).unwrap_err().to_string();
+            let both = format!("in the queue of {at}, and a second time as {seen} at {other}");
+            assert!(refused.contains(&both), "{word:?}: {refused}");
+            assert!(refused.contains(&format!("Take {seen} at {other} out")), "{word:?}: {refused}");
+        }
+        farm.pass_secs(5.0);
+        assert_eq!((find(&farm, build.id).state, farm.parts(PartState::Waiting).len()), (BuildState::Published, 0));
+        fs::remove_file(&second).unwrap();
+        farm.say(&word, true).unwrap();
+        farm.pass_until("the word is carried out", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        farm.order_and_wait(CommandKind::Resume, None);
+        farm.order(CommandKind::Flush, None);
+        farm.pass_until("its copies are printed", |farm| published(farm).iter().any(|other| other.id != build.id));
+        let queued = ["left", "right"].map(|printer| list_build_files(&queue(&farm, printer)));
+        assert_each_copy_once(&queued.concat(), again);
+    }
+}
+
+#[test]
+fn a_word_that_was_noted_is_dropped_where_the_file_is_copied_or_renamed_before_it_is_taken_out() {
+    for (number, is_moved) in [(0, true), (0, false), (5, true), (6, true), (6, false)] {
+        let (mut farm, build) = three_copies();
+        let withdraw = (OperatorWord::Withdraw(build.id, String::new()), 3);
+        let (word, _) = words(&farm, &build).into_iter().chain([withdraw]).nth(number).unwrap();
+        farm.say(&word, true).unwrap();
+        farm.stop();
+        let (file, other) = (farm.queued().remove(0), farm.folder("queue").join("job.3mf"));
+        fs::copy(&file, &other).unwrap();
+        if is_moved {
+            fs::remove_file(&file).unwrap();
+        }
+        farm.start();
+        farm.pass_until("the word is dropped", |farm| find(farm, build.id).place.withdraw_by.is_none());
+        farm.pass_until("the file is told", |farm| farm.alert_text(AlertKind::QueueAltered).contains("job.3mf"));
+        farm.pass_secs(3.0);
+        assert_eq!(farm.has_alert(AlertKind::NotTakenBack), number < 6, "who withdraws it only wants the file");
+        let told = farm.alert_text(AlertKind::NotTakenBack);
+        assert!(number == 6 || told.contains("job.3mf at test") && !told.contains("printer took it"), "{told}");
+        assert_eq!(find(&farm, build.id).state, BuildState::Published, "{word:?}");
+        let detail = farm.ask(async |ledger| ledger.events_of_build(build.id).await.unwrap()).pop().unwrap().detail;
+        assert!(number < 6 || detail.contains("job.3mf at test"), "{detail}");
+        assert_eq!(file.exists(), !is_moved, "it stays where it is");
+        fs::remove_file(&other).unwrap();
+        assert_eq!(farm.say(&word, true).is_err(), number == 6 && is_moved, "what is not there is not withdrawn");
+        farm.pass_until("it is over", |farm| {
+            !farm.has_alert(AlertKind::NotTakenBack) && !farm.has_alert(AlertKind::QueueAltered)
+        });
     }
 }

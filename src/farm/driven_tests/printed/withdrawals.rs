@@ -119,7 +119,7 @@ fn no_copy_of_a_build_that_was_taken_back_is_lost_and_its_file_is_told_of_where_
     for outcome in [PrintOutcome::Complete, PrintOutcome::Interrupted] {
         let told = ToldOutcome { is_correction: true, ..ToldOutcome::new(outcome, "", "ann@farm") };
         let refused = farm.say(&OperatorWord::Outcome(build, told), true).unwrap_err();
-        assert!(matches!(refused, LedgerError::TakenBack { .. }), "{refused}");
+        assert!(matches!(refused, LedgerError::TakenBack(_)), "{refused}");
     }
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
     fs::write(&file, bytes).unwrap();
@@ -148,7 +148,7 @@ fn a_build_that_was_told_failed_while_its_file_lay_untouched_never_counts_as_pri
     let row = find(&farm, build);
     assert!(row.place.withdrawn_at.is_some() && row.state_word() == "withdrawn", "{row:?}");
     let refused = tell(&farm, build, PrintOutcome::Complete, true);
-    assert!(matches!(refused, Err(LedgerError::TakenBack { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(LedgerError::TakenBack(_))), "{refused:?}");
     farm.wait_for_parts(PartState::Waiting, 1);
     fs::write(&file, bytes).unwrap();
     farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::QueueAltered).contains("withdrawn"));

@@ -27,6 +27,7 @@ pub use build::model_write::sanitize_name as name_in_build_file;
 pub use build::pick_map::{PickMapRow, pick_rows, write_pick_map};
 pub use build::second_reader::cross_check;
 pub use common::camspec::{MAX_CLEARANCE_MM, SolidRequest, is_camspec_name};
+pub use common::copies_question::{COPIES_QUESTION, is_copies_question};
 pub use common::error::{FileReadError, FileWriteError};
 pub use common::file_name::build_file_name;
 pub use common::plural::format_count;

@@ -163,7 +163,7 @@ fn a_part_below_a_folder_with_a_spreadsheet_is_asked_about() {
     farm.drop_file("order-9/Bestellung.xlsx", "PK");
     farm.drop_file("order-9/stl/a.stl", "solid");
     let spec = farm.claim().read_part_spec().unwrap();
-    assert!(spec.warnings.iter().any(|warning| is_copies_question(warning)), "{spec:?}");
+    assert!(spec.warnings.iter().any(|warning| build_file::is_copies_question(warning)), "{spec:?}");
 }
 
 #[test]

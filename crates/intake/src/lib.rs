@@ -59,6 +59,4 @@ pub use put::upload::{UploadError, UploadedFile, check_upload_name, remove_unfin
 pub use spec::late_ticket::{LateTicket, LateTicketEnd, NamedPart};
 pub use spec::list_end::{ListOutcome, finish_order_list};
 pub use spec::list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedPolicy};
-pub use spec::part_spec::{
-    COPIES_QUESTION, PartSpec, ReceivedTicket, SpecSource, is_copies_question, read_print_question, read_ticket,
-};
+pub use spec::part_spec::{PartSpec, ReceivedTicket, SpecSource, read_print_question, read_ticket};

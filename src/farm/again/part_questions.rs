@@ -1,7 +1,7 @@
 //! Open questions of waiting parts: what a person must say or do, and how. `STATUS.txt`, `status.json`, `nestd show` and the
 //! page of a part show them.
 
-use build_file::format_count;
+use build_file::{COPIES_QUESTION, format_count};
 use ledger::{PartRow, QuestionKind, QuestionedPart};
 use serde_json::json;
 
@@ -22,7 +22,7 @@ pub struct PartQuestion {
 impl PartQuestion {
     /// The open questions of a part.
     pub fn of_part(part: &PartRow) -> Vec<Self> {
-        let kinds = QuestionKind::of_part(part, intake::COPIES_QUESTION);
+        let kinds = QuestionKind::of_part(part);
         kinds.into_iter().map(|kind| Self::about(part, kind)).collect()
     }
 
@@ -31,7 +31,7 @@ impl PartQuestion {
         let id = part.id;
         let (text, remedy) = match kind {
             QuestionKind::Confirmation => (
-                format!("It waits for a yes: {}", part.owed.question),
+                format!("It waits for a yes: {}.", part.owed.question.trim_end_matches('.')),
                 format!("`nestd confirm {id}` prints it as it is, `nestd cancel {id}` refuses it."),
             ),
             QuestionKind::Original => (
@@ -39,8 +39,8 @@ impl PartQuestion {
                 format!("Drop {} once more, or take it back with `nestd cancel {id}`.", part.name),
             ),
             QuestionKind::Copies => (
-                format!("{} It is taken as 1.", intake::COPIES_QUESTION),
-                format!("`{}` answers it.", copies_command(part)),
+                format!("{} It is taken as 1.", COPIES_QUESTION),
+                format!("`{}` answers it, and `nestd confirm {id}` leaves it at 1.", copies_command(part)),
             ),
         };
         Self { kind, text, remedy }
@@ -63,7 +63,7 @@ pub(crate) fn questions_text(profile: &str, asked: &[QuestionedPart]) -> String 
         .map(|QuestionedPart { part, .. }| {
             format!(
                 "Question: {} part {} ({}) is taken as 1; answer with `{}`.\n",
-                intake::COPIES_QUESTION,
+                COPIES_QUESTION,
                 part.id,
                 part.name,
                 copies_command(part)
@@ -105,19 +105,19 @@ mod tests {
     #[tokio::test]
     async fn each_open_question_of_a_part_comes_with_what_answers_it() {
         let ledger = fresh().await;
-        let unclear = format!("{} Taken as 1 copy, because its name is not clear.", intake::COPIES_QUESTION);
+        let unclear = format!("{} Taken as 1 copy, because its name is not clear.", COPIES_QUESTION);
         let mut ids = Vec::new();
         for (claim, warnings, question) in [
             ("plain", Vec::new(), ""),
             ("unclear", vec![unclear.clone()], ""),
-            ("speck", vec![unclear], "it is 0.4 mm long."),
+            ("speck", vec![unclear], "it is 0.4 mm long"),
         ] {
             let id = ledger.record_claim(&NewPartRow { warnings, ..new_part(claim, 1) }).await.unwrap().id;
             let facts = SolidFacts { question: question.to_owned(), ..solid(0, 1) };
             ledger.accept_solids(id, &[facts]).await.unwrap();
             ids.push(id);
         }
-        let asked = ledger.parts_with_questions(intake::COPIES_QUESTION, 9).await.unwrap();
+        let asked = ledger.parts_with_questions(9).await.unwrap();
         assert_eq!(asked.iter().map(|row| row.part.id).collect::<Vec<_>>(), ids[1..]);
         let mut rows = Vec::new();
         for id in &ids {
@@ -135,6 +135,7 @@ mod tests {
         assert_eq!(kinds(&rows[0]), [QuestionKind::Original]);
         let json = questions_json("paper-200", &asked);
         assert_eq!(json.as_array().unwrap().len(), 3, "{json:#}");
+        assert_eq!(json[1]["question"], "It waits for a yes: it is 0.4 mm long.");
         assert_eq!(json[1]["remedy"], "`nestd confirm 3` prints it as it is, `nestd cancel 3` refuses it.");
         assert_eq!(questions_json("other", &asked), json!([]));
         assert_eq!(questions_text("paper-200", &asked).matches("Question: How many copies? part 2").count(), 1);

@@ -66,7 +66,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     desk.display.updated_at = Some(desk.shared.now());
     control_files::update_answers(desk.shared.ledger, desk.machines).await?;
     let rows = desk.shared.ledger.profile_statuses().await?;
-    let asked = desk.shared.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
+    let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
     let now = desk.shared.date();
     for (name, machine) in desk.machines.iter_mut() {
         let printers = printer_views(desk.shared.ledger, &machine.profile, now).await?;

@@ -10,7 +10,8 @@ use axum::{
 };
 use intake::MAX_COPIES;
 use ledger::{
-    CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, ReprintTarget,
+    CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, QuestionKind,
+    ReprintTarget,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -77,20 +78,25 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
             input type="hidden" name=(format!("was_{name}")) value=(value);
         }
     };
-    let number = |label: &str, name: &str, value: u32, (least, most): (u32, u32)| {
+    let number = |label: &str, name: &str, value: &str, (least, most): (u32, u32)| {
         html! {
             label { (label) input type="number" name=(name) value=(value) min=(least) max=(most); }
             input type="hidden" name=(format!("was_{name}")) value=(value);
         }
     };
+    // Where it is asked for, whatever is said answers it, also the number that it was taken as.
+    let copies = match QuestionKind::of_part(part).contains(&QuestionKind::Copies) {
+        true => String::new(),
+        false => part.wanted_copies().to_string(),
+    };
     html! {
         details { summary { "Edit" }
             form.tell method="post" action=(format!("/parts/{}/edit", part.id)) {
                 (key_field(web))
-                (number("Copies wanted in all, those in builds included", "copies", part.wanted_copies(), (1, MAX_COPIES)))
+                (number("Copies wanted in all, those in builds included", "copies", &copies, (1, MAX_COPIES)))
                 @if part.state == PartState::Waiting {
                     (field("Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; empty = no date", "due", &due_text(part)))
-                    (number("Priority, 0 to 100", "priority", part.terms.priority.into(), (0, MAX_PRIORITY.into())))
+                    (number("Priority, 0 to 100", "priority", &part.terms.priority.to_string(), (0, MAX_PRIORITY.into())))
                     (field("Note", "note", &part.terms.note))
                 } @else {
                     p { "No copy of it waits: more copies can be asked for, nothing else can be changed." }
@@ -230,6 +236,9 @@ mod tests {
             .to_edit(&FarmZone::default())
             .unwrap();
         assert_eq!(edit, PartEdit { copies: Some(5), due: Some(None), ..PartEdit::default() });
+        // Where the number was asked for, nothing stood there.
+        let one = PartEditForm { copies: "1".to_owned(), was_copies: String::new(), ..shown() };
+        assert_eq!(one.to_edit(&FarmZone::default()).unwrap().copies, Some(1));
         for wrong in [
             PartEditForm { copies: "0".to_owned(), ..shown() },
             PartEditForm { priority: "101".to_owned(), ..shown() },

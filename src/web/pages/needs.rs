@@ -49,7 +49,7 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
     refused.retain(|part| !matches!(part.rejection.refusal, Some(RefusalCause::Cancelled | RefusalCause::Replaced)));
     let facts = NeededFacts {
         failures: web.ledger.unseen_failures().await?,
-        questions: web.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_NAMED as u32).await?,
+        questions: web.ledger.parts_with_questions(MAX_NAMED as u32).await?,
         refused,
         verified: web.ledger.builds_in_state(BuildState::Verified).await?,
     };

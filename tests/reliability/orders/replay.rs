@@ -142,7 +142,8 @@ impl<'a> OperationReplay<'a> {
         account: &mut LineAccount,
     ) -> Option<String> {
         let (by, changes) = event.detail.split_once(": ")?;
-        let (new, rest) = changes.split_once(" copies instead of ")?;
+        let split = |word| changes.split_once(word);
+        let (new, rest) = split(" copies instead of ").or_else(|| split(" copy instead of "))?;
         let old = rest.split(',').next().unwrap_or_default();
         let (Ok(new), Ok(old)) = (new.parse::<u32>(), old.parse::<u32>()) else { return None };
         let before = std::mem::replace(&mut account.wanted, new);

@@ -1,6 +1,7 @@
 //! What all readers and writers share: limits, errors, units, names, and the solid that a reader gives back.
 
 pub(super) mod camspec;
+pub(super) mod copies_question;
 pub(super) mod decimal;
 pub(super) mod error;
 pub(super) mod file_name;

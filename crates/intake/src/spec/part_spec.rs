@@ -6,6 +6,8 @@ use std::{
     path::Path,
 };
 
+use build_file::COPIES_QUESTION;
+
 use crate::{
     ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
     claim::dropped::open_dropped_file,
@@ -28,9 +30,6 @@ use crate::{
 /// A longer file is not accepted as a ticket.
 const MAX_TICKET_BYTES: u64 = 64 << 10;
 
-/// Start of a warning that asks for the number of copies.
-pub const COPIES_QUESTION: &str = "How many copies?";
-
 /// Asks the technician for a number of copies that was said unclearly.
 fn copies_question(why: &str) -> String {
     format!("{COPIES_QUESTION} Taken as 1 copy, because {why}. A ticket with `copies = N` says it.")
@@ -48,11 +47,6 @@ fn print_question(why: &str) -> String {
 pub fn read_print_question(warning: &str) -> Option<&str> {
     let why = warning.strip_prefix(PRINT_QUESTION)?;
     Some(why.strip_suffix('.').unwrap_or(why))
-}
-
-/// Whether a warning of a part asks for its number of copies: something was said about it, but was not understood.
-pub fn is_copies_question(warning: &str) -> bool {
-    warning.starts_with(COPIES_QUESTION)
 }
 
 /// The source of an instruction.

@@ -1,13 +1,14 @@
 //! Changes of what was asked, after the drop: allowed until the final nesting of a copy begins. Each change is an event
 //! that names who made it.
 
-use build_file::LengthUnit;
+use build_file::{LengthUnit, format_count};
 use jiff::Timestamp;
 use nester::OrientationRule;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    EventKind, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause, RequiredTilts, UtcTimestamp,
+    EventKind, Ledger, LedgerError, PartId, PartRow, PartState, QuestionKind, RefusalCause, RequiredTilts,
+    UtcTimestamp,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
@@ -82,6 +83,7 @@ impl Ledger {
         if copies > waiting {
             return Err(LedgerError::TooFewWaiting { part: id, asked: copies, waiting });
         }
+        change.end_copies_question(&part).await?;
         take_back(&mut change, &part, copies, by).await?;
         change.count_decision(id).await?;
         change.update_order(&part.terms.order_name).await?;
@@ -137,12 +139,21 @@ impl Ledger {
         }
     }
 
-    /// A person confirms that a part is to be printed as it is. Returns whether it waited for that.
+    /// A person confirms that a part is to be printed as it is; where nothing else is asked, in as many copies as it was taken. Returns
+    /// whether that was asked.
     pub async fn confirm_part(&self, id: PartId, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
         let part = change.require_part(id).await?;
         if part.owed.question.is_empty() {
-            return Ok(false);
+            if !QuestionKind::of_part(&part).contains(&QuestionKind::Copies) {
+                return Ok(false);
+            }
+            change.end_copies_question(&part).await?;
+            let detail = format!("{by}: {}", as_it_was_taken(part.wanted_copies()));
+            change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
+            change.count_decision(id).await?;
+            change.commit().await?;
+            return Ok(true);
         }
         let confirm = sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id);
         confirm.execute(change.db()).await?;
@@ -175,9 +186,15 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         ensure_terms_editable(change, &part).await?;
         edit_terms(change, &part, edit, &mut changes).await?;
     }
-    if let Some(copies) = edit.copies.filter(|copies| *copies != part.wanted_copies()) {
-        changes.insert(0, format!("{copies} copies instead of {}", part.wanted_copies()));
-        edit_copies(change, &part, copies, by).await?;
+    if let Some(copies) = edit.copies {
+        let was_asked = change.end_copies_question(&part).await?;
+        if copies != part.wanted_copies() {
+            changes
+                .insert(0, format!("{} instead of {}", format_count(copies, "copy", "copies"), part.wanted_copies()));
+            edit_copies(change, &part, copies, by).await?;
+        } else if was_asked {
+            changes.insert(0, as_it_was_taken(copies));
+        }
     }
     if changes.is_empty() {
         return Ok(EditedPart { changes });
@@ -194,6 +211,10 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         change.update_order(order).await?;
     }
     Ok(EditedPart { changes })
+}
+
+fn as_it_was_taken(copies: u32) -> String {
+    format!("{}, as it was taken", format_count(copies, "copy", "copies"))
 }
 
 /// Terms can change while no copy is being nested and copies wait.

@@ -1,5 +1,6 @@
 //! Waiting parts with an open question: a person must say or do something.
 
+use build_file::{COPIES_QUESTION, is_copies_question};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,7 @@ use crate::{
         sql::{self, sql_row},
         text_column::own_word,
     },
+    store::change::LedgerChange,
 };
 
 /// What a question is about.
@@ -28,11 +30,10 @@ own_word!(QuestionKind);
 
 impl QuestionKind {
     /// The open questions of a part, the most important first; `parts_with_questions` finds the first of them in SQL. A
-    /// part whose number of copies is asked for is wanted once, and a line of its warnings begins with `copies_question`.
-    pub fn of_part(part: &PartRow, copies_question: &str) -> Vec<Self> {
+    /// part whose number of copies is asked for is wanted once, and a line of its warnings asks for it.
+    pub fn of_part(part: &PartRow) -> Vec<Self> {
         let is_waiting = part.state == PartState::Waiting;
-        let is_unclear =
-            part.wanted_copies() == 1 && part.warnings.lines().any(|warning| warning.starts_with(copies_question));
+        let is_unclear = part.wanted_copies() == 1 && part.warnings.lines().any(is_copies_question);
         let asked = [
             (Self::Confirmation, is_waiting && !part.owed.question.is_empty()),
             (Self::Original, part.state.is_live() && part.times.damaged_at.is_some()),
@@ -57,8 +58,8 @@ sql_row!(QuestionedPart { kind, total; part });
 
 impl Ledger {
     /// The first `most` waiting parts of each profile and kind with an open question, oldest first. A part whose number of
-    /// copies is asked for waits as one copy with a warning that contains `copies_question`.
-    pub async fn parts_with_questions(&self, copies_question: &str, most: u32) -> Result<Vec<QuestionedPart>> {
+    /// copies is asked for waits as one copy with a warning that contains [`COPIES_QUESTION`].
+    pub async fn parts_with_questions(&self, most: u32) -> Result<Vec<QuestionedPart>> {
         // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
         let query = sql::select_as(
             "FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
@@ -67,6 +68,20 @@ impl Ledger {
              WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
              FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY profile, id",
         );
-        Ok(query.bind(copies_question).bind(most).fetch_all(self.reader()?).await?)
+        Ok(query.bind(COPIES_QUESTION).bind(most).fetch_all(self.reader()?).await?)
+    }
+}
+
+impl LedgerChange {
+    /// Somebody told how many copies of a part are wanted, also where that is what was taken. Returns whether it was asked for.
+    pub(crate) async fn end_copies_question(&mut self, part: &PartRow) -> Result<bool> {
+        let others: Vec<&str> = part.warnings.lines().filter(|warning| !is_copies_question(warning)).collect();
+        let left = others.join("\n");
+        if left == part.warnings {
+            return Ok(false);
+        }
+        let set = sql::query("UPDATE part SET warnings = $1 WHERE id = $2").bind(&left).bind(part.id);
+        set.execute(self.db()).await?;
+        Ok(true)
     }
 }

@@ -2,8 +2,8 @@
 
 use std::{fs, path::Path};
 
-use intake::is_copies_question;
-use ledger::{PartRow, PartState};
+use build_file::is_copies_question;
+use ledger::{CommandArgument, CommandKind, CommandState, EventKind, NewCommand, PartEdit, PartRow, PartState};
 
 use crate::farm::{
     AlertKind,
@@ -68,6 +68,49 @@ fn a_number_of_copies_that_is_not_clear_is_asked_for() {
     let questions = farm.status_json()["questions"].clone();
     assert_eq!(questions[0]["kind"], "copies", "{questions:#}");
     assert!(questions[0]["remedy"].as_str().unwrap().starts_with("`nestd edit "), "{questions:#}");
+    answer_in_every_way(&mut farm);
+}
+
+/// Any number that is told ends the question, also the one that was taken.
+fn answer_in_every_way(farm: &mut HandDrivenFarm) {
+    let id = |farm: &HandDrivenFarm, name: &str| {
+        farm.parts(PartState::Waiting).into_iter().find(|part| part.name == name).unwrap().id
+    };
+    let command = |kind, part, argument| NewCommand {
+        kind,
+        profile: String::new(),
+        part: Some(part),
+        argument,
+        asked_by: "ann@farm".to_owned(),
+    };
+    let edit =
+        |copies| CommandArgument { copies: None, edit: Some(PartEdit { copies: Some(copies), ..PartEdit::default() }) };
+    let one = id(farm, "bracketx4.stl");
+    let four = id(farm, "plugx4.stl");
+    let commands = [
+        command(CommandKind::Edit, one, edit(1)),
+        command(CommandKind::Confirm, id(farm, "hookx4.stl"), CommandArgument::default()),
+        command(CommandKind::Edit, four, edit(4)),
+        // It is wanted once again, and that is not asked.
+        command(CommandKind::Cancel, four, CommandArgument { copies: Some(3), edit: None }),
+    ];
+    for command in commands {
+        let number = farm.submit_command(&command);
+        let find = |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.find_command(number).await.unwrap().unwrap());
+        farm.pass_until("it is answered", |farm| find(farm).answered_at.is_some());
+        assert_eq!(find(farm).state, CommandState::Done, "{}", find(farm).answer);
+        assert!(!find(farm).answer.contains("already"), "{}", find(farm).answer);
+    }
+    farm.drop_bytes("clipx4.stl.toml", b"copies = 1\n");
+    let is_asked = |part: &PartRow| part.warnings.lines().any(is_copies_question);
+    farm.pass_until("only one is asked for", |farm| {
+        farm.parts(PartState::Waiting).iter().filter(|part| is_asked(part)).count() == 1
+    });
+    assert!(farm.parts(PartState::Waiting).iter().all(|part| is_asked(part) == (part.name == "coverx4.stl")));
+    assert!(farm.parts(PartState::Waiting).iter().all(|part| part.wanted_copies() == 1));
+    farm.pass_until("nothing else is asked", |farm| farm.status_text().matches("Question:").count() == 1);
+    let told = farm.ask(async |ledger| ledger.events_of_part(one).await.unwrap()).pop().unwrap();
+    assert_eq!((told.kind, told.detail.as_str()), (EventKind::Edited, "ann@farm: 1 copy, as it was taken"));
 }
 
 #[test]

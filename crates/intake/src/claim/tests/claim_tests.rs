@@ -8,7 +8,7 @@ use std::{
 
 use super::*;
 use crate::{
-    SpecSource, is_copies_question, recover_claims,
+    SpecSource, recover_claims,
     test_inbox::{TestInbox, stops_at},
 };
 
@@ -323,7 +323,11 @@ fn copies_are_read_from_characters_and_asked_for_where_a_name_has_none() {
         fs::write(farm.inbox.join(OsStr::from_bytes(name)), "solid").unwrap();
         let given = farm.claim().read_part_spec().unwrap();
         assert_eq!(given.ticket.copies, None, "{name:?}");
-        assert!(given.warnings.len() == 1 && is_copies_question(&given.warnings[0]), "{:?}", given.warnings);
+        assert!(
+            given.warnings.len() == 1 && build_file::is_copies_question(&given.warnings[0]),
+            "{:?}",
+            given.warnings
+        );
     }
     // An invisible character is shown as an escape; its digits count nothing.
     let farm = TestInbox::new();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     ListOutcome, OrderListRules, ScanLimits, SettledEntry, TakeDecision, UnlistedPolicy, claim_part, finish_order_list,
-    is_copies_question, release_claim, scan_inbox,
+    release_claim, scan_inbox,
     test_inbox::{TestInbox, files},
 };
 
@@ -189,7 +189,9 @@ fn a_list_may_mean_parts_of_its_sub_folders_and_a_ticket_does_not() {
         if let SettledEntry::Part { .. } = ready {
             let claim = claim_part(&farm.inbox, &ready).unwrap();
             let given = claim.read_part_spec().unwrap();
-            asked.extend(given.warnings.iter().any(|one| is_copies_question(one)).then(|| claim.display_name()));
+            asked.extend(
+                given.warnings.iter().any(|one| build_file::is_copies_question(one)).then(|| claim.display_name()),
+            );
         }
     }
     assert_eq!(asked, ["a.stl", "B.stl"]);

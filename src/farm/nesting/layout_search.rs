@@ -60,6 +60,18 @@ pub struct NestingResult {
     pub curve: Vec<(f64, f64)>,
 }
 
+/// The search of a fired build was stopped before its time was over: what it found is no build yet, and is kept to go on from.
+#[derive(Debug, thiserror::Error)]
+#[error("its search was stopped after {wall_secs:.0} s, and goes on from what it has found")]
+pub(crate) struct SearchCutShort {
+    /// The best layout so far, if there is one yet.
+    pub(crate) layout: Option<BatchLayout>,
+    /// CPU seconds of the search, where it told them.
+    pub(crate) cpu_secs: f64,
+    /// Wall seconds of the search.
+    pub(crate) wall_secs: f64,
+}
+
 impl LayoutSearch {
     /// Begins a search: its time runs.
     pub(crate) fn begin(policy: SearchPolicy) -> Self {
@@ -79,6 +91,17 @@ impl LayoutSearch {
     /// Whether it was stopped.
     pub(crate) fn is_stopped(&self) -> bool {
         self.budget.is_cancelled()
+    }
+
+    /// Whether it was stopped and had time left.
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.is_stopped() && self.budget.secs_left() != Some(0.0)
+    }
+
+    /// What is kept of it where the daemon does not wait for its end. Once its time is over, all of that was used.
+    pub(crate) fn cut_short(&self) -> SearchCutShort {
+        let wall_secs = self.budget.elapsed_secs() - self.secs_over();
+        SearchCutShort { layout: self.best_layout(), cpu_secs: 0.0, wall_secs }
     }
 
     /// Seconds since its time was over; 0 before.

@@ -2,8 +2,10 @@
 
 use ledger::BuildId;
 
-use super::{layout_search::LayoutSearch, search_policy::SearchPolicy};
-use crate::farm::decisions::layout::BatchLayout;
+use super::{
+    layout_search::{LayoutSearch, SearchCutShort},
+    search_policy::SearchPolicy,
+};
 
 /// A search may end so much after its time before others begin beside it, seconds: a build that takes long to prove or prepare must not
 /// block other machines.
@@ -65,9 +67,9 @@ impl RunningSearches {
         finals.map(|(build, search)| (*build, search))
     }
 
-    /// What the final searches have found so far, for the builds that will be searched again.
-    pub(crate) fn found_layouts(&self) -> Vec<(BuildId, BatchLayout)> {
-        self.finals().filter_map(|(build, search)| Some((build, search.best_layout()?))).collect()
+    /// What is kept of the final searches, for the builds that will be searched again.
+    pub(crate) fn cut_short(&self) -> Vec<(BuildId, SearchCutShort)> {
+        self.finals().map(|(build, search)| (build, search.cut_short())).collect()
     }
 
     fn holding_slots(&self) -> usize {

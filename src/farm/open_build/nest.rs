@@ -27,8 +27,10 @@ use crate::{
         files::mesh_source::MeshSource,
         leases::folder_lease::FolderLease,
         nesting::{
-            layout_search::{LayoutSearch, NestingRequest, NestingResult},
-            nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
+            layout_search::{LayoutSearch, NestingRequest, NestingResult, SearchCutShort},
+            nest_decision::{
+                AttemptDecision, AttemptFacts, FailedSearch, NoPlaceError, classify_failure, decide_attempt,
+            },
             search_policy::SearchPolicy,
             write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
         },
@@ -136,10 +138,19 @@ async fn nest_build(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
         failures: desk.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count),
         max_attempts: search.max_attempts,
         final_secs: search.final_secs,
+        searched_secs: build.search.wall_secs.unwrap_or(0.0),
         seed: search.nest.seed,
     });
     match decision {
-        AttemptDecision::GiveUp => give_up_build(desk, &build, attempts - 1).await,
+        AttemptDecision::GiveUp => {
+            let reason = match desk.nesting.failures.get(&build.id) {
+                Some((failures, last)) => {
+                    format!("gave up after {}: {last}", format_count(*failures, "failed attempt", "failed attempts"))
+                }
+                None => format!("gave up after {} attempts: nestd stopped each time", attempts - 1),
+            };
+            give_up_build(desk, &build, &reason).await
+        }
         AttemptDecision::Search { secs, seed } => {
             ledger.assign_printer(build.id, &printer).await?;
             start_final_search(desk, build, &printer, (secs, seed)).await
@@ -277,10 +288,17 @@ async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &any
     let profile = desk.shared.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
     match decision {
         FailedSearch::LeaveForNextStart => {
-            info!(build.id = %build, "A build was left for the next start: {failure:#}.");
-            Ok(())
+            info!(build.id = %build, "Build {build} was left for the next start: {failure:#}.");
+            match failure.downcast_ref() {
+                Some(cut_short) => leave_search(desk.shared.ledger, build, cut_short).await,
+                None => Ok(()),
+            }
         }
         FailedSearch::ContinueWithoutPart => damaged_files::continue_without_faulty_part(desk, build, failure).await,
+        FailedSearch::GiveUp => match desk.shared.ledger.find_build(build).await? {
+            Some(row) => give_up_build(desk, &row, &format!("is given up: {failure:#}")).await,
+            None => Ok(()),
+        },
         FailedSearch::RetryLater => {
             // The parts stay in it.
             desk.nesting.just_fired.insert(build);
@@ -299,19 +317,26 @@ async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &any
     }
 }
 
+/// Keeps what the search of a fired build has found that was stopped: it goes on from there. Nothing is published of it, for it could be
+/// lower.
+pub(crate) async fn leave_search(ledger: &Ledger, build: BuildId, cut_short: &SearchCutShort) -> Result<()> {
+    if ledger.find_build(build).await?.is_none_or(|row| row.state != BuildState::Nesting) {
+        return Ok(());
+    }
+    if let Some(layout) = &cut_short.layout {
+        batch::save_layout(ledger, build, layout).await?;
+    }
+    Ok(ledger.leave_search(build, cut_short.cpu_secs, cut_short.wall_secs).await?)
+}
+
 /// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
-async fn give_up_build(desk: &mut Building<'_>, build: &BuildRow, attempts: u32) -> Result<()> {
-    let reason = match desk.nesting.failures.remove(&build.id) {
-        Some((failures, last)) => {
-            format!("gave up after {}: {last}", format_count(failures, "failed attempt", "failed attempts"))
-        }
-        None => format!("gave up after {attempts} attempts: nestd stopped each time"),
-    };
+async fn give_up_build(desk: &mut Building<'_>, build: &BuildRow, reason: &str) -> Result<()> {
+    desk.nesting.failures.remove(&build.id);
     warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
     queues::discard_staged(desk.machines, desk.jobs, build);
-    desk.shared.ledger.fail_build(build.id, &reason).await?;
+    // Paused first: the alert names what has failed since.
     desk.shared.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
-    Ok(())
+    Ok(desk.shared.ledger.fail_build(build.id, reason).await?)
 }
 
 async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, build: BuildId, why: &str) -> Result<()> {
@@ -336,11 +361,15 @@ fn nest_write_and_prove(
     meshes: &MeshSource,
 ) -> Result<WrittenBuild> {
     let mut nested = request.run_search(meshes)?;
+    if request.search.is_cut_short() {
+        let NestingResult { layout, cpu_secs, wall_secs, .. } = nested;
+        return Err(SearchCutShort { layout: Some(layout), cpu_secs, wall_secs }.into());
+    }
     // A build that is issued once more stays as it is.
     if write.build.search.repeats.is_none() {
         nested.set_look_alikes_apart(&write.profile)?;
     }
-    ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
+    ensure!(!nested.layout.placed.is_empty(), NoPlaceError);
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;

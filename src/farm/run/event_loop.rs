@@ -313,7 +313,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
     farm.alerts.write_if_changed(&farm.settings.state_dir);
     let last_changes = async {
-        save_found_layouts(farm).await;
+        leave_searches(farm).await;
         if let Err(failure) = farm.ledger.record_shutdown(&farm.settings.node.name).await {
             warn!("The stop could not be recorded in the ledger: {failure}.");
         }
@@ -328,11 +328,11 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     info!("The farm is closed.");
 }
 
-/// Stores the layouts of searches that did not end in time.
-async fn save_found_layouts(farm: &mut Farm) {
-    for (build, layout) in farm.nesting.searches.found_layouts() {
-        if let Err(failure) = batch::save_layout(&farm.ledger, build, &layout).await {
-            warn!(build.id = %build, "The layout of build {build} could not be stored: {failure:#}.");
+/// Stores what the searches have found that did not end in time.
+async fn leave_searches(farm: &mut Farm) {
+    for (build, cut_short) in farm.nesting.searches.cut_short() {
+        if let Err(failure) = nest::leave_search(&farm.ledger, build, &cut_short).await {
+            warn!(build.id = %build, "What was found for build {build} could not be stored: {failure:#}.");
         }
     }
 }

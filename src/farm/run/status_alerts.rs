@@ -28,10 +28,10 @@ pub(super) async fn update_ledger_alerts(
     for name in &names {
         let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
         match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
-            Some(_) => {
-                let why = ledger.last_failure(name).await?;
-                let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
-                alerts.raise(AlertKind::BuildFailed, name, "", &detail);
+            Some(paused) => {
+                let failed = ledger.failures_since(name, paused.paused_at).await?;
+                let failed: Vec<String> = failed.iter().map(|(build, why)| format!("build {build} {why}")).collect();
+                alerts.raise(AlertKind::BuildFailed, name, "", &text_of_first(&failed, MAX_NAMED));
             }
             None => alerts.clear(AlertKind::BuildFailed, name, ""),
         }

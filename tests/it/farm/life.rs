@@ -2,7 +2,7 @@
 
 use std::{fs, time::Duration};
 
-use ledger::{HistoryQuery, PartState};
+use ledger::{BuildState, HistoryQuery, PartState};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
@@ -54,17 +54,35 @@ fn the_same_part_of_two_orders_stands_together_for_each() {
 }
 
 #[test]
-fn a_stop_in_the_middle_of_a_final_search_loses_nothing() {
-    let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 60"));
+fn a_stop_in_the_middle_of_a_final_search_publishes_nothing_and_the_next_start_goes_on_with_the_time_that_is_left() {
+    const FINAL_SECS: f64 = 12.0;
+    let profile = QUICK.replace("final_secs = 0.5", &format!("final_secs = {FINAL_SECS}"));
+    let mut farm = TestFarm::running(&profile);
     farm.drop_part("a_x6.stl", &sample_parts::all_samples()[0].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
-    farm.wait_for_parts(PartState::Batched, 1);
-    farm.stop();
-    farm.write_profile("test", QUICK);
-    farm.start();
+    let nesting = |farm: &TestFarm| {
+        farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).pop()
+    };
+    let (mut searched, mut height_mm) = (0.0, f64::INFINITY);
+    for stop in 0..2 {
+        wait_until("it is searched", 30.0, || nesting(&farm).is_some_and(|build| build.searches > 0));
+        std::thread::sleep(Duration::from_secs(2));
+        farm.stop();
+        assert!(farm.queued().is_empty(), "nothing is published that was hardly searched");
+        let build = nesting(&farm).unwrap();
+        let found_mm = build.measures.height_mm.unwrap();
+        assert!(build.search.wall_secs.unwrap() > searched && found_mm <= height_mm, "stop {stop}: {build:?}");
+        (searched, height_mm) = (build.search.wall_secs.unwrap(), found_mm);
+        farm.start();
+    }
     farm.wait_for_parts(PartState::Built, 1);
     assert_eq!(farm.queued().len(), 1);
+    let build =
+        farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()).remove(0);
+    let secs = build.search.wall_secs.unwrap();
+    assert!((0.9 * FINAL_SECS..1.5 * FINAL_SECS).contains(&secs), "it was searched for {secs} s");
+    assert!(build.attempts == 1 && build.measures.height_mm.unwrap() <= height_mm + 1e-6, "{height_mm}: {build:?}");
     farm.assert_nothing_lost_or_doubled();
 }
 

@@ -1,7 +1,7 @@
 //! Builds: parts of one machine profile that are printed together, with one build file and one height.
 
 use crate::{
-    BuildId, BuildState, Ledger,
+    BuildId, BuildState, Ledger, UtcTimestamp,
     base::{error::Result, sql},
     rows::build_row::{BuildRow, OpenLayout},
 };
@@ -101,13 +101,13 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The last build of a profile that failed before it was published, and why.
-    pub async fn last_failure(&self, profile: &str) -> Result<Option<(BuildId, String)>> {
+    /// The builds of a profile that have failed since then before they were published, and why; the oldest first.
+    pub async fn failures_since(&self, profile: &str, since: UtcTimestamp) -> Result<Vec<(BuildId, String)>> {
         let query = sql::query_as(
             "SELECT id, reason FROM build WHERE state = 'failed' AND profile = $1 AND published_at IS NULL \
-             ORDER BY id DESC LIMIT 1",
+             AND state_at >= $2 ORDER BY id",
         );
-        Ok(query.bind(profile).fetch_optional(self.reader()?).await?)
+        Ok(query.bind(profile).bind(since).fetch_all(self.reader()?).await?)
     }
 
     /// Finds a build by its number.

@@ -51,6 +51,18 @@ impl Ledger {
         self.count_searches(build, "UPDATE build SET searches = 0 WHERE id = $1").await
     }
 
+    /// The search of a nesting build was stopped before its time: it goes on later. That was no attempt, and what it took is counted.
+    pub async fn leave_search(&self, build: BuildId, cpu_secs: f64, wall_secs: f64) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Nesting]).await?;
+        let left = sql::query(
+            "UPDATE build SET searches = 0, attempts = CASE WHEN attempts > 0 THEN attempts - 1 ELSE 0 END, \
+             cpu_secs = coalesce(cpu_secs, 0) + $1, wall_secs = coalesce(wall_secs, 0) + $2 WHERE id = $3",
+        );
+        left.bind(cpu_secs).bind(wall_secs).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
     async fn count_searches(&self, build: BuildId, count: &'static str) -> Result<()> {
         let mut change = self.begin_change().await?;
         sql::query(count).bind(build).execute(change.db()).await?;

@@ -47,7 +47,8 @@ impl Ledger {
         change.move_build(build, BuildState::Nesting, why).await?;
         sql::query(
             "UPDATE build SET verified_at = NULL, publishing_at = NULL, file_name = NULL, queue_id = NULL, \
-             file_hash = NULL, file_bytes = NULL, sidecars = NULL, released_at = NULL, released_by = NULL WHERE id = $1",
+             file_hash = NULL, file_bytes = NULL, sidecars = NULL, released_at = NULL, released_by = NULL, wall_secs = NULL \
+             WHERE id = $1",
         )
         .bind(build)
         .execute(change.db())
@@ -104,7 +105,7 @@ async fn write_result(change: &mut LedgerChange, build: BuildId, verified: &Veri
     sql::query(
         "UPDATE build SET file_name = $1, queue_id = $2, file_hash = $3, file_bytes = $4, height_mm = $5, density = $6, \
          lower_bound_mm = $7, layers = $8, part_volume_mm3 = $9, copies = $10, clearance_mm = $11, clearance_proved_mm = $12, \
-         cpu_secs = coalesce(cpu_secs, 0) + $13, wall_secs = $14, evaluations = $15, seed = $16, method = $17, version = $18, \
+         cpu_secs = coalesce(cpu_secs, 0) + $13, wall_secs = coalesce(wall_secs, 0) + $14, evaluations = $15, seed = $16, method = $17, version = $18, \
          profile_snapshot = $19, curve = $20, sidecars = $21 WHERE id = $22",
     )
     .bind(&verified.file.file_name)

@@ -144,25 +144,30 @@ fn a_proved_build_of_a_machine_that_has_more_room_or_another_ceiling_above_it_st
 
 #[test]
 fn a_part_that_has_no_place_in_the_smaller_machine_waits_again_and_a_person_is_told() {
-    let options = format!("{APPROVED}max_attempts = 2\n").replace("max_attempts = 50\n", "");
-    let mut farm = HandDrivenFarm::open(&format!("{}{options}", QUICK.replace("max_attempts = 50\n", "")));
-    farm.drop_part("a.stl", &block(100.0, 50.0, 40.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
-    farm.order(CommandKind::Flush, None);
-    farm.pass_until("a build is proved", |farm| proved(farm).len() == 1);
-    let build = proved(&farm).remove(0);
-    let text = format!("{}{options}", QUICK.replace("max_attempts = 50\n", ""));
-    farm.write_profile(PROFILE, &text.replace("[120, 120, 120]", "[80, 80, 120]"));
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}{APPROVED}"));
+    for number in 1..=2 {
+        farm.drop_part(&format!("{number}.stl"), &block(100.0, 50.0, 40.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        farm.order(CommandKind::Flush, None);
+        farm.pass_until("a build is proved", |farm| proved(farm).len() == number);
+    }
+    let builds = proved(&farm);
+    edit_machine(&farm, APPROVED, "[120, 120, 120]", "[80, 80, 120]");
     farm.reload();
-    farm.pass_until("its part waits again", |farm| farm.parts(PartState::Waiting).len() == 1);
+    farm.pass_until("both are told", |farm| {
+        builds.iter().all(|build| farm.alert_text(AlertKind::BuildFailed).contains(&format!("build {}", build.id)))
+    });
     assert!(farm.queued().is_empty() && proved(&farm).is_empty());
-    let row = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
-    assert_eq!(row.state, BuildState::Failed);
-    assert_eq!((row.measures.height_mm, row.measures.layers, row.measures.lower_bound_mm), (None, None, None));
-    farm.pass_secs(2.0);
+    for build in &builds {
+        let row = farm.ask(async |ledger| ledger.find_build(build.id).await.unwrap().unwrap());
+        assert_eq!((row.state, row.attempts), (BuildState::Failed, 2), "another attempt finds no place either");
+        assert_eq!((row.measures.height_mm, row.measures.layers, row.measures.lower_bound_mm), (None, None, None));
+    }
+    let told = farm.alert_text(AlertKind::BuildFailed);
+    assert_eq!(told.matches("none of its copies has a place in the machine as it is now").count(), 2, "{told}");
     assert!(farm.status_text().contains("PAUSED"), "{}", farm.status_text());
-    // It is refused then, and nothing says that it waits.
-    farm.wait_for_parts(PartState::Rejected, 1);
+    // They are refused then, and nothing says that they wait.
+    farm.wait_for_parts(PartState::Rejected, 2);
     farm.pass_secs(10.0);
     assert!(farm.status_text().contains("Nothing waits."), "{}", farm.status_text());
     farm.assert_ledger_agrees_with_folders();

@@ -1,7 +1,12 @@
 //! Names that programs and people give to a second version of a file: conflict copies of sync programs, copies of file managers,
 //! backups.
 
-use super::{copies_words::is_digits, name::is_part_name, name_match::fold_name};
+use super::{
+    copies_words::is_digits,
+    name::is_part_name,
+    name_match::fold_name,
+    old_words::{BACKUP, PAST},
+};
 
 /// How sure it is that a name is that of a copy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,56 +46,14 @@ const CONFLICT_WORDS: [&str; 14] = [
     "конфликт",
     "ristiriita",
 ];
-/// What file managers add behind a name, before a number in brackets.
-const COPY_ENDINGS: [&str; 26] = [
-    " - copy",
-    " - kopie",
-    " - copie",
-    " - copia",
-    " - cópia",
-    " - kopia",
-    " - kopi",
-    " - コピー",
-    " - 副本",
-    " - 복사본",
-    " copy",
-    " kopie",
-    " copie",
-    " copia",
-    "のコピー",
-    " のコピー",
-    " (copy)",
-    " (kopie)",
-    "-copy",
-    "-kopie",
-    "-copie",
-    "-copia",
-    "_copy",
-    "_kopie",
-    "_copie",
-    "_copia",
-];
-/// Words for backups behind a name, after a sign (`x.bak.stl`, `x-backup.stl`).
-const BACKUP_WORDS: [&str; 14] = [
-    "bak",
-    "backup",
-    "orig",
-    "sav",
-    "tmp",
-    "autosave",
-    "sicherung",
-    "sicherungskopie",
-    "sauvegarde",
-    "respaldo",
-    "copia de seguridad",
-    "バックアップ",
-    "备份",
-    "備份",
-];
-/// Words for an earlier state behind a name, after a sign.
-const PAST_WORDS: [&str; 12] =
-    ["old", "alt", "ancien", "ancienne", "vieux", "viejo", "antiguo", "vecchio", "vecchia", "古い", "旧", "旧版"];
-/// Signs before such a word.
+/// Words for a copy, behind a name and a sign, in brackets, or before a sign and a name.
+const COPY_WORDS: [&str; 11] =
+    ["copy", "kopie", "copie", "copia", "cópia", "kopia", "kopi", "コピー", "副本", "복사본", "копия"];
+/// The same without a sign.
+const JOINED_COPY: &str = "のコピー";
+/// What programs call the file that was there before.
+const PROGRAM_BACKUPS: [&str; 4] = ["orig", "sav", "tmp", "autosave"];
+/// Signs between such a word and the name.
 const WORD_SIGNS: [char; 4] = ['.', '-', '_', ' '];
 /// What file managers put before a name.
 const COPY_STARTS: [&str; 7] =
@@ -114,15 +77,18 @@ pub fn read_copy_name(name: &str) -> Option<CopyName> {
         return Some(copy(stem, CopyKind::Conflict));
     }
     let stem = stem.trim_end();
-    if let Some(stem) = without_word(stem, &BACKUP_WORDS).or_else(|| without_tilde_number(stem)) {
+    let backup = without_word(stem, &BACKUP).or_else(|| without_word(stem, &PROGRAM_BACKUPS));
+    if let Some(stem) = backup.or_else(|| without_tilde_number(stem)) {
         return Some(copy(stem, CopyKind::Backup));
     }
     let numbered = without_number(stem);
     let bare = numbered.unwrap_or(stem);
-    let ending = COPY_ENDINGS.iter().find_map(|ending| without_ending(bare, ending));
+    let ending = without_word(bare, &COPY_WORDS).or_else(|| without_ending(bare, JOINED_COPY));
     let start = || COPY_STARTS.iter().find_map(|start| without_start(bare, start));
-    let told = ending.or_else(start).or(numbered).or_else(|| without_computer(stem));
-    let original = told.or_else(|| without_word(stem, &PAST_WORDS)).or_else(|| without_low_number(stem))?;
+    let told = ending.or_else(|| without_bracketed_word(bare)).or_else(start).or(numbered);
+    let told = told.or_else(|| without_computer(stem)).or_else(|| without_word(stem, &PAST));
+    let first = || [&COPY_WORDS[..], &BACKUP, &PAST].into_iter().find_map(|words| without_first_word(bare, words));
+    let original = told.or_else(first).or_else(|| without_low_number(stem))?;
     (!original.trim().is_empty()).then(|| copy(original, CopyKind::BesideOriginal))
 }
 
@@ -135,6 +101,22 @@ fn without_word<'a>(stem: &'a str, words: &[&str]) -> Option<&'a str> {
     let before = words.iter().find_map(|word| without_ending(stem, word))?;
     let original = before.trim_end_matches(WORD_SIGNS);
     (original.len() < before.len() && !original.is_empty()).then_some(original)
+}
+
+/// `x` of `kopia_x` and `old - x`.
+fn without_first_word<'a>(stem: &'a str, words: &[&str]) -> Option<&'a str> {
+    let behind = |word: &&str| {
+        let behind = without_start(stem, word)?;
+        let original = behind.trim_start_matches(WORD_SIGNS);
+        (original.len() < behind.len()).then_some(original)
+    };
+    words.iter().find_map(behind)
+}
+
+/// `x` of `x (copy)`.
+fn without_bracketed_word(stem: &str) -> Option<&str> {
+    let (before, inside) = stem.strip_suffix(')')?.rsplit_once('(')?;
+    COPY_WORDS.contains(&fold_name(inside).as_str()).then(|| before.trim_end())
 }
 
 /// `x` of `x~1`, and of `x~20260101-120000`, as Syncthing keeps versions.
@@ -223,6 +205,17 @@ mod tests {
             ("x copy.stl", CopyKind::BesideOriginal),
             ("xのコピー.stl", CopyKind::BesideOriginal),
             ("x-copia.stl", CopyKind::BesideOriginal),
+            ("x.copy.stl", CopyKind::BesideOriginal),
+            ("x (Copy).stl", CopyKind::BesideOriginal),
+            ("x (Kopie) (2).stl", CopyKind::BesideOriginal),
+            ("x_kopia.stl", CopyKind::BesideOriginal),
+            ("kopia_x.stl", CopyKind::BesideOriginal),
+            ("Kopie x.stl", CopyKind::BesideOriginal),
+            ("old_x.stl", CopyKind::BesideOriginal),
+            ("Sicherung - x.stl", CopyKind::BesideOriginal),
+            ("x old version.stl", CopyKind::BesideOriginal),
+            ("x_antigua.stl", CopyKind::BesideOriginal),
+            ("x-Sicherungen.stl", CopyKind::Backup),
             ("コピー ～ x.stl", CopyKind::BesideOriginal),
             ("Copy of x.stl", CopyKind::BesideOriginal),
             ("Kopie von x.stl", CopyKind::BesideOriginal),
@@ -253,6 +246,9 @@ mod tests {
             "x.stl",
             "hardcopy.stl",
             "copyholder.stl",
+            "kopiakopia.stl",
+            "oldtimer.stl",
+            "altar-1.stl",
             "bracket (left).stl",
             "bracket (v2).stl",
             "(1).stl",

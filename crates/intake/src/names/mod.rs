@@ -10,4 +10,5 @@ pub(super) mod copy_name;
 pub(super) mod due_date;
 pub(super) mod name;
 pub(super) mod name_match;
+pub(super) mod old_words;
 pub(super) mod unordered_folder;

@@ -2,7 +2,10 @@
 
 use std::ffi::OsStr;
 
-use super::name_match::fold_name;
+use super::{
+    name_match::fold_name,
+    old_words::{BACKUP, PAST},
+};
 
 /// Names of recycle bins that people or their computers choose. Nobody orders what is thrown away, and it is not taken out of there.
 const BINS: [&str; 26] = [
@@ -33,90 +36,48 @@ const BINS: [&str; 26] = [
     "prullenbak",
     "回收站",
 ];
-/// Names of folders for what was wanted once. An order may have such a name, so it is asked about.
-const PAST: [&str; 83] = [
-    "old",
-    "older",
-    "old files",
-    "old version",
-    "old versions",
-    "obsolete",
-    "outdated",
-    "superseded",
+/// Names of folders for what is done, besides backups and what is old. An order may have such a name, so it is asked about.
+const DONE: [&str; 41] = [
     "archive",
     "archives",
     "archived",
-    "backup",
-    "backups",
-    "back up",
-    "bak",
+    "archiv",
+    "archivo",
+    "archivio",
+    "архив",
     "done",
     "printed",
-    "do not print",
-    "alt",
-    "alte",
-    "altes",
-    "alte dateien",
-    "alte version",
-    "alte versionen",
-    "veraltet",
-    "archiv",
-    "sicherung",
-    "sicherungen",
-    "sicherungskopie",
-    "sicherungskopien",
-    "erledigt",
-    "gedruckt",
-    "nicht drucken",
-    "ancien",
-    "anciens",
-    "ancienne",
-    "anciennes",
-    "ancienne version",
-    "anciennes versions",
-    "vieux",
-    "obsolète",
-    "sauvegarde",
-    "sauvegardes",
-    "imprimé",
-    "viejo",
-    "viejos",
-    "antiguo",
-    "antiguos",
-    "versiones anteriores",
-    "obsoleto",
-    "archivo",
-    "respaldo",
-    "copia de seguridad",
-    "vecchio",
-    "vecchi",
-    "vecchie versioni",
-    "archivio",
-    "古い",
-    "旧",
-    "旧版",
-    "旧データ",
-    "バックアップ",
-    "印刷済み",
     "finished",
     "completed",
+    "do not print",
+    "erledigt",
+    "gedruckt",
     "fertig",
+    "abgeschlossen",
+    "abgeschlossene",
+    "nicht drucken",
+    "imprimé",
+    "imprimés",
     "terminé",
     "terminés",
+    "achevé",
+    "achevés",
     "terminado",
     "terminados",
-    "imprimés",
+    "completado",
+    "completados",
     "impreso",
     "impresos",
     "stampati",
-    "старое",
-    "старые",
-    "старый",
-    "архив",
+    "completato",
+    "completati",
     "готово",
+    "завершено",
     "напечатано",
+    "印刷済み",
     "完了",
     "完成",
+    "已完成",
     "已打印",
 ];
 
@@ -147,17 +108,20 @@ pub(crate) fn is_bin_name(name: &OsStr) -> bool {
     bare_name(name).is_some_and(|name| BINS.contains(&name.as_str()))
 }
 
-/// Whether a folder is by its name for what was wanted once: `old`, `backup_2025-11`.
+/// Whether a folder is by its name for what was wanted once: `old`, `backup_2025-11`, `2025-03 done`.
 pub(crate) fn is_past_name(name: &OsStr) -> bool {
-    bare_name(name).is_some_and(|name| PAST.contains(&without_date(&name)))
+    let is_past = |name: &str| [&BACKUP[..], &PAST, &DONE].iter().any(|words| words.contains(&name));
+    bare_name(name).is_some_and(|name| is_past(without_date(&name)))
 }
 
-/// A name without the year or date behind it; a shorter number, as in `alt 3`, belongs to the name.
+/// A name without the year or date before or behind it; a shorter number, as in `alt 3`, belongs to the name.
 fn without_date(name: &str) -> &str {
     let date = |c: char| c.is_ascii_digit() || matches!(c, ' ' | '.');
+    let is_date = |text: &str| text.split([' ', '.']).any(|word| word.len() >= 4);
     let bare = name.trim_end_matches(date);
-    let behind = name[bare.len()..].split([' ', '.']).find(|word| !word.is_empty());
-    if behind.is_some_and(|first| first.len() >= 4) { bare } else { name }
+    let name = if is_date(&name[bare.len()..]) { bare } else { name };
+    let bare = name.trim_start_matches(date);
+    if is_date(&name[..name.len() - bare.len()]) { bare } else { name }
 }
 
 /// The words of a file's name by which nobody wants it to be printed, if it has such.
@@ -191,14 +155,29 @@ mod tests {
             "Archiv 2025-11",
             "old 20251101",
             "Fertig",
+            "Abgeschlossen",
+            "2025-03 alt",
+            "20250301_done",
+            "01.03.2025 old",
+            "respaldos",
             "terminés",
             "Старые",
         ] {
             assert!(is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
         }
-        for name in
-            ["Oldenburg", "order-1042", "alt 3", "part 2025", "2025", "trash can lids", "Archivregal", "1042", ""]
-        {
+        for name in [
+            "Oldenburg",
+            "order-1042",
+            "alt 3",
+            "3 alt",
+            "tmp",
+            "part 2025",
+            "2025",
+            "trash can lids",
+            "Archivregal",
+            "1042",
+            "",
+        ] {
             assert!(!is_past_name(OsStr::new(name)) && !is_bin_name(OsStr::new(name)), "{name}");
         }
     }

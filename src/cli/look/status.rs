@@ -243,10 +243,9 @@ impl FarmStatus {
             None => "The daemon does not run.".to_owned(),
             // Its last sign of life is an earlier daemon's: this one could not write any.
             Some(d) if !d.alive && self.is_served => format!(
-                "A daemon runs, but nothing was written into the ledger for {}: this status may be that old. {}; `nestd check` \
-                 says more.",
+                "A daemon runs, but nothing was written into the ledger for {}: this status may be that old. {}",
                 format_age(Some(d.beat_at), now),
-                self.silence_hint
+                self.silence_reason()
             ),
             Some(d) if !d.alive => {
                 format!("The daemon does not run; its last sign of life was {} ago.", format_age(Some(d.beat_at), now))
@@ -256,14 +255,21 @@ impl FarmStatus {
                 let runs = format!("The daemon runs on {} (process {}, version {}) for {since}", d.host, d.pid, d.version);
                 match d.is_silent(now) {
                     true => format!(
-                        "{runs}, but has not written into the ledger for {}: this status may be that old. {}; `nestd check` says \
-                         more.",
+                        "{runs}, but has not written into the ledger for {}: this status may be that old. {}",
                         format_age(Some(d.beat_at), now),
-                        self.silence_hint
+                        self.silence_reason()
                     ),
                     false => format!("{runs}: {}.", self.activity_text()),
                 }
             }
+        }
+    }
+
+    /// Why the daemon writes nothing: what it has told itself, which stands below, or what it may be.
+    fn silence_reason(&self) -> String {
+        match self.attention.iter().any(|alert| alert.kind.cuts_ledger_off()) {
+            true => "It says below why.".to_owned(),
+            false => format!("{}; `nestd check` says more.", self.silence_hint),
         }
     }
 

@@ -52,21 +52,31 @@ pub(super) async fn open_with_retry(
 ) -> Result<Option<Farm>> {
     let (mut load, mut settings, mut waits, mut alerts) =
         (load, settings, RetryBackoff::default(), AlertRegistry::default());
+    let mut told: Option<AlertKind> = None;
     loop {
         let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine()).await {
             Ok(farm) => return Ok(Some(farm)),
             Err(kept) => kept,
         };
         (load, settings) = (back, known);
-        if let Some((kind, detail)) = ledger_alert(&failure) {
-            report_not_running(&settings, kind, &detail);
-        }
-        if !is_transient(&failure) {
-            return Err(failure);
+        let of_ledger = ledger_alert(&failure);
+        if let Some(over) = told.take_if(|told| of_ledger.as_ref().is_none_or(|(kind, _)| kind != told)) {
+            alerts.clear(over, "", "");
         }
         let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
-        alerts.report_failure(AlertKind::StepFails, "", "opening", &text);
-        alerts.write_if_changed(&settings.state_dir);
+        match &of_ledger {
+            Some((kind, detail)) => {
+                alerts.raise(*kind, "", "", detail);
+                told = Some(*kind);
+            }
+            None if is_transient(&failure) => alerts.report_failure(AlertKind::StepFails, "", "opening", &text),
+            None => {}
+        }
+        if !is_transient(&failure) {
+            report_not_open(&settings, &mut alerts, "does not run");
+            return Err(failure);
+        }
+        report_not_open(&settings, &mut alerts, "waits before it begins");
         systemd::notify_start_delayed(&text);
         waits.record_failure(());
         while waits.is_waiting(&()) {
@@ -211,13 +221,14 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     Ok(ledger)
 }
 
-/// Reports in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
-fn report_not_running(settings: &Settings, kind: AlertKind, detail: &str) {
-    let mut alerts = AlertRegistry::default();
-    alerts.raise(kind, "", "", detail);
+/// Reports for `nestd status` and in every hot folder what the daemon does instead of its work, where there is a reason to tell.
+fn report_not_open(settings: &Settings, alerts: &mut AlertRegistry, does: &str) {
+    if alerts.active_alerts().next().is_none() {
+        return;
+    }
     alerts.write_if_changed(&settings.state_dir);
     for (name, profile) in &settings.profiles {
-        let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", alerts.status_text_for(name));
+        let text = format!("{name}: nestd {does}; what is dropped here waits.\n{}", alerts.status_text_for(name));
         let json = serde_json::json!({ "profile": name, "runs": false, "attention": alerts.status_json_for(name) });
         if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
             warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());

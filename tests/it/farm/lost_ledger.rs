@@ -9,7 +9,7 @@ use std::{
 
 use ledger::PartState;
 
-use super::support::{QUICK, TestFarm, block, wait_until_or};
+use super::support::{QUICK, TestFarm, block, wait_until, wait_until_or};
 
 /// A farm with one waiting part.
 fn farm_with_waiting_part() -> TestFarm {
@@ -157,4 +157,23 @@ fn a_process_that_holds_the_ledger_is_named_and_the_daemon_tells_the_service_man
     wait_until_or("it is flushed", 120.0, || farm.log(), || farm.nestd(&["flush", "test"]).status.success());
     farm.wait_for_parts(PartState::Built, 2);
     farm.assert_nothing_lost_or_doubled();
+    farm.stop();
+    // A start waits as well, and everybody names the same reason, once.
+    runtime.block_on(sqlx::raw_sql("BEGIN IMMEDIATE").execute(&mut *holder)).unwrap();
+    let before = farm.log().len();
+    farm.start();
+    let status = farm.folder("inbox").join("STATUS.txt");
+    wait_until("the hot folder says so", 30.0, || std::fs::read_to_string(&status).unwrap().contains(&named));
+    std::thread::sleep(Duration::from_secs(30));
+    for told in
+        [all_output(&farm, &["status"]), all_output(&farm, &["check"]), std::fs::read_to_string(&status).unwrap()]
+    {
+        assert_eq!(told.matches(&named).count(), 1, "{told}");
+        assert!(!told.contains("disk") && !told.contains("does not run"), "{told}");
+    }
+    let log = farm.log().split_off(before);
+    assert_eq!(log.matches(&named).count(), 1, "{log}");
+    runtime.block_on(sqlx::raw_sql("ROLLBACK").execute(&mut *holder)).unwrap();
+    wait_until("the farm is open", 60.0, || farm.log()[before..].contains("The farm is open"));
+    wait_until("it is over", 30.0, || !all_output(&farm, &["status"]).contains(&named));
 }

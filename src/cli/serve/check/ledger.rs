@@ -78,7 +78,18 @@ async fn check_rows(
         }
         _ if ledger.is_served_by(&settings.node.name).await? => {
             let text = "runs, but could not write into the ledger since it was started";
-            report.add_problem("daemon", text.to_owned(), format!("{}. Its log says more", ledger.silence_hint()));
+            let told =
+                farm::read_stored_alerts(&settings.state_dir).into_iter().find(|told| told.kind.cuts_ledger_off());
+            match told {
+                Some(told) => {
+                    report.add_problem("daemon", format!("{text}. {}", told.alert_text()), told.kind.remedy())
+                }
+                None => report.add_problem(
+                    "daemon",
+                    text.to_owned(),
+                    format!("{}. Its log says more", ledger.silence_hint()),
+                ),
+            }
         }
         _ => {
             report.add_note("daemon", "does not run");

@@ -184,7 +184,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
             "nestd.toml:2: threads: invalid type: string \"many\"; give a whole number, 0 or more",
             "nestd.toml:5: limits.max_bytes = 0 makes no sense; give a number from 1 to 18446744073709551615",
             "nestd.toml:7: settle_secs = -1 makes no sense; give a number from 0 to 86400",
-            "nestd.toml:9: unknown option \"node.lanes\"; known here: \"name\", \"address\"",
+            "nestd.toml:9: unknown option \"node.lanes\"; remove the line, or name one that is known here: \"name\", \"address\"",
             "profiles/a.toml:2: clearance_mm = -2 makes no sense; give a number from 0 to 100",
             "profiles/a.toml:3: unit cannot be \"cubit\"; use one of",
             "profiles/a.toml:5: trigger.at: \"25:00\" is not a time of day; write hours and minutes",

@@ -19,7 +19,7 @@ pub const TIME: FieldDefinition = FieldDefinition::time("Time");
 pub const QUESTION: FieldDefinition = FieldDefinition::text("Question");
 /// Why something failed or was refused.
 pub const REASON: FieldDefinition = FieldDefinition::text("Reason");
-/// Why a part was refused; otherwise its warnings.
+/// Why a part was refused; otherwise what it waits for and its warnings.
 pub const REASON_OR_WARNING: FieldDefinition = FieldDefinition::text("Reason or warning");
 /// Note that a person wrote.
 pub const NOTE: FieldDefinition = FieldDefinition::text("Note");

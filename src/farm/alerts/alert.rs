@@ -311,8 +311,8 @@ impl AlertKind {
                  beside it and what would be late. `approve` in the machine's file says which builds wait."
             }
             Self::Question => {
-                "Print them as they are with `nestd confirm PART`, mend what was asked with `nestd edit PART`, or take them out \
-                 with `nestd cancel PART`."
+                "Print them as they are with `nestd confirm PART`, or take them out with `nestd cancel PART`. Where their size is \
+                 wrong, `nestd edit PART --unit UNIT` has them read again."
             }
             Self::PublishingFails => {
                 "Free some room where the disk is full, and let nestd's user write into the queue folder."

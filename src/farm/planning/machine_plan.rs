@@ -195,7 +195,8 @@ fn view_coming(profile: &MachineProfile, build: &ComingBuild) -> PlannedBuild {
         copies: build.lines.iter().map(|line| line.copies).sum(),
         height_mm: build.height_mm,
         is_nested: build.is_nested,
-        fires_at: known(build.fires.map(|(at, _)| at)),
+        // As it is, for the same is told in other places.
+        fires_at: build.fires.map(|(at, _)| UtcTimestamp(at)).filter(|at| at.0 < Timestamp::MAX),
         fires_by: build.fires.map(|(_, by)| by),
         begins_at: known(print.map(|print| print.begins_at)),
         ends_at: known(print.map(|print| print.ends_at)),

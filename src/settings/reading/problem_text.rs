@@ -45,7 +45,7 @@ fn suggest_option(unknown: &str, known: &[&str]) -> String {
     let near = known.iter().map(|name| (edit_distance(unknown, name), *name)).min();
     match near {
         Some((edits, name)) if edits <= 1 + unknown.chars().count() / 3 => format!("did you mean \"{name}\"?"),
-        _ => format!("known here: {}", quoted_list(known)),
+        _ => format!("remove the line, or name one that is known here: {}", quoted_list(known)),
     }
 }
 
@@ -97,6 +97,6 @@ mod tests {
     #[test]
     fn an_option_like_no_other_is_reported_with_all_known_ones() {
         let (_, remedy) = value_problem_text("colour", "unknown field `colour`, expected `at` or `copies`");
-        assert_eq!(remedy, "known here: \"at\", \"copies\"");
+        assert_eq!(remedy, "remove the line, or name one that is known here: \"at\", \"copies\"");
     }
 }

@@ -104,10 +104,16 @@ pub const PLACEMENT_COLUMNS: &[TableColumn<PlacementRow>] = &[
     TableColumn::for_people("origin_mm", fields::ORIGIN, origin),
 ];
 
-/// Why a part was refused; otherwise its warnings.
+/// Why a part was refused; otherwise what it waits for and its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
-    let why = if part.rejection.reason.is_empty() { &part.warnings } else { &part.rejection.reason };
-    CellValue::Prose(why.replace('\n', "; "))
+    if !part.rejection.reason.is_empty() {
+        return CellValue::Prose(part.rejection.reason.replace('\n', "; "));
+    }
+    let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
+    // What is asked was a warning before.
+    let warnings = part.warnings.lines().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
+    let texts = asked.map(|asked| format!("Waits for a yes: {asked}")).into_iter().chain(warnings.map(str::to_owned));
+    CellValue::Prose(texts.collect::<Vec<_>>().join("; "))
 }
 
 fn where_or_why(row: &OrderedPart) -> CellValue {

@@ -89,8 +89,8 @@ impl Ledger {
             }
         }
         doubts.extend(again.into_iter().map(|(before, number)| {
-            let copies = format_count(number, "copy", "copies");
-            format!("{copies} of build {before} counts as bad: build {id} was made of the same ones later. Tell how both prints ended")
+            let (copies, count) = (format_count(number, "copy", "copies"), if number == 1 { "counts" } else { "count" });
+            format!("{copies} of build {before} {count} as bad: build {id} was made of the same ones later. Tell how both prints ended")
         }));
         let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = $1) WHERE id = $1";
         sql::query(count).bind(id).execute(change.db()).await?;

@@ -61,12 +61,24 @@ impl PutBackReport {
             told.push(format!("Counted as printed again, and waiting no more: {}.", of(&self.returned)));
         }
         for (part, build) in &self.elsewhere {
+            let (copies, are, stay, more) = match part.copies {
+                1 => ("A copy".to_owned(), "is", "stays", "one more of it is printed"),
+                several => (format!("{several} copies"), "are", "stay", "as many more of it are printed"),
+            };
+            let (part, name) = (part.part, &part.name);
             told.push(format!(
-                "A copy of part {} ({}) is in build {build} by now, and stays there: one more of it is printed.",
-                part.part, part.name
+                "{copies} of part {part} ({name}) {are} in build {build} by now, and {stay} there: {more}."
             ));
         }
         told
+    }
+
+    /// One more copy of a part is in another build.
+    fn add_elsewhere(&mut self, part: PartId, name: String, build: BuildId) {
+        match self.elsewhere.iter_mut().find(|(known, other)| known.part == part && *other == build) {
+            Some((known, _)) => known.copies += 1,
+            None => self.elsewhere.push((PartCopies { part, name, copies: 1 }, build)),
+        }
     }
 }
 
@@ -285,7 +297,7 @@ impl LedgerChange {
                     .fetch_optional(self.db())
                     .await?;
             if let Some(holder) = holder {
-                report.elsewhere.push((PartCopies { part: id, name: part.full_name(), copies: 1 }, holder));
+                report.add_elsewhere(id, part.full_name(), holder);
                 continue;
             }
             // Also the copies of a part that is read again wait.
@@ -364,5 +376,21 @@ impl LedgerChange {
                 .await?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_in_another_build_are_told_once_with_their_number() {
+        let mut report = PutBackReport::default();
+        for (part, build) in [(1, 5), (1, 5), (2, 5), (1, 6)] {
+            report.add_elsewhere(PartId(part), format!("{part}.stl"), BuildId(build));
+        }
+        let told = report.sentences();
+        assert!(told.len() == 3 && told[0].starts_with("2 copies of part 1 (1.stl) are in build 5"), "{told:?}");
+        assert!(told[1].ends_with("stays there: one more of it is printed."), "{told:?}");
     }
 }

@@ -283,7 +283,7 @@ fn copies_that_were_told_bad_and_printed_again_after_the_backup_was_made_are_not
     printed(&mut farm);
     farm.stop();
     let report = farm.restore(&backup);
-    assert!(report.doubts.iter().any(|doubt| doubt.contains("counts as bad")), "{report:?}");
+    assert!(report.doubts.iter().any(|doubt| doubt.contains("as bad: build")), "{report:?}");
     farm.start();
     farm.pass_secs(2.0);
     // As the documents say: the outcomes are recorded again.

@@ -127,3 +127,23 @@ fn is_same_mesh(read: &Mesh, nested: &Mesh) -> bool {
         && is_close(read.bounds().min, nested.bounds().min)
         && is_close(read.bounds().max, nested.bounds().max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_of_the_same_shape_with_another_number_of_triangles_is_another_one() {
+        let block = sample_parts::fixtures::block(10.0, 8.0, 6.0);
+        assert!(is_same_mesh(&block, &block));
+        let mut triangles = block.triangles().to_vec();
+        let Some([a, b, c]) = triangles.pop() else { panic!("a block has triangles") };
+        let mut corners = block.vertices().to_vec();
+        let middle = corners.len() as u32;
+        corners.push((corners[a as usize] + corners[b as usize]) / 2.0);
+        triangles.extend([[a, middle, c], [middle, b, c]]);
+        let divided = Mesh::new(corners, triangles).unwrap();
+        assert_eq!((divided.volume_mm3().round(), divided.bounds()), (480.0, block.bounds()));
+        assert!(!is_same_mesh(&divided, &block));
+    }
+}

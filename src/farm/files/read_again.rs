@@ -61,3 +61,28 @@ pub fn read_in_fixed_unit(
     }
     read(at_first)
 }
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+    use ledger::PartId;
+    use ledger_fixtures::part_row;
+    use sample_parts::fixtures::block;
+
+    use super::*;
+
+    #[test]
+    fn a_mesh_of_another_size_than_the_first_one_is_refused_and_one_of_a_part_that_was_never_read_is_not() {
+        let mut part = part_row(PartId(1), 1, Timestamp::UNIX_EPOCH);
+        let mesh = block(10.0, 8.0, 6.0);
+        assert!(ensure_same_size(&part, &mesh).is_ok());
+        let measures = &mut part.measures;
+        (measures.size_x_mm, measures.size_y_mm, measures.size_z_mm) = (Some(10.0), Some(8.0), Some(6.0));
+        assert!(ensure_same_size(&part, &mesh).is_ok());
+        let differs = ensure_same_size(&part, &block(10.0, 8.0, 152.4)).unwrap_err();
+        assert_eq!(
+            (differs.part, differs.told_mm, differs.found_mm),
+            (PartId(1), [10.0, 8.0, 6.0], [10.0, 8.0, 152.4])
+        );
+    }
+}

@@ -322,3 +322,22 @@ async fn the_open_build_of_a_removed_profile_can_be_dropped() {
     assert!(ledger.builds_in_state(BuildState::Open).await.unwrap().is_empty());
     ledger.delete_open_build("gone").await.unwrap();
 }
+
+#[tokio::test]
+async fn waiting_copies_and_the_parts_of_a_build_come_in_order_of_precedence() {
+    let ledger = fresh().await;
+    let mut ids = Vec::new();
+    for (claim, priority) in [("a", 10), ("b", 90), ("c", 50)] {
+        let part = asked(new_part(claim, 1), |terms| terms.priority = priority);
+        let id = ledger.record_claim(&part).await.unwrap().id;
+        ledger.accept_solids(id, &[solid(0, 1)]).await.unwrap();
+        ids.push(id);
+    }
+    let expected = [ids[1], ids[2], ids[0]];
+    let waiting = ledger.waiting_copies("paper-200").await.unwrap();
+    assert_eq!(waiting.iter().map(|waiting| waiting.part.id).collect::<Vec<_>>(), expected);
+    let copies: Vec<_> = ids.iter().map(|&id| (id, 0)).collect();
+    let build = nesting(&ledger, &copies).await;
+    let parts = ledger.parts_of_build(build).await.unwrap();
+    assert_eq!(parts.iter().map(|part| part.id).collect::<Vec<_>>(), expected);
+}

@@ -187,7 +187,7 @@ fn build_of(mesh: &Arc<Mesh>, solution: &NestingSolution, copies: u32) -> BuildF
             title: "bench".to_owned(),
             application: "nestd bench".to_owned(),
             created: "2026-11-20T04:49:00Z".to_owned(),
-            profile: "bench".to_owned(),
+            machine: "bench".to_owned(),
             build_id: "1".to_owned(),
             seed: 1,
         },

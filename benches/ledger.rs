@@ -16,7 +16,7 @@ use sqlx::Connection;
 
 /// Parts that are recorded in one change while the ledger is filled.
 const FILL_CHUNK: u64 = 500;
-const PROFILE: &str = "mjf-5200";
+const MACHINE: &str = "mjf-5200";
 
 /// Measures the ledger with many waiting parts.
 #[derive(Debug, Parser)]
@@ -66,13 +66,13 @@ async fn measure(database: &str, place: &str, args: &LedgerBench) -> Result<()> 
     for number in 0..args.operations {
         let new = part(args.parts + number);
         times[0].push(time(async || ledger.record_claim(&new).await.map(drop)).await?);
-        let event = async || ledger.write_event(EventKind::Paused, PROFILE, None, None, "").await.map(drop);
+        let event = async || ledger.write_event(EventKind::Paused, MACHINE, None, None, "").await.map(drop);
         times[1].push(time(event).await?);
     }
     // These look at all waiting parts.
     for _ in 0..args.operations.div_ceil(25) {
-        times[2].push(time(async || ledger.waiting_copies(PROFILE).await.map(drop)).await?);
-        times[3].push(time(async || ledger.profile_statuses().await.map(drop)).await?);
+        times[2].push(time(async || ledger.waiting_copies(MACHINE).await.map(drop)).await?);
+        times[3].push(time(async || ledger.machine_statuses().await.map(drop)).await?);
     }
     let cells: Vec<String> = times.iter_mut().map(|times| cell(times)).collect();
     println!("| {database} | {:.1} | {} |", filled.as_secs_f64(), cells.join(" | "));
@@ -95,7 +95,7 @@ fn cell(times: &mut [Duration]) -> String {
 fn part(number: u64) -> NewPartRow {
     NewPartRow {
         claim: format!("claim-{number:08}"),
-        profile: PROFILE.to_owned(),
+        machine: MACHINE.to_owned(),
         name: format!("part-{number}.stl"),
         content_hash: format!("{number:064x}"),
         bytes: 684,

@@ -13,7 +13,7 @@ use solids::{Bounds, Mesh, Pose};
 /// A machine as a build sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineSpec {
-    /// Name of its profile.
+    /// Its name.
     pub name: String,
     /// The printable box, mm.
     pub volume_mm: DVec3,
@@ -90,7 +90,7 @@ impl MachineSpec {
     /// The instance for the nester.
     ///
     /// # Errors
-    /// The nester rejects the values.
+    /// The nester refuses the values.
     pub fn create_instance(&self, items: Vec<NestingItem>) -> Result<NestingInstance, InstanceError> {
         NestingInstance::new(self.build_volume(), self.clearance_mm, items)?
             .with_clearance_z_extra(self.clearance_z_extra_mm)?

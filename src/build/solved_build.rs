@@ -54,7 +54,7 @@ impl SolvedBuild {
                 title: self.heading.title.clone(),
                 application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
                 created: self.heading.created.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
-                profile: machine.name.clone(),
+                machine: machine.name.clone(),
                 build_id: self.heading.build_id.clone(),
                 seed: self.heading.seed,
             },

@@ -46,25 +46,25 @@ enum CliCommand {
     Render(look::render::RenderArgs),
     /// Write a build as one HTML file to mail: 3D view, facts and pick map
     Report(look::report::ReportArgs),
-    /// Nest and publish the waiting parts of a profile now
+    /// Nest and publish the waiting parts of a machine now
     Flush {
-        /// Machine profile
-        #[arg(add = terminal::candidates::of_profiles())]
-        profile: String,
+        /// Machine
+        #[arg(add = terminal::candidates::of_machines())]
+        machine: String,
     },
-    /// Stop a profile from firing batches until it is resumed
+    /// Stop a machine from firing batches until it is resumed
     Pause {
-        /// Machine profile
-        #[arg(add = terminal::candidates::of_profiles())]
-        profile: String,
+        /// Machine
+        #[arg(add = terminal::candidates::of_machines())]
+        machine: String,
     },
-    /// Let a paused profile fire again
+    /// Let a paused machine fire again
     Resume {
-        /// Machine profile
-        #[arg(add = terminal::candidates::of_profiles())]
-        profile: String,
+        /// Machine
+        #[arg(add = terminal::candidates::of_machines())]
+        machine: String,
     },
-    /// Take a rejected part back
+    /// Take a refused part back
     Retry {
         /// Part number, as status and show print it (5 or p5)
         #[arg(value_parser = terminal::values::parse_part_number, add = terminal::candidates::of_refused_parts())]
@@ -83,8 +83,8 @@ enum CliCommand {
         /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
         #[arg(required = true, value_name = "PART|ORDER", add = terminal::candidates::of_parts())]
         targets: Vec<String>,
-        /// Machine profile to move them to
-        #[arg(long, value_name = "PROFILE", add = terminal::candidates::of_profiles())]
+        /// Machine to move them to
+        #[arg(long, value_name = "MACHINE", add = terminal::candidates::of_machines())]
         to: String,
     },
     /// Print parts as they are that wait for a yes
@@ -106,11 +106,11 @@ enum CliCommand {
     Requeue(act::edit::RequeueArgs),
     /// List orders and what became of their copies
     Orders(look::orders::OrdersArgs),
-    /// Mark a profile's refused files, or the failed print of a build, as seen: they raise no alert any more
+    /// Mark a machine's refused files, or the failed print of a build, as seen: they raise no alert any more
     Dismiss {
-        /// Machine profile, or build (b4)
-        #[arg(value_name = "PROFILE|BUILD", add = terminal::candidates::of_profiles())]
-        profile: String,
+        /// Machine, or build (b4)
+        #[arg(value_name = "MACHINE|BUILD", add = terminal::candidates::of_machines())]
+        machine: String,
     },
     /// Record the outcome of a published build
     Outcome(act::outcome::OutcomeArgs),
@@ -118,9 +118,9 @@ enum CliCommand {
     Scan,
     /// Take over a machine, and the files that another nestd claimed in its hot folder before it went away
     Adopt {
-        /// Machine profile
-        #[arg(add = terminal::candidates::of_profiles())]
-        profile: String,
+        /// Machine
+        #[arg(add = terminal::candidates::of_machines())]
+        machine: String,
     },
     /// Show the printers, or take one out of use (down) and into use again (up)
     Printer(act::printer::PrinterArgs),
@@ -199,9 +199,9 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Show(args) => look::show::run(common, args),
         CliCommand::Render(args) => look::render::run(common, args),
         CliCommand::Report(args) => look::report::run(common, args),
-        CliCommand::Flush { profile } => act::command::run(common, &DaemonCommand::Flush(profile.clone())),
-        CliCommand::Pause { profile } => act::command::run(common, &DaemonCommand::Pause(profile.clone())),
-        CliCommand::Resume { profile } => act::command::run(common, &DaemonCommand::Resume(profile.clone())),
+        CliCommand::Flush { machine } => act::command::run(common, &DaemonCommand::Flush(machine.clone())),
+        CliCommand::Pause { machine } => act::command::run(common, &DaemonCommand::Pause(machine.clone())),
+        CliCommand::Resume { machine } => act::command::run(common, &DaemonCommand::Resume(machine.clone())),
         CliCommand::Retry { part } => act::command::run(common, &DaemonCommand::Retry(ledger::PartId(*part))),
         CliCommand::Cancel { targets } => act::edit::run_cancel(common, targets),
         CliCommand::Edit(args) => act::edit::run(common, args),
@@ -210,10 +210,10 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Reprint { targets, anyway } => act::edit::run_reprint(common, targets, *anyway),
         CliCommand::Requeue(args) => act::edit::run_requeue(common, args),
         CliCommand::Orders(args) => look::orders::run(common, args),
-        CliCommand::Dismiss { profile } => act::dismiss::run(common, profile),
+        CliCommand::Dismiss { machine } => act::dismiss::run(common, machine),
         CliCommand::Outcome(args) => act::outcome::run(common, args),
         CliCommand::Scan => act::command::run(common, &DaemonCommand::Scan),
-        CliCommand::Adopt { profile } => act::adopt::run(common, profile),
+        CliCommand::Adopt { machine } => act::adopt::run(common, machine),
         CliCommand::Printer(args) => act::printer::run(common, args),
         CliCommand::Plan(args) => look::plan::run(common, args),
         CliCommand::Quote(args) => look::quote::run(common, args),

@@ -38,7 +38,8 @@ fn the_command_line_is_sound() {
 
 /// What the chapter of commands must name: each command by its whole name, and each option.
 fn names_of(command: &clap::Command, path: &str) -> Vec<String> {
-    let options = command.get_arguments().filter_map(|option| option.get_long()).filter(|long| *long != "help");
+    let shown = command.get_arguments().filter(|option| !option.is_hide_set());
+    let options = shown.filter_map(|option| option.get_long()).filter(|long| *long != "help");
     let mut names: Vec<String> = options.map(|long| format!("--{long}")).collect();
     for inner in command.get_subcommands().filter(|inner| !inner.is_hide_set()) {
         let path = format!("{path} {}", inner.get_name());
@@ -70,7 +71,7 @@ async fn an_order_is_noted_while_the_daemon_does_not_run() {
     assert_eq!(exit, CommandExit::Success);
     assert_eq!(text, "The daemon does not run; flush is noted and will be done when it starts.");
     let asked = ledger.pending_commands().await.unwrap();
-    assert_eq!((asked[0].kind, asked[0].profile.as_str()), (CommandKind::Flush, "paper-200"));
+    assert_eq!((asked[0].kind, asked[0].machine.as_str()), (CommandKind::Flush, "paper-200"));
     assert!(asked[0].asked_by.contains('@'));
 }
 
@@ -107,7 +108,7 @@ async fn status_shows_every_machine_and_what_it_does() {
     published(&ledger, &[(a, 0)]).await;
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
-    ledger.pause_profile("sold", "ann@farm", ledger::PauseCause::Person).await.unwrap();
+    ledger.pause_machine("sold", "ann@farm", ledger::PauseCause::Person).await.unwrap();
     let stopped = status::read_status(&ledger, "host", &["fuse-1", "paper-200"], false).await.unwrap().to_text(
         Timestamp::now(),
         &FarmZone::default(),
@@ -125,8 +126,8 @@ async fn status_shows_every_machine_and_what_it_does() {
     assert!(text.contains("not configured, paused by ann@farm"), "{text}");
     assert!(text.contains("b.stl  not; needed"), "{text}");
     let json = serde_json::to_value(&farm).unwrap();
-    assert_eq!(json["profiles"][1]["waiting_copies"], 1);
-    assert_eq!(json["profiles"][1]["nesting"][0]["state"], "nesting");
+    assert_eq!(json["machines"][1]["waiting_copies"], 1);
+    assert_eq!(json["machines"][1]["nesting"][0]["state"], "nesting");
     assert_eq!((&json["daemon"]["alive"], json["parts"].as_array().unwrap().len()), (&true.into(), 2));
 }
 

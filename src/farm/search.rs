@@ -140,7 +140,7 @@ pub async fn search_names(
     if words.0.is_empty() {
         return Ok(found);
     }
-    let of_machines = words.without_kind(&["machine", "machines", "profile"]);
+    let of_machines = words.without_kind(&["machine", "machines"]);
     for name in machines.iter().filter(|name| of_machines.are_in(name)) {
         found.machines.count_row((*name).clone(), most);
     }

@@ -18,58 +18,58 @@ const SECONDS: [f64; 9] = [1.0, 5.0, 15.0, 60.0, 180.0, 600.0, 1800.0, 3600.0, 1
 /// Possible outcomes of a build. All but the first three are entered by people for published builds.
 const OUTCOMES: [&str; 6] = ["published", "given_up", "withdrawn", "complete", "interrupted", "failed"];
 
-/// Registers the totals. Every configured profile has all of its counters from the start, at 0: Prometheus does not see
+/// Registers the totals. Every configured machine has all of its counters from the start, at 0: Prometheus does not see
 /// an increase if a counter starts at 1.
 pub(super) fn register_counters(registry: &mut Registry, totals: &FarmTotals, settings: &Settings) {
-    let profiles: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-    register_file_metrics(registry, totals, &profiles);
-    register_build_metrics(registry, totals, &profiles);
-    register_build_histograms(registry, &totals.measured, &profiles);
+    let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+    register_file_metrics(registry, totals, &machines);
+    register_build_metrics(registry, totals, &machines);
+    register_build_histograms(registry, &totals.measured, &machines);
 }
 
-fn register_file_metrics(registry: &mut Registry, totals: &FarmTotals, profiles: &[&str]) {
+fn register_file_metrics(registry: &mut Registry, totals: &FarmTotals, machines: &[&str]) {
     let parts = Family::<LabelPairs, FloatGauge>::default();
-    for (profile, state, count) in &totals.parts {
-        parts.get_or_create(&profile_labels(profile, "state", state)).set(*count as f64);
+    for (machine, state, count) in &totals.parts {
+        parts.get_or_create(&machine_labels(machine, "state", state)).set(*count as f64);
     }
     registry.register("parts", "Parts by the state they are in", parts);
     let ingested = Family::<LabelPairs, Counter>::default();
     let refused = Family::<LabelPairs, Counter>::default();
-    for profile in profiles {
-        let _ = ingested.get_or_create(&vec![("profile", (*profile).to_owned())]);
+    for machine in machines {
+        let _ = ingested.get_or_create(&vec![("machine", (*machine).to_owned())]);
         for kind in RefusalCause::ALL {
-            let _ = refused.get_or_create(&profile_labels(profile, "reason", &kind.to_string()));
+            let _ = refused.get_or_create(&machine_labels(machine, "reason", &kind.to_string()));
         }
     }
-    for (profile, count) in &totals.files {
-        ingested.get_or_create(&vec![("profile", profile.clone())]).inc_by(*count);
+    for (machine, count) in &totals.files {
+        ingested.get_or_create(&vec![("machine", machine.clone())]).inc_by(*count);
     }
-    for (profile, cause, count) in &totals.refused {
+    for (machine, cause, count) in &totals.refused {
         let known = RefusalCause::ALL.iter().find(|kind| kind.to_string() == *cause).unwrap_or(&RefusalCause::Other);
-        refused.get_or_create(&profile_labels(profile, "reason", &known.to_string())).inc_by(*count);
+        refused.get_or_create(&machine_labels(machine, "reason", &known.to_string())).inc_by(*count);
     }
     registry.register("files_ingested", "Files ever taken out of the hot folders", ingested);
     registry.register("files_refused", "Files ever refused or cancelled, by the kind of reason", refused);
 }
 
-fn register_build_metrics(registry: &mut Registry, totals: &FarmTotals, profiles: &[&str]) {
+fn register_build_metrics(registry: &mut Registry, totals: &FarmTotals, machines: &[&str]) {
     let states = Family::<LabelPairs, FloatGauge>::default();
     let outcomes = Family::<LabelPairs, Counter>::default();
     let unproved = Family::<LabelPairs, Counter>::default();
-    for profile in profiles {
+    for machine in machines {
         for outcome in OUTCOMES {
-            let _ = outcomes.get_or_create(&profile_labels(profile, "outcome", outcome));
+            let _ = outcomes.get_or_create(&machine_labels(machine, "outcome", outcome));
         }
-        let _ = unproved.get_or_create(&vec![("profile", (*profile).to_owned())]);
+        let _ = unproved.get_or_create(&vec![("machine", (*machine).to_owned())]);
     }
     for count in &totals.builds {
-        states.get_or_create(&profile_labels(&count.profile, "state", &count.state)).inc_by(count.builds as f64);
+        states.get_or_create(&machine_labels(&count.machine, "state", &count.state)).inc_by(count.builds as f64);
         for outcome in build_outcomes(count) {
-            outcomes.get_or_create(&profile_labels(&count.profile, "outcome", outcome)).inc_by(count.builds);
+            outcomes.get_or_create(&machine_labels(&count.machine, "outcome", outcome)).inc_by(count.builds);
         }
     }
-    for (profile, count) in &totals.unproved {
-        unproved.get_or_create(&vec![("profile", profile.clone())]).inc_by(*count);
+    for (machine, count) in &totals.unproved {
+        unproved.get_or_create(&vec![("machine", machine.clone())]).inc_by(*count);
     }
     registry.register("builds", "Builds by the state they are in", states);
     let help = "Builds ever published or given up, and outcomes entered for published ones";
@@ -87,15 +87,15 @@ fn build_outcomes(count: &BuildCount) -> Vec<&'static str> {
     }
 }
 
-fn register_build_histograms(registry: &mut Registry, builds: &[MeasuredBuild], profiles: &[&str]) {
+fn register_build_histograms(registry: &mut Registry, builds: &[MeasuredBuild], machines: &[&str]) {
     let heights = Family::<LabelPairs, Histogram>::new_with_constructor(|| Histogram::new(HEIGHTS_M));
     let densities = Family::<LabelPairs, Histogram>::new_with_constructor(|| Histogram::new(DENSITIES));
     let seconds = Family::<LabelPairs, Histogram>::new_with_constructor(|| Histogram::new(SECONDS));
     for family in [&heights, &densities, &seconds] {
-        profiles.iter().for_each(|profile| drop(family.get_or_create(&vec![("profile", (*profile).to_owned())])));
+        machines.iter().for_each(|machine| drop(family.get_or_create(&vec![("machine", (*machine).to_owned())])));
     }
     for build in builds {
-        let of = vec![("profile", build.profile.clone())];
+        let of = vec![("machine", build.machine.clone())];
         build.height_mm.into_iter().for_each(|mm| heights.get_or_create(&of).observe(mm / 1000.0));
         build.density.into_iter().for_each(|share| densities.get_or_create(&of).observe(share));
         build.wall_secs.into_iter().for_each(|secs| seconds.get_or_create(&of).observe(secs));
@@ -105,6 +105,6 @@ fn register_build_histograms(registry: &mut Registry, builds: &[MeasuredBuild], 
     registry.register("nesting_duration_seconds", "Final nesting of published builds", seconds);
 }
 
-fn profile_labels(profile: &str, name: &'static str, value: &str) -> LabelPairs {
-    vec![("profile", profile.to_owned()), (name, value.to_owned())]
+fn machine_labels(machine: &str, name: &'static str, value: &str) -> LabelPairs {
+    vec![("machine", machine.to_owned()), (name, value.to_owned())]
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU64;
 
 use anyhow::Result;
-use ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp};
+use ledger::{Ledger, MachineRow, MachineStatus, NodeRow, UtcTimestamp};
 use prometheus_client::{
     metrics::{family::Family, gauge::Gauge},
     registry::Registry,
@@ -19,8 +19,8 @@ pub(super) type LabelPairs = Vec<(&'static str, String)>;
 /// The data for the gauges of one farm at one moment.
 struct GaugeSnapshot<'a> {
     registry: &'a mut Registry,
-    profiles: Vec<String>,
-    status: Vec<ProfileStatus>,
+    names: Vec<String>,
+    status: Vec<MachineStatus>,
     machines: Vec<MachineRow>,
 }
 
@@ -31,8 +31,8 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     let is_up = daemon.as_ref().is_some_and(|daemon| daemon.alive);
     // What a stopped daemon last saw of the machines says nothing about them now.
     let machines = if is_up { ledger.list_machines().await? } else { Vec::new() };
-    let profiles = settings.profiles.keys().cloned().collect();
-    let mut snapshot = GaugeSnapshot { registry, profiles, status: ledger.profile_statuses().await?, machines };
+    let names = settings.profiles.keys().cloned().collect();
+    let mut snapshot = GaugeSnapshot { registry, names, status: ledger.machine_statuses().await?, machines };
     snapshot.register_waiting();
     snapshot.register_in_work();
     snapshot.register_machines();
@@ -44,18 +44,18 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
 }
 
 impl GaugeSnapshot<'_> {
-    /// Registers a gauge with a value for each profile that has one.
-    fn register_profile_gauge(
+    /// Registers a gauge with a value for each machine that has one.
+    fn register_status_gauge(
         &mut self,
         name: &str,
         help: &str,
-        value: impl Fn(Option<&ProfileStatus>, &str) -> Option<f64>,
+        value: impl Fn(Option<&MachineStatus>, &str) -> Option<f64>,
     ) {
         let family = Family::<LabelPairs, FloatGauge>::default();
-        for profile in &self.profiles {
-            let status = self.status.iter().find(|s| s.profile == *profile);
-            if let Some(value) = value(status, profile) {
-                family.get_or_create(&vec![("profile", profile.clone())]).set(value);
+        for machine in &self.names {
+            let status = self.status.iter().find(|s| s.machine == *machine);
+            if let Some(value) = value(status, machine) {
+                family.get_or_create(&vec![("machine", machine.clone())]).set(value);
             }
         }
         self.registry.register(name, help, family);
@@ -64,9 +64,9 @@ impl GaugeSnapshot<'_> {
     /// Registers a gauge with a value for each machine that the daemon observes.
     fn register_machine_gauge(&mut self, name: &str, help: &str, value: impl Fn(&MachineRow) -> Option<f64>) {
         let family = Family::<LabelPairs, FloatGauge>::default();
-        for machine in self.machines.iter().filter(|s| self.profiles.contains(&s.profile)) {
+        for machine in self.machines.iter().filter(|s| self.names.contains(&s.machine)) {
             if let Some(value) = value(machine) {
-                family.get_or_create(&vec![("profile", machine.profile.clone())]).set(value);
+                family.get_or_create(&vec![("machine", machine.machine.clone())]).set(value);
             }
         }
         self.registry.register(name, help, family);
@@ -74,48 +74,48 @@ impl GaugeSnapshot<'_> {
 
     fn register_waiting(&mut self) {
         let count = |value: u32| Some(f64::from(value));
-        self.register_profile_gauge("parts_waiting", "Parts with a copy in no build", |s, _| {
+        self.register_status_gauge("parts_waiting", "Parts with a copy in no build", |s, _| {
             count(s.map_or(0, |s| s.waiting_parts))
         });
-        self.register_profile_gauge("copies_waiting", "Copies in no build", |s, _| {
+        self.register_status_gauge("copies_waiting", "Copies in no build", |s, _| {
             count(s.map_or(0, |s| s.waiting_copies))
         });
-        self.register_profile_gauge("parts_being_read", "Parts that are taken and not read yet", |s, _| {
+        self.register_status_gauge("parts_being_read", "Parts that are taken and not read yet", |s, _| {
             count(s.map_or(0, |s| s.claimed_parts))
         });
-        self.register_profile_gauge(
+        self.register_status_gauge(
             "oldest_waiting_timestamp_seconds",
             "When the oldest waiting part was taken",
             |s, _| Some(unix_seconds(s?.oldest_at?)),
         );
-        self.register_profile_gauge("next_due_timestamp_seconds", "The nearest due date of what waits", |s, _| {
+        self.register_status_gauge("next_due_timestamp_seconds", "The nearest due date of what waits", |s, _| {
             Some(unix_seconds(s?.due_at?))
         });
     }
 
     fn register_in_work(&mut self) {
-        self.register_profile_gauge("builds_in_work", "Builds that have fired and are not in the queue yet", |s, _| {
+        self.register_status_gauge("builds_in_work", "Builds that have fired and are not in the queue yet", |s, _| {
             Some(s.map_or(0, |s| s.nesting.len()) as f64)
         });
-        self.register_profile_gauge("open_build_height_meters", "Height of the open build's layout so far", |s, _| {
+        self.register_status_gauge("open_build_height_meters", "Height of the open build's layout so far", |s, _| {
             Some(s?.open.as_ref()?.height_mm? / 1000.0)
         });
-        self.register_profile_gauge(
+        self.register_status_gauge(
             "open_build_density_ratio",
             "Part volume over box volume of the open build's layout so far",
             |s, _| s?.open.as_ref()?.density,
         );
-        self.register_profile_gauge(
+        self.register_status_gauge(
             "open_build_night_cpu_seconds",
             "CPU time since the last arrival that lowered the open build while it waited",
             |s, _| s?.open.as_ref()?.night_cpu_secs,
         );
-        self.register_profile_gauge(
+        self.register_status_gauge(
             "open_build_night_gain_meters",
             "What that time gained in height since the last arrival",
             |s, _| Some(s?.open.as_ref()?.night_gain_mm? / 1000.0),
         );
-        self.register_profile_gauge("paused", "1 while nothing is fired", |s, _| {
+        self.register_status_gauge("paused", "1 while nothing is fired", |s, _| {
             Some(gauge_from_bool(s.is_some_and(|s| s.paused.is_some())))
         });
     }
@@ -169,9 +169,9 @@ async fn register_printers(registry: &mut Registry, ledger: &Ledger, settings: &
     for (name, profile) in &settings.profiles {
         let counts = ledger.queued_counts(name).await?;
         for printer in profile.printers.iter().map(|printer| &printer.name) {
-            let is_down = down.iter().any(|down| down.profile == *name && down.printer == *printer);
+            let is_down = down.iter().any(|down| down.machine == *name && down.printer == *printer);
             let of_printer = counts.iter().find(|(of, _)| of == printer).map_or(0, |(_, count)| *count);
-            let labels = vec![("profile", name.clone()), ("printer", printer.clone())];
+            let labels = vec![("machine", name.clone()), ("printer", printer.clone())];
             up.get_or_create(&labels).set(gauge_from_bool(!is_down));
             queued.get_or_create(&labels).set(of_printer as f64);
         }

@@ -28,7 +28,7 @@ fn farm(folder: &std::path::Path, more: &str) -> Settings {
 }
 
 fn part(claim: &str, copies: u32) -> NewPartRow {
-    NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part(claim, copies) }
+    NewPartRow { machine: "cube".to_owned(), ..fixtures::new_part(claim, copies) }
 }
 
 /// A ledger in which everything that is counted has happened at least once.
@@ -43,7 +43,7 @@ async fn lively() -> fixtures::TestLedger {
     ledger.verify_build(build, &fixtures::verified(build, 2), &placed).await.unwrap();
     ledger.publish_build(build).await.unwrap();
     let torn = ledger.record_claim(&part("b", 1)).await.unwrap().id;
-    ledger.reject_claim(torn, RefusalCause::NotClosed, "torn").await.unwrap();
+    ledger.refuse_claim(torn, RefusalCause::NotClosed, "torn").await.unwrap();
     ledger.record_file_refusal("cube", RefusalCause::Ticket, "order.csv: no").await.unwrap();
     let due = fixtures::asked(part("c", 3), |terms| terms.due_at = Some(jiff::Timestamp::now()));
     let waits = ledger.record_claim(&due).await.unwrap().id;
@@ -58,8 +58,8 @@ async fn lively() -> fixtures::TestLedger {
 
 async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
     let now = jiff::Timestamp::now();
-    let seen = |profile: &str, trouble: &str| ObservedMachine {
-        profile: profile.to_owned(),
+    let seen = |machine: &str, trouble: &str| ObservedMachine {
+        machine: machine.to_owned(),
         scanned_at: Some(UtcTimestamp(now)),
         is_inbox_there: true,
         is_queue_writable: trouble.is_empty(),
@@ -127,31 +127,31 @@ async fn every_number_has_help_and_counts_what_the_ledger_counts() {
     assert_eq!(promtool(&text), "");
     let samples = samples(&text);
     let is = |key: &str, value: f64| assert_eq!(samples.get(key), Some(&value), "{key} in\n{text}");
-    is("nestd_files_ingested_total{profile=\"cube\"}", 3.0);
-    is("nestd_files_refused_total{profile=\"cube\",reason=\"not-closed\"}", 1.0);
-    is("nestd_files_refused_total{profile=\"cube\",reason=\"ticket\"}", 1.0);
-    is("nestd_files_refused_total{profile=\"cube\",reason=\"cancelled\"}", 0.0);
-    is("nestd_files_refused_total{profile=\"idle\",reason=\"format\"}", 0.0);
-    is("nestd_parts_waiting{profile=\"cube\"}", 2.0);
-    is("nestd_copies_waiting{profile=\"cube\"}", 6.0);
-    is("nestd_build_outcomes_total{profile=\"cube\",outcome=\"published\"}", 1.0);
-    is("nestd_build_outcomes_total{profile=\"cube\",outcome=\"given_up\"}", 0.0);
-    is("nestd_proof_failures_total{profile=\"cube\"}", 1.0);
-    is("nestd_build_height_meters_count{profile=\"cube\"}", 1.0);
-    is("nestd_build_density_ratio_count{profile=\"cube\"}", 1.0);
-    is("nestd_nesting_duration_seconds_count{profile=\"cube\"}", 1.0);
-    is("nestd_queue_writable{profile=\"cube\"}", 0.0);
-    is("nestd_available{profile=\"cube\"}", 0.0);
-    is("nestd_available{profile=\"idle\"}", 1.0);
-    is("nestd_paused{profile=\"cube\"}", 0.0);
-    is("nestd_open_build_height_meters{profile=\"cube\"}", 0.01);
-    is("nestd_open_build_night_cpu_seconds{profile=\"cube\"}", 63.5);
-    is("nestd_open_build_night_gain_meters{profile=\"cube\"}", 0.0225);
+    is("nestd_files_ingested_total{machine=\"cube\"}", 3.0);
+    is("nestd_files_refused_total{machine=\"cube\",reason=\"not-closed\"}", 1.0);
+    is("nestd_files_refused_total{machine=\"cube\",reason=\"ticket\"}", 1.0);
+    is("nestd_files_refused_total{machine=\"cube\",reason=\"cancelled\"}", 0.0);
+    is("nestd_files_refused_total{machine=\"idle\",reason=\"format\"}", 0.0);
+    is("nestd_parts_waiting{machine=\"cube\"}", 2.0);
+    is("nestd_copies_waiting{machine=\"cube\"}", 6.0);
+    is("nestd_build_outcomes_total{machine=\"cube\",outcome=\"published\"}", 1.0);
+    is("nestd_build_outcomes_total{machine=\"cube\",outcome=\"given_up\"}", 0.0);
+    is("nestd_proof_failures_total{machine=\"cube\"}", 1.0);
+    is("nestd_build_height_meters_count{machine=\"cube\"}", 1.0);
+    is("nestd_build_density_ratio_count{machine=\"cube\"}", 1.0);
+    is("nestd_nesting_duration_seconds_count{machine=\"cube\"}", 1.0);
+    is("nestd_queue_writable{machine=\"cube\"}", 0.0);
+    is("nestd_available{machine=\"cube\"}", 0.0);
+    is("nestd_available{machine=\"idle\"}", 1.0);
+    is("nestd_paused{machine=\"cube\"}", 0.0);
+    is("nestd_open_build_height_meters{machine=\"cube\"}", 0.01);
+    is("nestd_open_build_night_cpu_seconds{machine=\"cube\"}", 63.5);
+    is("nestd_open_build_night_gain_meters{machine=\"cube\"}", 0.0225);
     is("nestd_daemon_up", 1.0);
     assert!(samples["nestd_disk_free_bytes"] > 0.0 && samples["nestd_disk_size_bytes"] > 0.0);
     let now = jiff::Timestamp::now().as_second() as f64;
     for key in ["oldest_waiting", "last_scan"] {
-        let at = samples[&format!("nestd_{key}_timestamp_seconds{{profile=\"cube\"}}")];
+        let at = samples[&format!("nestd_{key}_timestamp_seconds{{machine=\"cube\"}}")];
         assert!((at - now).abs() < 60.0, "{key} {at}");
     }
 }
@@ -217,7 +217,7 @@ async fn the_file_is_written_as_a_whole_and_follows_the_settings() {
     };
     let text = written().await;
     assert_eq!(promtool(&text), "");
-    assert_eq!(samples(&text)["nestd_files_ingested_total{profile=\"cube\"}"], 3.0);
+    assert_eq!(samples(&text)["nestd_files_ingested_total{machine=\"cube\"}"], 3.0);
     std::fs::remove_file(&file).unwrap();
     written().await;
     task.abort();

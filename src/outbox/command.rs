@@ -65,7 +65,7 @@ fn command_environment(message: &EventMessage) -> Vec<(&'static str, String)> {
     vec![
         ("NESTD_ID", message.id.clone()),
         ("NESTD_EVENT", message.kind.word().to_owned()),
-        ("NESTD_PROFILE", message.profile.clone()),
+        ("NESTD_MACHINE", message.machine.clone()),
         ("NESTD_PART", number(message.part)),
         ("NESTD_BUILD", number(message.build)),
         // An environment variable cannot hold a zero byte.

@@ -46,8 +46,8 @@ pub struct EventMessage {
     pub id: String,
     /// Kind of event.
     pub kind: MessageKind,
-    /// Machine profile, "" = none.
-    pub profile: String,
+    /// Machine, "" = none.
+    pub machine: String,
     /// Number of the part that it is about.
     pub part: Option<i64>,
     /// Number of the build that it is about.
@@ -62,7 +62,7 @@ pub struct EventMessage {
 pub fn event_kinds(events: &[NotificationKind]) -> Vec<EventKind> {
     let kinds_of = |kind: &NotificationKind| match kind {
         NotificationKind::Published => vec![EventKind::Published],
-        NotificationKind::Refused => vec![EventKind::Rejected, EventKind::Refused],
+        NotificationKind::Refused => vec![EventKind::Refused],
         NotificationKind::Unavailable => vec![EventKind::Unavailable, EventKind::Available],
         NotificationKind::AtRisk => vec![EventKind::AtRisk],
         NotificationKind::OrderComplete => vec![EventKind::OrderComplete],
@@ -92,7 +92,7 @@ impl EventMessage {
         let message = Self {
             id: format!("{}@{}", event.id, event.at),
             kind: MessageKind::of_event(&event.kind),
-            profile: event.profile.clone(),
+            machine: event.machine.clone(),
             part: event.part_id.map(|id| id.0),
             build: event.build_id.map(|id| id.0),
             text,
@@ -111,8 +111,8 @@ impl EventMessage {
     pub fn trial_message() -> Self {
         let now = UtcTimestamp(Timestamp::now());
         let text = format!("A test message from nestd on {}.", host_name());
-        let (id, kind, profile) = (format!("trial@{now}"), MessageKind::Test, String::new());
-        let message = Self { id, kind, profile, part: None, build: None, text, body: String::new() };
+        let (id, kind, machine) = (format!("trial@{now}"), MessageKind::Test, String::new());
+        let message = Self { id, kind, machine, part: None, build: None, text, body: String::new() };
         message.with_body(now, json!({ "reason": null, "detail": "", "part": null, "build": null }))
     }
 
@@ -122,7 +122,7 @@ impl EventMessage {
             "kind": self.kind.word(),
             "at": at,
             "host": host_name(),
-            "profile": self.profile,
+            "machine": self.machine,
             "text": self.text,
         });
         if let (Some(body), Value::Object(more)) = (body.as_object_mut(), more) {
@@ -138,7 +138,7 @@ impl MessageKind {
     fn of_event(event: &EventKind) -> Self {
         match event {
             EventKind::Published => Self::Published,
-            EventKind::Rejected | EventKind::Refused => Self::Refused,
+            EventKind::Refused => Self::Refused,
             EventKind::Unavailable => Self::Unavailable,
             EventKind::Available => Self::Available,
             EventKind::AtRisk => Self::AtRisk,
@@ -169,28 +169,28 @@ impl MessageKind {
 }
 
 fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Option<&BuildRow>) -> String {
-    let profile = &event.profile;
+    let machine = &event.machine;
     let first = detail.lines().next().unwrap_or_default();
     match (MessageKind::of_event(&event.kind), part, build) {
         (MessageKind::Published, _, Some(build)) => {
             let (copies, height_mm) =
                 (build.measures.copies.unwrap_or_default(), build.measures.height_mm.unwrap_or_default());
             format!(
-                "Build {} of {profile} is in the queue: {}, {height_mm:.2} mm high.",
+                "Build {} of {machine} is in the queue: {}, {height_mm:.2} mm high.",
                 build.id,
                 format_count(copies, "copy", "copies")
             )
         }
         (MessageKind::Refused, Some(part), _) if event.cause == RefusalCause::Cancelled.to_string() => {
-            format!("Part {} ({}) of {profile} was taken out. {first}", part.id, part.name)
+            format!("Part {} ({}) of {machine} was taken out. {first}", part.id, part.name)
         }
         (MessageKind::Refused, Some(part), _) => {
-            format!("Part {} ({}) of {profile} was refused: {first}", part.id, part.name)
+            format!("Part {} ({}) of {machine} was refused: {first}", part.id, part.name)
         }
-        (MessageKind::Refused, None, _) => format!("A file was refused in {profile}: {first}"),
+        (MessageKind::Refused, None, _) => format!("A file was refused in {machine}: {first}"),
         (MessageKind::Unavailable, ..) => first.to_owned(),
-        (MessageKind::Available, ..) => format!("{profile} is available again."),
-        (MessageKind::AtRisk | MessageKind::PutOut | MessageKind::NoRoom, ..) => format!("{profile}: {first}"),
+        (MessageKind::Available, ..) => format!("{machine} is available again."),
+        (MessageKind::AtRisk | MessageKind::PutOut | MessageKind::NoRoom, ..) => format!("{machine}: {first}"),
         (MessageKind::OrderComplete, ..) => format!("Complete: {first}."),
         (MessageKind::OrderShort, ..) => format!("Short: {first}."),
         _ => format!("Messages were dropped: {first}."),

@@ -66,9 +66,9 @@ impl OutboxFixture {
 
     async fn refuse(&self, ledger: &Ledger, name: &str) {
         let claim = format!("{name}{}", ledger.last_event_id().await.unwrap());
-        let part = NewPartRow { name: name.to_owned(), profile: "cube".to_owned(), ..fixtures::new_part(&claim, 2) };
+        let part = NewPartRow { name: name.to_owned(), machine: "cube".to_owned(), ..fixtures::new_part(&claim, 2) };
         let id = ledger.record_claim(&part).await.unwrap().id;
-        ledger.reject_claim(id, RefusalCause::NotClosed, "The mesh is not closed.\nMend it.").await.unwrap();
+        ledger.refuse_claim(id, RefusalCause::NotClosed, "The mesh is not closed.\nMend it.").await.unwrap();
     }
 
     async fn wait(&self, hook: &TestWebhook, count: usize) -> Vec<serde_json::Value> {

@@ -1,4 +1,4 @@
-//! Delivery to a webhook: the message is posted as JSON with a signature, so that the receiver can reject forged and
+//! Delivery to a webhook: the message is posted as JSON with a signature, so that the receiver can refuse forged and
 //! replayed messages.
 
 use std::time::Duration;

@@ -15,7 +15,7 @@ pub(super) const MOVING: &str = ".moving";
 /// Printers and their file systems need short names.
 const MAX_NAME_BYTES: usize = 100;
 
-/// The stem of the name of a build or sidecar: `<utc>_<profile>_<build-id>`, ASCII, no spaces. `None` = not such a
+/// The stem of the name of a build or sidecar: `<utc>_<machine>_<build-id>`, ASCII, no spaces. `None` = not such a
 /// name.
 pub(super) fn queue_file_stem(name: &str) -> Option<&str> {
     let stem = name.strip_suffix(BUILD).or_else(|| SIDECARS.iter().find_map(|s| name.strip_suffix(s)))?;
@@ -42,10 +42,10 @@ pub(super) fn staged_file_stem(name: &str) -> Option<&str> {
     let inner = inner.strip_suffix(STAGED).or_else(|| inner.strip_suffix(HALF))?;
     let stem = queue_file_stem(inner)?;
     let (time, rest) = stem.split_once('_')?;
-    let (profile, id) = rest.rsplit_once('_')?;
+    let (machine, id) = rest.rsplit_once('_')?;
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     let (day, clock) = time.strip_suffix('Z')?.split_once('T')?;
-    let is_ours = is_number(day) && is_number(clock) && is_number(id) && !profile.is_empty();
+    let is_ours = is_number(day) && is_number(clock) && is_number(id) && !machine.is_empty();
     is_ours.then_some(stem)
 }
 

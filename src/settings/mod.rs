@@ -6,7 +6,7 @@ pub use machine::keep_out::KeepOutZone;
 pub use machine::printer::{ApprovalPolicy, PrinterRules, PrintingRules, WithdrawalPolicy};
 pub use machine::profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,
-    SearchRules, TriggerRules, TurningRules, is_profile_name,
+    SearchRules, TriggerRules, TurningRules, is_machine_name,
 };
 pub use machine::work_calendar::WorkCalendar;
 pub use reading::duration::parse_secs;

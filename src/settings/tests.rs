@@ -317,7 +317,7 @@ fn broken_toml_and_broken_text_are_reported_with_their_line() {
 fn a_file_name_that_cannot_be_a_folder_name_is_refused() {
     for name in ["MJF.toml", "a b.toml", "ä.toml", &format!("{}.toml", "x".repeat(41))] {
         let problems = TestConfig::new("", &[(name, CUBE)]).problems();
-        assert!(problems[0].contains("cannot be the name of a profile"), "{problems:?}");
+        assert!(problems[0].contains("cannot be the name of a machine"), "{problems:?}");
     }
     let config = TestConfig::new("", &[("a.toml", CUBE), (".hidden.toml", "x"), ("notes.txt", "x"), ("b.toml~", "x")]);
     assert_eq!(config.load().unwrap().profiles.len(), 1);
@@ -326,7 +326,7 @@ fn a_file_name_that_cannot_be_a_folder_name_is_refused() {
 #[test]
 fn without_a_machine_or_a_file_it_is_said_what_to_do() {
     let problems = TestConfig::new("", &[]).problems();
-    assert!(problems[0].contains("there is no machine profile; put one file per machine here"), "{problems:?}");
+    assert!(problems[0].contains("there is no machine; put one file per machine here"), "{problems:?}");
     let error = load_settings(Some(Path::new("/nowhere/nestd.toml")), None).unwrap_err().to_string();
     assert!(error.starts_with("no configuration: /nowhere/nestd.toml is not there; name one with -c FILE"), "{error}");
 }

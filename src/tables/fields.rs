@@ -7,8 +7,8 @@ use super::columns::field_definition::FieldDefinition;
 pub const BUILD: FieldDefinition = FieldDefinition::whole("Build");
 /// Number of a part.
 pub const PART: FieldDefinition = FieldDefinition::whole("Part");
-/// Machine profile.
-pub const PROFILE: FieldDefinition = FieldDefinition::text("Profile");
+/// Machine.
+pub const MACHINE: FieldDefinition = FieldDefinition::text("Machine");
 /// State of a part or a build.
 pub const STATE: FieldDefinition = FieldDefinition::text("State");
 /// State of a build as the ledger has it: one that was withdrawn has failed there.
@@ -120,8 +120,6 @@ pub const FILE: FieldDefinition = FieldDefinition::text("File");
 pub const FILE_OR_REASON: FieldDefinition = FieldDefinition::text("File or reason");
 /// Size and hash of a file.
 pub const CONTENT: FieldDefinition = FieldDefinition::text("Content");
-/// Machine named in a build file.
-pub const MACHINE: FieldDefinition = FieldDefinition::text("Machine");
 /// Creation time written in a build file.
 pub const MADE: FieldDefinition = FieldDefinition::text("Made");
 
@@ -217,7 +215,7 @@ pub const NOW: FieldDefinition = FieldDefinition::text("Now");
 /// Number of files that are being read.
 pub const BEING_READ: FieldDefinition = FieldDefinition::whole("Being read");
 /// Number of refused parts.
-pub const REJECTED: FieldDefinition = FieldDefinition::whole("Rejected");
+pub const REFUSED: FieldDefinition = FieldDefinition::whole("Refused");
 /// The last published build.
 pub const LAST_PUBLISHED: FieldDefinition = FieldDefinition::time("Last published");
 

@@ -199,7 +199,7 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/builds/{build}", "/api/v1/builds/1"),
         ("/api/v1/builds/{build}/pick", "/api/v1/builds/1/pick"),
         ("/api/v1/parts", "/api/v1/parts"),
-        ("/api/v1/parts", "/api/v1/parts?state=built&profile=cube"),
+        ("/api/v1/parts", "/api/v1/parts?state=built&machine=cube"),
         ("/api/v1/parts", "/api/v1/parts?name=bracket.stl"),
         ("/api/v1/parts/{part}", "/api/v1/parts/1"),
         ("/api/v1/orders", "/api/v1/orders?find=RACK&state=open&limit=7"),
@@ -221,6 +221,8 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/builds/{build}", "/api/v1/builds/77", StatusCode::NOT_FOUND),
         ("/api/v1/builds/{build}/pick", "/api/v1/builds/one/pick", StatusCode::BAD_REQUEST),
         ("/api/v1/parts", "/api/v1/parts?state=lost", StatusCode::BAD_REQUEST),
+        ("/api/v1/parts", "/api/v1/parts?profile=cube", StatusCode::BAD_REQUEST),
+        ("/api/v1/builds", "/api/v1/builds?profile=cube", StatusCode::BAD_REQUEST),
         ("/api/v1/heights", "/api/v1/heights?since=today", StatusCode::BAD_REQUEST),
         ("/api/v1/orders", "/api/v1/orders?state=lost", StatusCode::BAD_REQUEST),
         ("/api/v1/orders", "/api/v1/orders?limit=many", StatusCode::BAD_REQUEST),
@@ -252,9 +254,9 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
         names.sort();
         names
     };
-    assert_eq!(sorted("/api/v1/builds"), ["after", "part", "profile", "since", "sort", "state", "until"]);
-    assert_eq!(sorted("/api/v1/heights"), ["part", "profile", "since", "state", "until"]);
-    assert_eq!(sorted("/api/v1/parts"), ["after", "name", "profile", "state"]);
+    assert_eq!(sorted("/api/v1/builds"), ["after", "machine", "part", "since", "sort", "state", "until"]);
+    assert_eq!(sorted("/api/v1/heights"), ["machine", "part", "since", "state", "until"]);
+    assert_eq!(sorted("/api/v1/parts"), ["after", "machine", "name", "state"]);
     assert_eq!(sorted("/api/v1/orders"), ["find", "limit", "state"]);
     assert_eq!(parameters("/api/v1/parts/{part}"), ["part"]);
     assert_eq!(document["paths"]["/api/v1/orders/{order}"]["get"]["parameters"][0]["schema"]["type"], "string");
@@ -305,10 +307,10 @@ async fn pages_head_their_columns_as_the_tables_say_and_files_and_json_by_the_sa
 }
 
 #[tokio::test]
-async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_by_page() {
+async fn parts_are_listed_newest_first_by_state_machine_name_and_order_and_page_by_page() {
     let dashboard = with_a_build("bracket.stl").await;
-    for (claim, profile) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
-        let part = ledger::NewPartRow { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
+    for (claim, machine) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
+        let part = ledger::NewPartRow { machine: machine.to_owned(), ..fixtures::new_part(claim, 1) };
         dashboard.ledger.record_claim(&part).await.unwrap();
     }
     let numbers = async |asked: &str| -> Vec<i64> {
@@ -318,8 +320,8 @@ async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_
     };
     assert_eq!(numbers("").await, [4, 3, 2], "built ones are asked for by state or name");
     assert_eq!(numbers("?state=built").await, [1]);
-    assert_eq!(numbers("?profile=cube").await, [3, 2]);
-    assert_eq!(numbers("?state=claimed&profile=other&name=").await, [4]);
+    assert_eq!(numbers("?machine=cube").await, [3, 2]);
+    assert_eq!(numbers("?state=claimed&machine=other&name=").await, [4]);
     assert_eq!(numbers("?name=bracket.stl").await, [1], "by its file and by its order it is the same part");
     assert_eq!(numbers("?name=bracket.stl&state=waiting").await, [0_i64; 0]);
     assert_eq!(numbers("?after=3").await, [2]);
@@ -329,7 +331,7 @@ async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_
 #[tokio::test]
 async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_to_machines() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let part = ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
+    let part = ledger::NewPartRow { machine: "cube".to_owned(), ..fixtures::new_part("a", 3) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 3)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;

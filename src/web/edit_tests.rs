@@ -19,7 +19,7 @@ async fn delete(dashboard: &TestDashboard, path: &str) -> ApiAnswer {
 
 fn part_of_order(claim: &str) -> NewPartRow {
     let part = fixtures::asked(fixtures::new_part(claim, 2), |terms| "K-1".clone_into(&mut terms.order_name));
-    NewPartRow { profile: "cube".to_owned(), ..part }
+    NewPartRow { machine: "cube".to_owned(), ..part }
 }
 
 /// A part of order K-1 with so many solids; 0 = it is not read yet.
@@ -73,7 +73,7 @@ async fn lines_that_arrive_are_cancelled_and_their_claims_become_no_parts_that_w
     // Its claim was made at the same time.
     dashboard.ledger.record_claim(&part_of_order(&claim_of(0))).await.unwrap();
     let part = dashboard.ledger.parts_of_claim(&claim_of(0)).await.unwrap().remove(0);
-    assert_eq!((part.state, part.rejection.refusal), (PartState::Rejected, Some(RefusalCause::Cancelled)));
+    assert_eq!((part.state, part.refused.refusal), (PartState::Refused, Some(RefusalCause::Cancelled)));
     let all = delete(&dashboard, "/api/v1/orders/K-1").await;
     assert_eq!((all.status, all.json["answers"].as_array().unwrap().len()), (StatusCode::OK, 2), "{}", all.json);
     assert!(dashboard.ledger.arriving_lines("cube", 9).await.unwrap().is_empty());
@@ -95,7 +95,7 @@ async fn what_is_being_read_is_cancelled_with_its_order_and_changed_once_it_is_r
     assert_eq!((done.status, &done.json["done"]), (StatusCode::OK, &json!(true)), "{}", done.json);
     daemon.abort();
     for part in [read, unread] {
-        assert_eq!(dashboard.ledger.find_part(part).await.unwrap().unwrap().state, PartState::Rejected);
+        assert_eq!(dashboard.ledger.find_part(part).await.unwrap().unwrap().state, PartState::Refused);
     }
 }
 

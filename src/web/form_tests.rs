@@ -111,7 +111,7 @@ async fn every_form_of_every_page_does_once_what_is_sent_twice() {
     let prepared = async || {
         let dashboard = with_a_build("bracket.stl").await;
         let part = ledger::NewPartRow {
-            profile: "cube".to_owned(),
+            machine: "cube".to_owned(),
             ..fixtures::asked(fixtures::new_part("b", 2), |terms| terms.order_name = "kit".to_owned())
         };
         let id = dashboard.ledger.record_claim(&part).await.unwrap().id;

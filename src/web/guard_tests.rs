@@ -81,24 +81,24 @@ async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
 #[tokio::test]
 async fn an_order_is_taken_from_our_own_pages_only() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let flush = "key=key&kind=flush&profile=cube";
+    let flush = "key=key&kind=flush&machine=cube";
     assert_eq!(dashboard.post(flush, "cross-site").await.status, StatusCode::FORBIDDEN);
-    assert_eq!(dashboard.post("key=wrong&kind=flush&profile=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
-    assert_eq!(dashboard.post("key=key&kind=flush&profile=other", "same-origin").await.status, StatusCode::NOT_FOUND);
+    assert_eq!(dashboard.post("key=wrong&kind=flush&machine=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post("key=key&kind=flush&machine=other", "same-origin").await.status, StatusCode::NOT_FOUND);
     assert!(dashboard.ledger.pending_commands().await.unwrap().is_empty());
     let ledger = (*dashboard.ledger).clone();
     let daemon = tokio::spawn(async move {
         loop {
             if let Some(order) = ledger.pending_commands().await.unwrap().first() {
                 ledger.answer_command(order.id, true, "done").await.unwrap();
-                return (order.kind, order.profile.clone(), order.asked_by.clone());
+                return (order.kind, order.machine.clone(), order.asked_by.clone());
             }
             tokio::time::sleep(std::time::Duration::from_millis(5)).await;
         }
     });
     assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
-    let (kind, profile, by) = daemon.await.unwrap();
-    assert_eq!((kind, profile.as_str(), by.as_str()), (ledger::CommandKind::Flush, "cube", "dashboard"));
+    let (kind, machine, by) = daemon.await.unwrap();
+    assert_eq!((kind, machine.as_str(), by.as_str()), (ledger::CommandKind::Flush, "cube", "dashboard"));
     let silent = TestDashboard::new(|web| web.orders = false).await;
     assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
     assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");
@@ -118,7 +118,7 @@ async fn a_command_of_a_page_is_of_the_user_whom_the_proxy_names() {
         }
     });
     let request = Request::post("/commands").header("x-remote-user", "ann");
-    let answer = dashboard.send_form(request, "key=key&kind=flush&profile=cube").await;
+    let answer = dashboard.send_form(request, "key=key&kind=flush&machine=cube").await;
     assert_eq!(answer.status, StatusCode::SEE_OTHER);
     assert_eq!(daemon.await.unwrap(), "ann@dashboard");
 }
@@ -132,8 +132,8 @@ async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin()
             request = request.header(*name, *value);
         }
         let form = request.header("content-type", "application/x-www-form-urlencoded");
-        // An accepted command names a profile that does not exist.
-        let body = Body::from(dashboard.with_key("key=key&kind=flush&profile=other"));
+        // An accepted command names a machine that does not exist.
+        let body = Body::from(dashboard.with_key("key=key&kind=flush&machine=other"));
         dashboard.send(form.body(body).unwrap()).await.status
     };
     let (own, here) = ("http://farm.example.org", "farm.example.org");
@@ -210,7 +210,7 @@ async fn of_a_farm_that_has_halted_every_page_says_why_and_takes_nothing() {
     for path in ["/healthz", "/help", "/help/symptoms"] {
         assert_eq!(dashboard.get(path).await.status, StatusCode::OK, "{path}");
     }
-    let pause = dashboard.post("key=key&kind=pause&profile=cube", "same-origin").await;
+    let pause = dashboard.post("key=key&kind=pause&machine=cube", "same-origin").await;
     assert_eq!(pause.status, StatusCode::SERVICE_UNAVAILABLE);
     assert!(dashboard.ledger.pending_commands().await.unwrap().is_empty());
 }

@@ -20,7 +20,7 @@ impl TestDashboard {
 
     async fn claim(&self, claim: &str, order: &str) -> PartId {
         let part = NewPartRow {
-            profile: "cube".to_owned(),
+            machine: "cube".to_owned(),
             ..fixtures::asked(fixtures::new_part(claim, 1), |terms| terms.order_name = order.to_owned())
         };
         let id = self.ledger.record_claim(&part).await.unwrap().id;
@@ -40,7 +40,7 @@ async fn a_month_sums_up_what_each_machine_made_and_says_what_failed_and_what_wa
     let zone = dashboard.web.current_settings().time_zone.clone();
     let month = row.at.0.to_zoned(zone.time_zone().clone()).strftime("%Y-%m").to_string();
     let late = ledger::NewPartRow {
-        profile: "cube".to_owned(),
+        machine: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("late", 1), |terms| {
             (terms.order_name, terms.due_at) = ("L1".to_owned(), Some(row.at.0 - jiff::SignedDuration::from_secs(1)));
         })
@@ -67,7 +67,7 @@ async fn a_month_sums_up_what_each_machine_made_and_says_what_failed_and_what_wa
         "{page}"
     );
     let csv = dashboard.get(&format!("/month.csv?at={month}")).await.text;
-    assert!(csv.starts_with("profile,builds,failed_builds,height_mm") && csv.contains("cube,1,1,87.5"), "{csv}");
+    assert!(csv.starts_with("machine,builds,failed_builds,height_mm") && csv.contains("cube,1,1,87.5"), "{csv}");
     assert_eq!(dashboard.get("/month?at=1999-12").await.status, StatusCode::OK);
     for wrong in ["2026-13", "soon", "2026", "2026-1", "99999-01"] {
         assert_eq!(dashboard.get(&format!("/month?at={wrong}")).await.status, StatusCode::BAD_REQUEST, "{wrong}");
@@ -85,7 +85,7 @@ async fn the_forms_of_an_order_command_every_line_that_waits() {
     assert_eq!(refused("/orders/N1/edit", &[("key", "guessed"), ("priority", "90")]).await, StatusCode::FORBIDDEN);
     assert_eq!(refused("/orders/N1/edit", &[("key", "key")]).await, StatusCode::BAD_REQUEST);
     assert_eq!(refused("/orders/N1/edit", &[("key", "key"), ("due", "soon")]).await, StatusCode::BAD_REQUEST);
-    assert_eq!(refused("/orders/N1/move", &[("key", "key"), ("profile", "gone")]).await, StatusCode::NOT_FOUND);
+    assert_eq!(refused("/orders/N1/move", &[("key", "key"), ("machine", "gone")]).await, StatusCode::NOT_FOUND);
     assert_eq!(refused("/orders/none/edit", &[("key", "key"), ("priority", "9")]).await, StatusCode::CONFLICT);
     // No daemon answers here: the commands are noted.
     let edited = dashboard.post_to("/orders/N1/edit", &[("key", "key"), ("priority", "90"), ("due", "none")]).await;

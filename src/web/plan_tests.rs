@@ -28,7 +28,7 @@ async fn the_plan_lists_the_builds_to_come_and_what_puts_a_date_at_risk() {
     assert!(page.contains("aria-current=\"page\">Plan") && page.contains("Due dates at risk"), "{page}");
     assert!(page.contains("A-7: a.stl") && page.contains("that date has passed"), "{page}");
     let plans = json_of(&dashboard, "/api/v1/plan").await;
-    let plan = plans.as_array().unwrap().iter().find(|plan| plan["profile"] == "paper-200").unwrap();
+    let plan = plans.as_array().unwrap().iter().find(|plan| plan["machine"] == "paper-200").unwrap();
     assert_eq!((&plan["builds"][0]["copies"], &plan["risks"][0]["cause"]), (&3.into(), &"passed".into()), "{plan}");
     assert_eq!(json_of(&dashboard, "/api/v1/plan?machine=cube").await.as_array().unwrap().len(), 1);
     assert_eq!(dashboard.get("/api/v1/plan?machine=none").await.status, StatusCode::NOT_FOUND);

@@ -96,16 +96,16 @@ async fn nobody_releases_a_build_that_is_made_again_and_a_page_and_a_program_are
 #[tokio::test]
 async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_is_down() {
     let dashboard = with_two_printers().await;
-    let (profile, printer, reason) = ("paper-200".to_owned(), "left".to_owned(), "its laser".to_owned());
-    say(&dashboard, OperatorWord::PrinterDown { profile, printer, reason }).await;
+    let (machine_name, printer, reason) = ("paper-200".to_owned(), "left".to_owned(), "its laser".to_owned());
+    say(&dashboard, OperatorWord::PrinterDown { machine: machine_name, printer, reason }).await;
     let page = dashboard.get("/").await.text;
     assert!(page.contains("Printer <b>left</b>: down since") && page.contains("by ann@farm: its laser."), "{page}");
     assert!(page.contains("Printer <b>right</b>: 0 builds, free now"), "{page}");
     assert!(!page.contains("Printer <b>cube</b>"), "one printer in use is no news");
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
     let printers = |name: &str| {
-        let machines = farm["profiles"].as_array().unwrap();
-        machines.iter().find(|machine| machine["profile"] == name).unwrap()["printers"].clone()
+        let machines = farm["machines"].as_array().unwrap();
+        machines.iter().find(|machine| machine["machine"] == name).unwrap()["printers"].clone()
     };
     assert_eq!(
         (&printers("paper-200")[0]["down"]["reason"], &printers("cube")[0]["printer"]),

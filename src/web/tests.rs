@@ -158,7 +158,7 @@ async fn with_a_build(named: &str) -> TestDashboard {
     let dashboard = TestDashboard::new(|_| ()).await;
     let part = ledger::NewPartRow {
         name: named.to_owned(),
-        profile: "cube".to_owned(),
+        machine: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("a", 2), |terms| {
             (terms.order_name, terms.note) = (named.to_owned(), named.to_owned());
         })
@@ -225,7 +225,7 @@ async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
         crate::tables::csv_of(crate::tables::HISTORY_COLUMNS, &rows).unwrap()
     );
     for (asked, builds) in
-        [("profile=other", 0), ("part=bracket.stl", 1), ("part=x", 0), ("state=published", 1), ("state=failed", 0)]
+        [("machine=other", 0), ("part=bracket.stl", 1), ("part=x", 0), ("state=published", 1), ("state=failed", 0)]
     {
         let json = dashboard.get(&format!("/api/v1/builds?{asked}")).await.text;
         assert_eq!(serde_json::from_str::<Vec<serde_json::Value>>(&json).unwrap().len(), builds, "{asked}");
@@ -255,8 +255,8 @@ async fn metrics_have_units_in_their_names_and_count_what_the_ledger_counts() {
         assert!(line.starts_with("nestd_"), "{line}");
         assert!(!line.contains("_mm"), "base units only: {line}");
     }
-    assert!(text.contains("nestd_files_ingested_total{profile=\"cube\"} 1"), "{text}");
-    assert!(text.contains("nestd_build_height_meters_count{profile=\"cube\"} 1"), "{text}");
+    assert!(text.contains("nestd_files_ingested_total{machine=\"cube\"} 1"), "{text}");
+    assert!(text.contains("nestd_build_height_meters_count{machine=\"cube\"} 1"), "{text}");
 }
 
 #[tokio::test]
@@ -271,7 +271,7 @@ async fn the_farm_is_not_ready_while_no_daemon_beats() {
 async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() {
     let dashboard = with_a_build("bracket.stl").await;
     let seen = |trouble: &str| ledger::ObservedMachine {
-        profile: "cube".to_owned(),
+        machine: "cube".to_owned(),
         scanned_at: None,
         is_inbox_there: trouble.is_empty(),
         is_queue_writable: true,
@@ -284,7 +284,7 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
     };
     let machine = async || {
         let json: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
-        json["profiles"][0].clone()
+        json["machines"][0].clone()
     };
     assert_eq!(machine().await["available"], serde_json::Value::Null, "nobody has looked yet");
     dashboard.ledger.write_heartbeat(&heartbeat("The share is gone.")).await.unwrap();
@@ -313,7 +313,7 @@ async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
 #[tokio::test]
 async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_picture_without_javascript() {
     let dashboard = TestDashboard::new(|_| ()).await;
-    let part = ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
+    let part = ledger::NewPartRow { machine: "cube".to_owned(), ..fixtures::new_part("a", 9) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 9)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;

@@ -37,7 +37,7 @@ export const checks = {
       await page.context().close();
     }
     const page = await open(browser, base, PAGES.farm);
-    const card = page.locator(`section[aria-label="${farm.profile}"]`), bytes = readFileSync(farm.sample).toString("base64");
+    const card = page.locator(`section[aria-label="${farm.machine}"]`), bytes = readFileSync(farm.sample).toString("base64");
     const files = await page.evaluateHandle((text) => { const all = new DataTransfer(); all.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], "by-drop.stl")); return all; }, bytes);
     for (const kind of ["dragover", "drop"]) await card.dispatchEvent(kind, { dataTransfer: files });
     assert.match(await card.locator(".chosen").innerText(), /by-drop\.stl, \d+ kB/);
@@ -59,7 +59,7 @@ export const checks = {
   async "a dropped part is seen without loading the page again"() {
     const page = await open(browser, base, PAGES.farm);
     await page.evaluate(() => { globalThis.same = true; });
-    const card = page.locator(`section[aria-label="${farm.profile}"]`);
+    const card = page.locator(`section[aria-label="${farm.machine}"]`);
     const before = await card.innerText();
     const outside = join(farm.root, "sending-live");
     copyFileSync(farm.sample, outside);
@@ -73,7 +73,7 @@ export const checks = {
   },
 
   async "a page with a filter changes too, and what is being typed stays"() {
-    const page = await open(browser, base, `/parts?profile=${farm.profile}`);
+    const page = await open(browser, base, `/parts?machine=${farm.machine}`);
     const drop = (name) => {
       const outside = join(farm.root, `sending-${name}`);
       copyFileSync(farm.sample, outside);
@@ -84,7 +84,7 @@ export const checks = {
     await page.locator("main input[name=name]").focus();
     await page.keyboard.type("typ");
     drop("behind.stl");
-    await until("the part waits", async () => (await (await fetch(`${base}/parts?profile=${farm.profile}`)).text()).includes("behind.stl"));
+    await until("the part waits", async () => (await (await fetch(`${base}/parts?machine=${farm.machine}`)).text()).includes("behind.stl"));
     await page.waitForTimeout(2500);
     assert.equal(await page.getByRole("cell", { name: "behind.stl" }).count(), 0, "nothing moves under the typing hand");
     await page.keyboard.type("ing");
@@ -132,7 +132,7 @@ export const checks = {
 
   async "pause and resume by button"() {
     const page = await open(browser, base, PAGES.farm);
-    const card = page.locator(`section[aria-label="${farm.profile}"]`);
+    const card = page.locator(`section[aria-label="${farm.machine}"]`);
     await card.getByRole("button", { name: /^Pause/ }).click();
     await card.getByText(/Paused by dashboard/).waitFor({ timeout: 30000 });
     await card.getByRole("button", { name: /^Resume/ }).click();
@@ -145,7 +145,7 @@ export const checks = {
     const before = builds();
     const page = await open(browser, base, PAGES.farm, { javaScriptEnabled: false });
     assert.ok((await page.innerText("main")).includes("Waiting"), "the page is readable without JavaScript");
-    await page.locator(`section[aria-label="${farm.profile}"]`).getByRole("link", { name: /^Flush/ }).click();
+    await page.locator(`section[aria-label="${farm.machine}"]`).getByRole("link", { name: /^Flush/ }).click();
     assert.match(await page.innerText("main"), /copies of \d+ parts wait\. The layout so far holds \d+ of them and stands at [\d.]+ mm/);
     await page.getByRole("button", { name: /^Flush now/ }).click();
     await until("one more build is in the queue folder", () => builds() === before + 1);
@@ -155,7 +155,7 @@ export const checks = {
   },
 
   async "an order without the form's key is refused"() {
-    const body = new URLSearchParams({ key: "guessed", kind: "flush", profile: farm.profile });
+    const body = new URLSearchParams({ key: "guessed", kind: "flush", machine: farm.machine });
     const answer = await fetch(`${base}/commands`, { method: "POST", body, headers: { origin: base } });
     assert.equal(answer.status, 403);
     const foreign = await fetch(`${base}/commands`, { method: "POST", body, headers: { origin: "https://elsewhere.example" } });

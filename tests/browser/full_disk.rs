@@ -76,7 +76,7 @@ fn waits_for_its_queue(farm: &TestFarm, told: &str, mend: impl FnOnce()) {
     mend();
     farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
-    assert!(farm.query_ledger(async |ledger| ledger.paused_profiles().await.unwrap()).is_empty());
+    assert!(farm.query_ledger(async |ledger| ledger.paused_machines().await.unwrap()).is_empty());
 }
 
 fn a_build_waits_for_room_in_a_full_queue() {
@@ -101,7 +101,7 @@ fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
     std::thread::sleep(Duration::from_secs(2));
     disk.free();
     farm.wait_for_parts(PartState::Waiting, 1);
-    assert!(farm.parts(PartState::Rejected).is_empty());
+    assert!(farm.parts(PartState::Refused).is_empty());
     farm.stop();
 
     fs::remove_file(farm.root().join("log")).unwrap();

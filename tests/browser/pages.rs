@@ -176,14 +176,14 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     }
     dashboard.wait_for(PartState::Waiting, third + 2);
     dashboard.drop("Delta", "torn.stl", &stl(&sample_parts::cuboid(glam::DVec3::splat(9.0)))[..500]);
-    let refused = dashboard.wait_for(PartState::Rejected, 1);
+    let refused = dashboard.wait_for(PartState::Refused, 1);
     let open = open_build(dashboard);
     let sample = dashboard.farm.root().join("sample.stl");
     fs::write(&sample, stl(&sample_parts::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
     let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
     let copies: u32 = built.iter().map(|part| part.owed.copies).sum();
     serde_json::json!({
-        "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
+        "chromium": chromium, "base": dashboard.base, "machine": MACHINE, "root": dashboard.farm.root(),
         "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample,
         "build": 1, "second": history[0]["build"], "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
         "order": built[0].terms.order_name, "history": history,
@@ -193,8 +193,8 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
 /// The open build, once its layout has a copy.
 fn open_build(dashboard: &BrowserDashboard) -> i64 {
     let open = || {
-        let status = dashboard.farm.query_ledger(async |ledger| ledger.profile_statuses().await.unwrap());
-        let open = status.into_iter().find(|status| status.profile == MACHINE)?.open?;
+        let status = dashboard.farm.query_ledger(async |ledger| ledger.machine_statuses().await.unwrap());
+        let open = status.into_iter().find(|status| status.machine == MACHINE)?.open?;
         (open.copies.unwrap_or(0) > 20).then_some(open.build.0)
     };
     wait_until_or("the open build holds the waiting parts", 60.0, || dashboard.farm.log(), || open().is_some());

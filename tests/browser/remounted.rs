@@ -31,7 +31,7 @@ pub fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
     says(&farm, "Resolved: test: The hot folder is unavailable");
     farm.drop_across("b.stl", &block(10.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
-    assert!(farm.parts(PartState::Rejected).is_empty());
+    assert!(farm.parts(PartState::Refused).is_empty());
     farm.stop();
     drop(share);
 }

@@ -17,7 +17,7 @@ use std::{
 use ledger::{PartRow, PartState};
 
 use crate::support::{
-    PROFILE, QUICK, TestFarm, block, signal, stl,
+    MACHINE, QUICK, TestFarm, block, signal, stl,
     trace::{CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
     wait_until_or,
 };
@@ -160,7 +160,7 @@ fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
     farm.drop_bytes("unclear.stl.toml", b"copies = \"many\"");
     farm.drop_part("unclear.stl", &block(9.0, 9.0, 9.0));
     traced.wait_for("two wait and two are refused", || {
-        farm.parts(PartState::Waiting).len() == 2 && farm.parts(PartState::Rejected).len() == 2
+        farm.parts(PartState::Waiting).len() == 2 && farm.parts(PartState::Refused).len() == 2
     });
     let first = traced.part(PartState::Waiting, "first_x2.stl").unwrap();
     farm.nestd_ok(&["cancel", &first.id.to_string()]);
@@ -225,9 +225,9 @@ fn a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine() {
             .any(|name| name.to_string_lossy().ends_with(".build.3mf") && !name.to_string_lossy().starts_with('.'))
     };
     traced.wait_for("the other machine prints", is_printed);
-    traced.wait_for("it is cancelled", || traced.part(PartState::Rejected, "cancelled.stl").is_some());
+    traced.wait_for("it is cancelled", || traced.part(PartState::Refused, "cancelled.stl").is_some());
     cancel.wait().unwrap();
-    farm.nestd(&["flush", PROFILE]);
+    farm.nestd(&["flush", MACHINE]);
     traced.wait_for("the rest is built", || traced.part(PartState::Built, "printed.stl").is_some());
     traced.wait_for("its file is forgotten", || farm.root().join("state/store").is_dir() && forgotten(&traced));
     let (silence, slowed) = (traced.longest_silence(began), traced.seen.slowed.lock().unwrap().clone());

@@ -58,7 +58,7 @@ const tasks = [
     return one.page.getByRole("heading", { level: 1 }).innerText();
   }],
   ["add 12 hinges by Friday", 6, async (one) => {
-    const card = one.page.locator(`section[aria-label="${farm.profile}"]`);
+    const card = one.page.locator(`section[aria-label="${farm.machine}"]`);
     await one.click(card.locator("summary", { hasText: "Add files" }));
     await one.enter(card.locator("input[name=copies]"), "12");
     await one.enter(card.locator("input[name=due]"), farm.friday);
@@ -89,9 +89,9 @@ const tasks = [
 
 if (farm.shots) {
   const build = `/builds/${farm.build}`, shots = [["farm", "/"], ["build", build], ["pick", `${build}/pick`], ["history", "/history"], ["month", "/month"], ["order", "/orders/1182"],
-    ["search", "/search?q=e"], ["parts", "/parts?state=built"], ["part", "/parts/1"], ["drop", `/machines/${farm.profile}/drop`]].map(([name, path]) => [name, path, 1280, "light"]);
+    ["search", "/search?q=e"], ["parts", "/parts?state=built"], ["part", "/parts/1"], ["drop", `/machines/${farm.machine}/drop`]].map(([name, path]) => [name, path, 1280, "light"]);
   for (const [name, path] of [["farm", "/"], ["build", build]]) shots.push([name, path, 390, "dark"]);
-  await shoot(browser, base, [...shots, ["build", build, 1280, "dark"], ["flush", `/machines/${farm.profile}/flush`, 390, "light"]], farm.shots);
+  await shoot(browser, base, [...shots, ["build", build, 1280, "dark"], ["flush", `/machines/${farm.machine}/flush`, 390, "light"]], farm.shots);
 }
 let failed = 0;
 for (const [name, most, act] of tasks) {

@@ -34,7 +34,7 @@ pub fn eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon() {
     // The copies of the failed print wait, too.
     dashboard.wait_for(PartState::Waiting, 2);
     dashboard.drop("Delta", "torn.stl", &box_of(9.0, 9.0, 9.0)[..500]);
-    dashboard.wait_for(PartState::Rejected, 1);
+    dashboard.wait_for(PartState::Refused, 1);
     let shown = || {
         let page = Command::new("curl").args(["-s", &dashboard.base]).output().unwrap();
         let page = String::from_utf8_lossy(&page.stdout).into_owned();
@@ -44,7 +44,7 @@ pub fn eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon() {
     let sample = dashboard.farm.root().join("sample.stl");
     fs::write(&sample, box_of(17.0, 12.0, 9.0)).unwrap();
     let asked = serde_json::json!({
-        "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "build": 1, "sample": sample, "friday": "2031-11-28",
+        "chromium": chromium, "base": dashboard.base, "machine": MACHINE, "build": 1, "sample": sample, "friday": "2031-11-28",
         "shots": std::env::var_os("NESTD_SHOTS").map(std::path::PathBuf::from),
     });
     let output = Command::new("node").arg("tasks.mjs").arg(asked.to_string()).current_dir(tools()).output().unwrap();

@@ -79,7 +79,7 @@ fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
             title: "mjf-5200 & 42".to_owned(),
             application: "nestd 0.1.0".to_owned(),
             created: "2026-11-20T04:49:00Z".to_owned(),
-            profile: "mjf-5200".to_owned(),
+            machine: "mjf-5200".to_owned(),
             build_id: "42".to_owned(),
             seed: 1,
         },

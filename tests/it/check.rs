@@ -156,7 +156,7 @@ fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
     assert!(text_of(0, "text").starts_with("the folder \"cubes\" in "), "{text}");
     assert!(text_of(1, "text").starts_with("\"lost.stl\" lies in "), "{text}");
     assert!(
-        text_of(0, "remedy").contains("a profile of that name") && text_of(1, "remedy").starts_with("move it"),
+        text_of(0, "remedy").contains("add a machine of that name") && text_of(1, "remedy").starts_with("move it"),
         "{text}"
     );
 }

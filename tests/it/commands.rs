@@ -29,7 +29,7 @@ fn farm() -> tempfile::TempDir {
         let ledger = Ledger::open(&root.path().join("state/nestd.db")).await.unwrap();
         let part = NewPartRow {
             claim: "c1".into(),
-            profile: "paper-200".into(),
+            machine: "paper-200".into(),
             name: "fan.stl".into(),
             content_hash: "0".repeat(64),
             bytes: 684,
@@ -84,12 +84,14 @@ fn before_the_daemon_has_ever_run_a_question_fails_and_makes_no_ledger() {
 #[test]
 fn wrong_use_is_exit_code_2() {
     let farm = farm();
-    for words in ["flush nobody", "history --profile nobody", "history --since yesterday", "outcome 1 lost", "cancel x"]
+    for words in ["flush nobody", "history --machine nobody", "history --since yesterday", "outcome 1 lost", "cancel x"]
     {
         let (code, out, err) = run(farm.path(), words);
         assert_eq!((code, out.as_str()), (2, ""), "{words}: {err}");
         assert!(!err.is_empty());
     }
+    let (code, _, err) = run(farm.path(), "history --profile paper-200");
+    assert!(code == 2 && err.contains("'--machine'"), "the name of now: {err}");
     let (code, _, err) = run(farm.path(), "-c /nowhere/nestd.toml status");
     assert_eq!(code, 2, "{err}");
 }
@@ -104,7 +106,7 @@ fn an_operator_sees_what_waits_and_that_nobody_works() {
     let (code, out, _) = run(farm.path(), "status --json");
     let json: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!((code, &json["daemon"]), (0, &serde_json::Value::Null));
-    let paper = json["profiles"].as_array().unwrap().iter().find(|p| p["profile"] == "paper-200").unwrap();
+    let paper = json["machines"].as_array().unwrap().iter().find(|p| p["machine"] == "paper-200").unwrap();
     assert_eq!((&paper["waiting_copies"], &paper["configured"]), (&2.into(), &true.into()));
     let (code, out, _) = run(farm.path(), "show kit 7");
     assert!(code == 0 && out.starts_with("Order kit 7"), "{out}");
@@ -121,7 +123,7 @@ fn an_empty_history_is_empty_in_every_format() {
     assert_eq!(run(farm.path(), "history --json --since 7d").1, "[]\n");
     let (code, csv, _) = run(farm.path(), "history --format csv --limit 5");
     assert!(
-        code == 0 && csv.starts_with("build,profile,printer,state,at,published_at,withdrawn_at,height_mm"),
+        code == 0 && csv.starts_with("build,machine,printer,state,at,published_at,withdrawn_at,height_mm"),
         "{csv}"
     );
 }
@@ -204,5 +206,5 @@ fn nest_looks_at_its_outputs_before_any_work() {
     }
     assert_eq!(std::fs::read_to_string(dir.path().join("part.stl")).unwrap(), "kept");
     let (code, err) = nest("part.stl -o o.3mf");
-    assert!(code == 2 && err.contains("--profile") && err.contains("--volume"), "{err}");
+    assert!(code == 2 && err.contains("--machine") && err.contains("--volume"), "{err}");
 }

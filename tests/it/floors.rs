@@ -262,7 +262,7 @@ fn the_pure_crates_remember_nothing_for_the_whole_process_and_only_the_stop_rule
 
 #[test]
 fn the_reader_of_this_test_sees_plain_and_braced_paths() {
-    let text = "use crate::queue::Queue; use crate::{settings::{Profile, Origin}, access,\n};";
+    let text = "use crate::queue::Queue; use crate::{settings::{Machine, Origin}, access,\n};";
     assert_eq!(rooms_named(text), ["queue", "settings", "access"]);
 }
 

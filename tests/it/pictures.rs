@@ -198,12 +198,12 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     assert!(code == Some(2) && output_text.contains("redraws a terminal"), "{code:?} {output_text}");
     runtime.block_on(async { Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap().close().await });
     let mut terminal = PseudoTerminal::of(nestd(dir.path(), &status), false);
-    terminal.until("the farm is shown", |seen| seen.contains("PROFILE") && seen.contains("Ctrl-C"));
+    terminal.until("the farm is shown", |seen| seen.contains("MACHINE") && seen.contains("Ctrl-C"));
     assert!(terminal.seen.starts_with("\x1b[2J\x1b[H"), "{:?}", terminal.seen);
     runtime.block_on(async {
         let ledger = Ledger::open_existing(&dir.path().join("state/nestd.db")).await.unwrap();
         ledger.open_build("a-machine-that-came").await.unwrap();
-        ledger.pause_profile("a-machine-that-came", "somebody@desk", ledger::PauseCause::Person).await.unwrap();
+        ledger.pause_machine("a-machine-that-came", "somebody@desk", ledger::PauseCause::Person).await.unwrap();
         ledger.close().await;
     });
     terminal.until("what changed is seen", |seen| seen.contains("a-machine-that-came"));
@@ -220,7 +220,7 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     runtime.block_on(async {
         let ledger = Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap();
         ledger
-            .pause_profile("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office", ledger::PauseCause::Person)
+            .pause_machine("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office", ledger::PauseCause::Person)
             .await
             .unwrap();
         ledger.close().await;
@@ -234,7 +234,7 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     }
     let lines: Vec<&str> = shown.lines().collect();
     assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
-    for output_text in ["NOW: paused by", "@a-desk-in-the-office", "REJECTED: 0", "LAST PUBLISHED: -"] {
+    for output_text in ["NOW: paused by", "@a-desk-in-the-office", "REFUSED: 0", "LAST PUBLISHED: -"] {
         assert!(shown.contains(output_text), "{output_text}: {lines:#?}");
     }
 }

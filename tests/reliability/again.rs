@@ -13,14 +13,14 @@ use super::{
     pool::{catch_panic, in_parallel, seed},
     section_result::SectionResult,
     support::{
-        PROFILE, QUICK, TestFarm, block,
+        MACHINE, QUICK, TestFarm, block,
         farm_files::{drop_file, list_build_files},
         stl, wait_until, wait_until_or,
     },
 };
 
 /// The machines, and the units that their files may say, with their millimetres.
-const MACHINES: [&str; 2] = [PROFILE, "other"];
+const MACHINES: [&str; 2] = [MACHINE, "other"];
 const UNITS: [(&str, f64); 3] = [("millimeter", 1.0), ("centimeter", 10.0), ("inch", 25.4)];
 /// Operations of a story.
 const STEPS: usize = 14;

@@ -19,7 +19,7 @@ use super::{
     life_cycle::{BUSY_MACHINE, FARM},
     pool::{catch_panic, in_parallel, spread_order},
     section_result::{ActionCounts, DOUBLED, LOST, SectionResult},
-    support::{PROFILE, TestFarm, block, http::send_request, stl},
+    support::{MACHINE, TestFarm, block, http::send_request, stl},
     trace::{TracedDaemon, is_allowed},
 };
 
@@ -101,7 +101,7 @@ impl OrderingProgram {
                 serde_json::json!({ "name": format!("part{at}.stl"), "content": hash.as_str(), "copies": copies[at] }),
             );
         }
-        let order = serde_json::json!({ "machine": PROFILE, "order": key, "lines": lines }).to_string();
+        let order = serde_json::json!({ "machine": MACHINE, "order": key, "lines": lines }).to_string();
         let words = format!("POST /api/v1/orders\ncontent-type: application/json\nidempotency-key: {key}");
         let Some(answer) = send_request(&self.socket(), &words, order.as_bytes()) else { return false };
         assert!(matches!(answer.status, 202 | 409 | 503), "{answer:?}");

@@ -18,7 +18,7 @@ use super::{
 };
 
 /// The parts are so large that few fill the volume: the queue is long, but each search is short.
-const MACHINE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
+const PROFILE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
 /// Time limit of `nestd status`, ms (release build).
 const STATUS_MS: f64 = 100.0;
 /// Memory limit of the daemon with all these parts waiting, MiB.
@@ -27,7 +27,7 @@ const MAX_MEMORY_MIB: u64 = 2048;
 const SOAK_FILES: u64 = 100_000;
 
 pub fn run(budget: &SectionBudget) -> SectionResult {
-    let mut farm = TestFarm::running(MACHINE);
+    let mut farm = TestFarm::running(PROFILE);
     farm.nestd_ok(&["pause", "test"]);
     let at_once: u64 = budget.pick(150, 10_000);
     let mut row = SectionResult::default();
@@ -98,15 +98,15 @@ fn wave(farm: &TestFarm, row: &mut SectionResult, count: u64, status: &mut Vec<f
     let left = fs::read_dir(farm.folder("inbox"))
         .unwrap()
         .filter(|e| e.as_ref().unwrap().path().extension() == Some("stl".as_ref()));
-    if farm.parts(PartState::Rejected).len() + left.count() > 0 {
+    if farm.parts(PartState::Refused).len() + left.count() > 0 {
         row.broken.push("files were refused or left".to_owned());
     }
     count as f64 / secs
 }
 
 fn waiting(farm: &TestFarm) -> u64 {
-    let of_profile = async |ledger: &Ledger| {
-        ledger.profile_statuses().await.unwrap().iter().map(|row| row.waiting_parts).sum::<u32>()
+    let of_machine = async |ledger: &Ledger| {
+        ledger.machine_statuses().await.unwrap().iter().map(|row| row.waiting_parts).sum::<u32>()
     };
-    u64::from(farm.query_ledger(of_profile))
+    u64::from(farm.query_ledger(of_machine))
 }

@@ -19,7 +19,7 @@ use super::{
 };
 
 /// A common machine; searches are short, because the height is not measured.
-const MACHINE: &str =
+const PROFILE: &str =
     "volume_mm = [380, 284, 380]\nclearance_mm = 3.0\nsettle_secs = 0.3\nfinal_secs = 5\narrival_secs = 2\n";
 /// Memory limit of the daemon for each of these parts, MiB.
 const MAX_MEMORY_MIB: u64 = 8192;
@@ -72,7 +72,7 @@ fn measure_cost(
     size: u64,
     budget: &SectionBudget,
 ) -> Result<MeasuredCost, String> {
-    let farm = TestFarm::running(MACHINE);
+    let farm = TestFarm::running(PROFILE);
     let what = format!("{size} {what}");
     if name == "block.stl" {
         farm.drop_bytes("block.stl.toml", format!("copies = {size}").as_bytes());
@@ -94,8 +94,8 @@ fn measure_cost(
 fn wait(farm: &TestFarm, what: &str, limit: Duration, mut holds: impl FnMut() -> bool) -> Result<(), String> {
     let began = Instant::now();
     while !holds() {
-        if let Some(part) = farm.parts(PartState::Rejected).first() {
-            return Err(format!("{what}: refused: {}", part.rejection.reason));
+        if let Some(part) = farm.parts(PartState::Refused).first() {
+            return Err(format!("{what}: refused: {}", part.refused.reason));
         }
         if began.elapsed() > limit {
             return Err(format!("{what}: not done within {limit:?}\n{}", farm.log()));
@@ -122,7 +122,7 @@ fn refused_above_the_limits(row: &mut SectionResult) {
         ("max_copies = 4", "a_x5.stl", "5 copies"),
     ];
     for (limit, name, expected) in cases {
-        let mut farm = TestFarm::new(MACHINE);
+        let mut farm = TestFarm::new(PROFILE);
         let config = fs::read_to_string(farm.config()).unwrap();
         fs::write(farm.config(), format!("{config}[limits]\n{limit}\n")).unwrap();
         farm.start();

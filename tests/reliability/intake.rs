@@ -15,7 +15,7 @@ use super::{
 };
 
 /// As in `flood`: parts so large that few fill the volume.
-const MACHINE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
+const PROFILE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
 /// Time limit of `nestd status`, ms (release build).
 const STATUS_MS: f64 = 100.0;
 /// The unit in which Linux reports CPU time, on every architecture on which nestd runs.
@@ -37,7 +37,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
 
 /// Measures a new farm with `count` files in its hot folder; returns the figures as text.
 fn taken(row: &mut SectionResult, count: usize, squares: impl Fn(usize) -> usize) -> String {
-    let mut farm = TestFarm::running(MACHINE);
+    let mut farm = TestFarm::running(PROFILE);
     farm.nestd(&["pause", "test"]); // the answer may come later
     let outside = farm.root().join("sending");
     fs::create_dir_all(&outside).unwrap();
@@ -71,7 +71,7 @@ fn taken(row: &mut SectionResult, count: usize, squares: impl Fn(usize) -> usize
     if !cfg!(debug_assertions) && median > STATUS_MS {
         row.broken.push(format!("status took {median:.0} ms while files were taken"));
     }
-    if !farm.parts(PartState::Rejected).is_empty() {
+    if !farm.parts(PartState::Refused).is_empty() {
         row.broken.push("files were refused".to_owned());
     }
     row.broken.extend(farm.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap()));
@@ -85,7 +85,7 @@ fn taken(row: &mut SectionResult, count: usize, squares: impl Fn(usize) -> usize
 
 fn waiting(farm: &TestFarm) -> u64 {
     u64::from(farm.query_ledger(async |ledger| {
-        ledger.profile_statuses().await.unwrap_or_default().iter().map(|row| row.waiting_parts).sum::<u32>()
+        ledger.machine_statuses().await.unwrap_or_default().iter().map(|row| row.waiting_parts).sum::<u32>()
     }))
 }
 

@@ -18,7 +18,7 @@ use super::{
     pool::{catch_panic, in_parallel},
     printer::ScriptedPrinter,
     section_result::{ActionCounts, DOUBLED, LOST, SectionResult},
-    support::{PROFILE, TestFarm, block, stl},
+    support::{MACHINE, TestFarm, block, stl},
 };
 
 /// Most kills of a short and of a long run; each also ends when its time is over.
@@ -135,7 +135,7 @@ impl KilledFarm {
         let kind = [CommandKind::Flush, CommandKind::Cancel, CommandKind::Retry][self.rng.random_range(0..3)];
         let pick = self.rng.random_range(0..1000);
         self.ask(async |ledger| {
-            let state = if matches!(kind, CommandKind::Retry) { PartState::Rejected } else { PartState::Waiting };
+            let state = if matches!(kind, CommandKind::Retry) { PartState::Refused } else { PartState::Waiting };
             let parts = ledger.parts_in_state(state).await?;
             let part = (!parts.is_empty()).then(|| parts[pick % parts.len()].id);
             if !matches!(kind, CommandKind::Flush) && part.is_none() {
@@ -207,7 +207,7 @@ impl KilledFarm {
         let wanted = self.wanted.clone();
         let built: Vec<PartRow> = self.ask(async |ledger| {
             let asked = ledger.pending_commands().await?;
-            for part in ledger.parts_in_state(PartState::Rejected).await? {
+            for part in ledger.parts_in_state(PartState::Refused).await? {
                 let is_asked = asked.iter().any(|row| row.part_id == Some(part.id));
                 if wanted.contains_key(&part.name) && !is_asked {
                     submit_command(ledger, CommandKind::Retry, Some(part.id)).await?;
@@ -225,7 +225,7 @@ impl KilledFarm {
     }
 
     fn are_bad_parts_refused(&self) -> bool {
-        let refused = self.ask(async |ledger| ledger.parts_in_state(PartState::Rejected).await).len();
+        let refused = self.ask(async |ledger| ledger.parts_in_state(PartState::Refused).await).len();
         refused + self.wanted.len() == self.dropped as usize
     }
 }
@@ -235,9 +235,9 @@ async fn submit_command(
     kind: CommandKind,
     part: Option<ledger::PartId>,
 ) -> Result<(), ledger::LedgerError> {
-    let profile = if matches!(kind, CommandKind::Flush) { PROFILE.to_owned() } else { String::new() };
+    let machine = if matches!(kind, CommandKind::Flush) { MACHINE.to_owned() } else { String::new() };
     ledger
-        .submit_command(&NewCommand { kind, profile, part, argument: Default::default(), asked_by: "test".to_owned() })
+        .submit_command(&NewCommand { kind, machine, part, argument: Default::default(), asked_by: "test".to_owned() })
         .await
         .map(drop)
 }

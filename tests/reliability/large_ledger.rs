@@ -16,6 +16,9 @@ pub async fn fill_published(ledger: &Path, builds: u64) {
             .fetch_one(&mut db)
             .await
             .unwrap();
+    // A ledger of an earlier schema calls a machine by its profile.
+    let named = "SELECT name FROM pragma_table_info('part') WHERE name IN ('machine', 'profile')";
+    let machine: String = sqlx::query_scalar(named).fetch_one(&mut db).await.unwrap();
     let at = format!(
         "strftime('%Y-%m-%dT%H:%M:%fZ', unixepoch('now') - ({builds} - i) * {DAYS} * 86400 / {builds} - 60, 'unixepoch')"
     );
@@ -26,12 +29,12 @@ pub async fn fill_published(ledger: &Path, builds: u64) {
     let steps = [
         "PRAGMA synchronous = OFF; PRAGMA cache_size = -200000; BEGIN".to_owned(),
         format!(
-            "{numbers} INSERT INTO part (id, claim, profile, name, content_hash, bytes, state, copies, triangles, volume_mm3, \
+            "{numbers} INSERT INTO part (id, claim, {machine}, name, content_hash, bytes, state, copies, triangles, volume_mm3, \
              size_x_mm, size_y_mm, size_z_mm, claimed_at, state_at) SELECT i + {part}, printf('big-%08d', i), 'test', \
              printf('part-%d.stl', i), printf('%064x', i), 684, 'built', 2, 12, 1000.0, 10.0, 10.0, 10.0, at, at FROM t"
         ),
         format!(
-            "{numbers} INSERT INTO build (id, profile, state, fired_by, attempts, opened_at, nesting_at, verified_at, \
+            "{numbers} INSERT INTO build (id, {machine}, state, fired_by, attempts, opened_at, nesting_at, verified_at, \
              published_at, state_at, file_name, queue_id, file_hash, file_bytes, height_mm, density, lower_bound_mm, layers, \
              part_volume_mm3, copies, clearance_mm, clearance_proved_mm, cpu_secs, wall_secs, evaluations, seed, method, \
              version, profile_snapshot) SELECT i + {build}, 'test', 'complete', 'full', 1, at, at, at, at, at, \
@@ -44,16 +47,16 @@ pub async fn fill_published(ledger: &Path, builds: u64) {
              FROM part p, (SELECT 0 AS c UNION ALL SELECT 1) c WHERE p.id > {part}"
         ),
         format!(
-            "INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'claimed', 'test', id FROM part WHERE id > {part}"
+            "INSERT INTO event (at, kind, {machine}, part_id) SELECT claimed_at, 'claimed', 'test', id FROM part WHERE id > {part}"
         ),
         format!(
-            "INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'built', 'test', id FROM part WHERE id > {part}"
+            "INSERT INTO event (at, kind, {machine}, part_id) SELECT claimed_at, 'built', 'test', id FROM part WHERE id > {part}"
         ),
         format!(
-            "INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'published', 'test', id FROM build WHERE id > {build}"
+            "INSERT INTO event (at, kind, {machine}, build_id) SELECT opened_at, 'published', 'test', id FROM build WHERE id > {build}"
         ),
         format!(
-            "INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'complete', 'test', id FROM build WHERE id > {build}"
+            "INSERT INTO event (at, kind, {machine}, build_id) SELECT opened_at, 'complete', 'test', id FROM build WHERE id > {build}"
         ),
         "COMMIT; PRAGMA wal_checkpoint(TRUNCATE)".to_owned(),
     ];
@@ -68,11 +71,11 @@ pub async fn fill_waiting(ledger: &Path, parts: u64) {
     let mut db = SqliteConnection::connect(&format!("sqlite:{}", ledger.display())).await.unwrap();
     let steps = format!(
         "BEGIN; WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {parts}) \
-         INSERT INTO part (claim, profile, name, content_hash, bytes, state, copies, triangles, volume_mm3, size_x_mm, \
+         INSERT INTO part (claim, machine, name, content_hash, bytes, state, copies, triangles, volume_mm3, size_x_mm, \
          size_y_mm, size_z_mm, claimed_at, state_at) SELECT printf('waiting-%08d', i), 'test', printf('w-%d.stl', i), \
          printf('%064x', i), 684, 'waiting', 2, 12, 1000.0, 10.0, 10.0, 10.0, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), \
          strftime('%Y-%m-%dT%H:%M:%fZ', 'now') FROM n; \
-         INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'waiting', 'test', id FROM part WHERE state = 'waiting'; \
+         INSERT INTO event (at, kind, machine, part_id) SELECT claimed_at, 'waiting', 'test', id FROM part WHERE state = 'waiting'; \
          COMMIT"
     );
     sqlx::raw_sql(sqlx::AssertSqlSafe(steps)).execute(&mut db).await.unwrap();

@@ -11,7 +11,7 @@ use std::{
 use ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState};
 use nestd::farm::InvariantExpectations;
 
-use super::support::{PROFILE, TestFarm, block, stl};
+use super::support::{MACHINE, TestFarm, block, stl};
 
 /// How a part of the script ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum ScriptEnd {
 
 /// Everything is as short as the configuration allows.
 pub const FARM: &str = "scan_secs = 0.2\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
-const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+const PROFILE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
 /// A machine on which much goes on: it builds as soon as eight copies wait.
 pub const BUSY_MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
@@ -41,7 +41,7 @@ const STEPS: [ScriptStep; 7] = [
     ScriptStep::AwaitReading,
     ScriptStep::Cancel("lid.stl"),
     ScriptStep::Retry("lid.stl", PartState::Waiting),
-    ScriptStep::Retry("bad.stl", PartState::Rejected),
+    ScriptStep::Retry("bad.stl", PartState::Refused),
     ScriptStep::Flush,
     ScriptStep::AwaitQuiet,
 ];
@@ -89,7 +89,7 @@ impl LifeCycle {
     /// With additional lines in the machine file.
     pub fn with(more: &str) -> Self {
         Self {
-            farm: quick_farm(&format!("{MACHINE}{more}")),
+            farm: quick_farm(&format!("{PROFILE}{more}")),
             expectations: InvariantExpectations::default(),
             broken: Vec::new(),
             taken: BTreeSet::new(),
@@ -178,11 +178,11 @@ impl LifeCycle {
             ScriptStep::AwaitReading | ScriptStep::Cancel(_) | ScriptStep::Retry(..) if self.skips_orders => Ok(true),
             ScriptStep::AwaitReading => {
                 let waiting = ledger.parts_in_state(PartState::Waiting).await?.len();
-                Ok(waiting == PRINTED.len() && !ledger.parts_in_state(PartState::Rejected).await?.is_empty())
+                Ok(waiting == PRINTED.len() && !ledger.parts_in_state(PartState::Refused).await?.is_empty())
             }
             ScriptStep::Cancel(name) => {
                 self.order(ledger, CommandKind::Cancel, name).await?;
-                Ok(part(ledger, name).await?.state == PartState::Rejected)
+                Ok(part(ledger, name).await?.state == PartState::Refused)
             }
             ScriptStep::Retry(name, then) => {
                 let answered = self.order(ledger, CommandKind::Retry, name).await?;
@@ -214,11 +214,11 @@ impl LifeCycle {
     /// Sends a command once; returns whether it was answered.
     async fn order(&mut self, ledger: &Ledger, kind: CommandKind, about: &str) -> Result<bool, ledger::LedgerError> {
         let Some(id) = self.command else {
-            let (profile, part) = match kind {
+            let (machine, part) = match kind {
                 CommandKind::Flush => (about.to_owned(), None),
                 _ => (String::new(), Some(part(ledger, about).await?.id)),
             };
-            let command = NewCommand { kind, profile, part, argument: Default::default(), asked_by: "test".to_owned() };
+            let command = NewCommand { kind, machine, part, argument: Default::default(), asked_by: "test".to_owned() };
             self.command = Some(ledger.submit_command(&command).await?);
             self.commanded_at = Instant::now();
             return Ok(false);
@@ -228,7 +228,7 @@ impl LifeCycle {
 
     /// Sends `flush` until everything is built: copies that found no place need another build.
     async fn flush(&mut self, ledger: &Ledger) -> Result<bool, ledger::LedgerError> {
-        let answered = self.order(ledger, CommandKind::Flush, PROFILE).await?;
+        let answered = self.order(ledger, CommandKind::Flush, MACHINE).await?;
         self.take_as_a_printer_does();
         if ledger.parts_in_state(PartState::Built).await?.len() == PRINTED.len() {
             return Ok(true);

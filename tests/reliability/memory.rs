@@ -9,7 +9,7 @@ use super::{
     budget::SectionBudget,
     greedy,
     section_result::SectionResult,
-    support::{PROFILE, QUICK, TestFarm, block},
+    support::{MACHINE, QUICK, TestFarm, block},
 };
 
 /// Address space of the daemon, bytes, and memory limit of a separate reading process. The files need more than either.
@@ -59,7 +59,7 @@ fn one_farm(row: &mut SectionResult, files: &[(&str, FileMaker)]) {
     let (began, mut ends) = (std::time::Instant::now(), 0);
     let is_read = |farm: &TestFarm| {
         let count = |state| farm.parts(state).len();
-        count(PartState::Claimed) == 0 && count(PartState::Waiting) + count(PartState::Rejected) == files.len() + 1
+        count(PartState::Claimed) == 0 && count(PartState::Waiting) + count(PartState::Refused) == files.len() + 1
     };
     while !is_read(&farm) {
         ends += u64::from(farm.start_again_where_it_ended(MEMORY));
@@ -69,10 +69,10 @@ fn one_farm(row: &mut SectionResult, files: &[(&str, FileMaker)]) {
         }
         thread::sleep(Duration::from_millis(100));
     }
-    let refused = farm.parts(PartState::Rejected);
+    let refused = farm.parts(PartState::Refused);
     for part in &refused {
-        if part.name == "good.stl" || !part.rejection.reason.contains("limits.") {
-            row.broken.push(format!("{} is refused because: {}", part.name, part.rejection.reason));
+        if part.name == "good.stl" || !part.refused.reason.contains("limits.") {
+            row.broken.push(format!("{} is refused because: {}", part.name, part.refused.reason));
         }
     }
     if ends > STARTS_PER_FILE * files.len() as u64 {
@@ -82,7 +82,7 @@ fn one_farm(row: &mut SectionResult, files: &[(&str, FileMaker)]) {
     for part in farm.parts(PartState::Waiting).iter().filter(|part| part.name != "good.stl") {
         farm.nestd(&["cancel", &part.id.to_string()]);
     }
-    farm.nestd(&["flush", PROFILE]);
+    farm.nestd(&["flush", MACHINE]);
     farm.wait_for_queued(1);
     row.points += refused.len() as u64;
     row.files += files.len() as u64 + 1;

@@ -14,7 +14,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use farm_node::{FarmNode, MACHINE, can_set_clocks, configured_node, configured_spare, machine_name};
+use farm_node::{FarmNode, PROFILE, can_set_clocks, configured_node, configured_spare, machine_name};
 use ledger::{PartRow, PartState};
 use ledger_fixtures::server_link;
 use nestd::{
@@ -92,7 +92,7 @@ impl NodesFarm {
                 .map(|kind| format!("{kind} = {:?}\n", nodes[number].farm.folder(kind)))
                 .concat();
             for other in (0..NODES).filter(|&other| other != number) {
-                nodes[other].farm.write_profile(&machine_name(number), &format!("{MACHINE}[folders]\n{folders}"));
+                nodes[other].farm.write_profile(&machine_name(number), &format!("{PROFILE}[folders]\n{folders}"));
             }
         }
         nodes.iter().for_each(|node| node.farm.reload());
@@ -117,7 +117,7 @@ impl NodesFarm {
 
 /// Whether a part was left to another nestd, which no node may do: there is no other one than these, and each thinks that of the others.
 fn is_given_up(part: &PartRow) -> bool {
-    part.state == PartState::Rejected && part.rejection.reason.starts_with("Another nestd has taken over")
+    part.state == PartState::Refused && part.refused.reason.starts_with("Another nestd has taken over")
 }
 
 impl NodesFarm {
@@ -214,7 +214,7 @@ impl NodesFarm {
             self.start_ended_nodes();
             let parts = self.parts();
             let open: Vec<String> = (parts.iter().filter(|part| part.state.is_live()))
-                .map(|part| format!("part {} ({}) {} in {}", part.id, part.name, part.state, part.profile))
+                .map(|part| format!("part {} ({}) {} in {}", part.id, part.name, part.state, part.machine))
                 .collect();
             let is_retried = self.retry_what_was_taken_out(&parts);
             if open.is_empty() && !is_retried && parts.len() >= self.dropped.len() {
@@ -243,7 +243,7 @@ impl NodesFarm {
             printed.contains_key(hash) || parts.iter().any(|p| p.file.content_hash == *hash && p.state.is_live())
         };
         let out: Vec<String> = (parts.iter())
-            .filter(|part| part.state == PartState::Rejected && !is_elsewhere(part) && !is_given_up(part))
+            .filter(|part| part.state == PartState::Refused && !is_elsewhere(part) && !is_given_up(part))
             .map(|part| part.id.to_string())
             .collect();
         out.iter().for_each(|part| self.submit(&["retry", part]));
@@ -267,7 +267,7 @@ impl NodesFarm {
         for part in damaged {
             let Some(name) = self.names.get(&part.file.content_hash) else { continue };
             let is_due = self.dropped_again.get(&part.id.0).is_none_or(|at| at.elapsed() > Duration::from_secs(60));
-            let number: usize = part.profile.trim_start_matches("machine-").parse().unwrap();
+            let number: usize = part.machine.trim_start_matches("machine-").parse().unwrap();
             let farm = &self.nodes[number].farm;
             let target = farm.folder("inbox").join(name);
             if is_due && !target.exists() {
@@ -288,7 +288,7 @@ impl NodesFarm {
                 let mut settings = settings;
                 settings
                     .profiles
-                    .retain(|name, _| rows.iter().any(|row| row.profile == *name && row.node == node.name));
+                    .retain(|name, _| rows.iter().any(|row| row.machine == *name && row.node == node.name));
                 check_invariants(&settings, ledger, &InvariantExpectations::default()).await.unwrap().violations
             });
             broken.extend(own.iter().map(|violation| format!("{}: {violation}", node.name)));
@@ -322,13 +322,12 @@ impl NodesFarm {
             if found != wanted || own.len() != 1 {
                 let what = if found > wanted { "DOUBLED" } else { "LOST" };
                 let own: Vec<String> =
-                    own.iter().map(|part| format!("part {} {} in {}", part.id, part.state, part.profile)).collect();
+                    own.iter().map(|part| format!("part {} {} in {}", part.id, part.state, part.machine)).collect();
                 broken.push(format!("{what}: {name}: {found} copies are printed of {wanted}, as {own:?}"));
             }
         }
         let given_up = parts.iter().filter(|part| is_given_up(part));
-        broken
-            .extend(given_up.map(|part| format!("LOST: part {} ({}): {}", part.id, part.name, part.rejection.reason)));
+        broken.extend(given_up.map(|part| format!("LOST: part {} ({}): {}", part.id, part.name, part.refused.reason)));
         broken
     }
 }

@@ -27,13 +27,13 @@ use super::{
     budget::SectionBudget,
     pool::{catch_panic, in_parallel, seed},
     section_result::{ActionCounts, LOST, SectionResult, WRONG_IN_SIZE},
-    support::{PROFILE, TestFarm, farm_files::list_build_files},
+    support::{MACHINE, TestFarm, farm_files::list_build_files},
 };
 
 /// The second machine.
 const OTHER: &str = "other";
 const FARM: &str = "scan_secs = 0.2\ncache_bytes = 0\nthreads = 1\norphan_ticket_secs = 4\n[log]\nfilter = \"info\"\n";
-const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+const PROFILE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 12\n";
 /// Operations and kills of a farm.
 const OPERATIONS_PER_FARM: u64 = 120;
@@ -101,9 +101,9 @@ struct OrdersFarm {
 
 impl OrdersFarm {
     fn new(seed: u64) -> Self {
-        let farm = TestFarm::new(MACHINE);
+        let farm = TestFarm::new(PROFILE);
         fs::write(farm.config(), FARM).unwrap();
-        farm.write_profile(OTHER, MACHINE);
+        farm.write_profile(OTHER, PROFILE);
         Self {
             farm,
             rng: ChaCha8Rng::seed_from_u64(seed),
@@ -185,8 +185,8 @@ impl OrdersFarm {
 
     /// The printers take every build file in their queues, and keep it.
     fn take_builds(&mut self) {
-        for profile in [PROFILE, OTHER] {
-            for file in list_build_files(&self.farm.root().join("queue").join(profile)) {
+        for machine in [MACHINE, OTHER] {
+            for file in list_build_files(&self.farm.root().join("queue").join(machine)) {
                 let name = file.file_name().unwrap().to_string_lossy().into_owned();
                 let kept = self.farm.root().join("taken").join(&name);
                 fs::create_dir_all(kept.parent().unwrap()).unwrap();
@@ -197,7 +197,7 @@ impl OrdersFarm {
                 let copies = self.read_copies(&kept);
                 let stem = name.trim_end_matches(".build.3mf");
                 let number = stem.rsplit('_').next().and_then(|number| number.parse().ok()).unwrap();
-                self.taken.insert(number, TakenBuild { file: kept, profile: profile.to_owned(), copies });
+                self.taken.insert(number, TakenBuild { file: kept, machine: machine.to_owned(), copies });
             }
         }
     }
@@ -291,9 +291,9 @@ impl OrdersFarm {
         let parts = self.parts();
         let in_state = |state: PartState| parts.iter().any(|part| part.state == state);
         let pending = self.farm.query_ledger(async |ledger| ledger.pending_commands().await.unwrap());
-        let files: Vec<_> = [PROFILE, OTHER]
+        let files: Vec<_> = [MACHINE, OTHER]
             .iter()
-            .flat_map(|profile| intake::files_below(&self.farm.root().join("inbox").join(profile)).unwrap_or_default())
+            .flat_map(|machine| intake::files_below(&self.farm.root().join("inbox").join(machine)).unwrap_or_default())
             .filter(|file| file.extension().is_some_and(|end| end == "stl" || end == "toml" || end == "csv"))
             .collect();
         if files.is_empty() && pending.is_empty() {
@@ -303,15 +303,15 @@ impl OrdersFarm {
             self.submit(Asked::Confirm { part: part.id.0 }, &["confirm", &part.id.to_string()]);
         }
         if in_state(PartState::Waiting) && self.rest_rounds % 3 == 1 {
-            for profile in [PROFILE, OTHER] {
-                self.submit(Asked::Other, &["resume", profile]);
-                self.submit(Asked::Other, &["flush", profile]);
+            for machine in [MACHINE, OTHER] {
+                self.submit(Asked::Other, &["resume", machine]);
+                self.submit(Asked::Other, &["flush", machine]);
             }
         }
         let moving =
             [PartState::Claimed, PartState::Waiting, PartState::Batched].into_iter().filter(|s| in_state(*s)).count();
         let open: Vec<_> =
-            pending.iter().map(|open| format!("{} {}{:?}", open.kind, open.profile, open.part_id)).collect();
+            pending.iter().map(|open| format!("{} {}{:?}", open.kind, open.machine, open.part_id)).collect();
         self.unrest = format!("{files:?} lie, commands {open:?} are open, parts are in {moving} states");
         files.is_empty() && pending.is_empty() && moving == 0 && self.running.is_empty()
     }

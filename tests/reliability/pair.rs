@@ -19,13 +19,13 @@ use super::{
     life_cycle,
     pool::{catch_panic, in_parallel, spread_order},
     section_result::SectionResult,
-    support::{PROFILE, TestFarm, block, stl},
+    support::{MACHINE, TestFarm, block, stl},
     trace::{CallEffect, CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
 };
 
 /// The dropped cubes, by their edge in mm.
 const SIZES: [f64; 3] = [9.0, 10.0, 11.0];
-const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+const PROFILE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
 const TRIGGER: &str = "[trigger]\ncopies = 1\n";
 /// The factor by which a lease is shorter than in production.
@@ -101,9 +101,9 @@ fn one_trial(point: u64) -> (u64, SectionResult) {
 
 impl ServerPair {
     fn new() -> Self {
-        let first = TestFarm::new(&format!("{MACHINE}{TRIGGER}"));
+        let first = TestFarm::new(&format!("{PROFILE}{TRIGGER}"));
         let shared = ["inbox", "queue"].map(|kind| format!("{kind} = {:?}\n", first.folder(kind))).concat();
-        let second = TestFarm::new(&format!("{MACHINE}[folders]\n{shared}{TRIGGER}"));
+        let second = TestFarm::new(&format!("{PROFILE}[folders]\n{shared}{TRIGGER}"));
         // The harness waits for this folder of a farm.
         fs::create_dir_all(second.folder("inbox")).unwrap();
         for farm in [&first, &second] {
@@ -148,7 +148,7 @@ impl ServerPair {
         let marker = self.first.folder("inbox").join(".nestd-owner");
         let serves = || fs::read_to_string(&marker).is_ok_and(|text| text.contains("\"second\""));
         self.wait(15.0, |_| serves());
-        let adopted = as_host(self.second.command(&["adopt", PROFILE]), "second").output().unwrap();
+        let adopted = as_host(self.second.command(&["adopt", MACHINE]), "second").output().unwrap();
         if !adopted.status.success() {
             let text = String::from_utf8_lossy(&adopted.stderr).into_owned();
             broken.push(format!("adopting was refused after {:?}: {text}\n{}", began.elapsed(), self.second.log()));

@@ -22,7 +22,7 @@ use super::{
     life_cycle,
     pool::{catch_panic, in_parallel, seed, spread_order},
     section_result::SectionResult,
-    support::{PROFILE, TestFarm, block, stl},
+    support::{MACHINE, TestFarm, block, stl},
     trace::{TracedDaemon, is_allowed},
 };
 
@@ -30,7 +30,7 @@ use super::{
 const SHORT_SECS: f64 = 12.0;
 /// Time limit for a farm to come to rest.
 const REST: Duration = Duration::from_secs(120);
-const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+const PROFILE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 20\n";
 
 /// What happened after the backup was made.
@@ -110,7 +110,7 @@ struct RestoredFarm {
 
 impl RestoredFarm {
     fn prepared(later: LaterAction, how: RestoreMethod) -> Self {
-        let farm = life_cycle::quick_farm(MACHINE);
+        let farm = life_cycle::quick_farm(PROFILE);
         let backup = farm.root().join("ledger.backup");
         let (asked, names, printed, files) = Default::default();
         let mut story = Self { farm, later, how, backup, asked, names, printed, files };
@@ -121,7 +121,7 @@ impl RestoredFarm {
         let parts = story.farm.wait_for_parts(PartState::Waiting, 2);
         let id = |name: &str| parts.iter().find(|part| part.name == name).unwrap().id.to_string();
         story.farm.nestd_ok(&["cancel", &id("refused.stl")]);
-        story.farm.wait_for_parts(PartState::Rejected, 1);
+        story.farm.wait_for_parts(PartState::Refused, 1);
         story.farm.nestd_ok(&["backup", story.backup.to_str().unwrap()]);
         story.apply_later_action(&id("a_x2.stl"), &id("refused.stl"));
         story.farm.stop();
@@ -155,7 +155,7 @@ impl RestoredFarm {
             }
             LaterAction::Cancel => {
                 self.farm.nestd_ok(&["cancel", waiting]);
-                self.farm.wait_for_parts(PartState::Rejected, 2);
+                self.farm.wait_for_parts(PartState::Refused, 2);
             }
             LaterAction::Retry => {
                 self.farm.nestd_ok(&["retry", refused]);
@@ -316,7 +316,7 @@ impl RestoredFarm {
             let waiting: Vec<_> =
                 parts(PartState::Waiting).into_iter().filter(|p| p.times.damaged_at.is_none()).collect();
             if !waiting.is_empty() {
-                let _ = self.farm.nestd(&["flush", PROFILE]);
+                let _ = self.farm.nestd(&["flush", MACHINE]);
             }
             let in_work = waiting.len() + parts(PartState::Claimed).len() + parts(PartState::Batched).len();
             rounds_at_rest = if in_work == 0 { rounds_at_rest + 1 } else { 0 };

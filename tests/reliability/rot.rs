@@ -15,7 +15,7 @@ use super::{
     budget::SectionBudget,
     pool::{catch_panic, in_parallel},
     section_result::SectionResult,
-    support::{PROFILE, QUICK, TestFarm, block, stl, wait_until_or},
+    support::{MACHINE, QUICK, TestFarm, block, stl, wait_until_or},
 };
 
 /// Time budget of a short run, seconds.
@@ -127,7 +127,7 @@ impl DamageCase {
         let in_state = |state| farm.query_ledger(async |ledger| ledger.builds_in_state(state).await.unwrap()).pop();
         wait_until_or("a build is nested", 30.0, || farm.log(), || in_state(BuildState::Nesting).is_some());
         let build = in_state(BuildState::Nesting)?;
-        let name = build_file::build_file_name(build.times.nesting_at?.0, PROFILE, build.id.0.unsigned_abs());
+        let name = build_file::build_file_name(build.times.nesting_at?.0, MACHINE, build.id.0.unsigned_abs());
         let record = farm.folder("archive").join(name.strip_suffix(".build.3mf")?).join(".nestd-build.json");
         fs::create_dir_all(&record).unwrap();
         wait_until_or("it is proved", 30.0, || farm.log(), || in_state(BuildState::Verified).is_some());
@@ -219,7 +219,7 @@ fn continue_as_people_do(farm: &mut TestFarm) -> bool {
         });
         let waits = farm.parts(PartState::Waiting).iter().any(|part| part.times.damaged_at.is_none());
         if waits {
-            let _ = farm.nestd(&["flush", PROFILE]);
+            let _ = farm.nestd(&["flush", MACHINE]);
         }
         if farm.parts(PartState::Built).len() >= 2 && !waits {
             break;

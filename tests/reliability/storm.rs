@@ -21,7 +21,7 @@ use super::{
     pool::{catch_panic, in_parallel, seed},
     printer::ScriptedPrinter,
     section_result::{ActionCounts, DOUBLED, LOST, SectionResult, WRONG_IN_SIZE},
-    support::{PROFILE, TestFarm, block, stl},
+    support::{MACHINE, TestFarm, block, stl},
 };
 
 /// Most kills of a long run; a short run ends when its time is over.
@@ -137,13 +137,13 @@ impl StormFarm {
             6 => self.drop_order_list(),
             7 => self.cancel_part(),
             8 => self.retry_part(),
-            9 => self.run_command(&["flush", PROFILE]),
-            10 => self.run_command(&["pause", PROFILE]),
-            11 => self.run_command(&["resume", PROFILE]),
+            9 => self.run_command(&["flush", MACHINE]),
+            10 => self.run_command(&["pause", MACHINE]),
+            11 => self.run_command(&["resume", MACHINE]),
             12 => self.record_outcome(),
             13 => {
                 let profile = format!("{BUSY_MACHINE}# {}\n", self.dropped);
-                self.farm.write_profile(PROFILE, &profile);
+                self.farm.write_profile(MACHINE, &profile);
                 self.farm.reload();
             }
             14 => self.take_printed_files(),
@@ -255,7 +255,7 @@ impl StormFarm {
     }
 
     fn retry_part(&mut self) {
-        let Some(part) = self.pick_part(PartState::Rejected) else { return };
+        let Some(part) = self.pick_part(PartState::Refused) else { return };
         self.run_command(&["retry", &part.id.to_string()]);
     }
 
@@ -320,7 +320,7 @@ impl StormFarm {
     /// Finishes without further kills, then compares expected and printed copies.
     fn finish_and_compare(mut self) -> SectionResult {
         self.farm.start();
-        self.run_command(&["resume", PROFILE]);
+        self.run_command(&["resume", MACHINE]);
         let (began, mut rounds_at_rest) = (Instant::now(), 0);
         while rounds_at_rest < 3 {
             std::thread::sleep(Duration::from_millis(400));
@@ -357,7 +357,7 @@ impl StormFarm {
         let is_empty = !intake::files_below(&inbox).unwrap_or_default().iter().any(is_part);
         let waiting = self.parts(PartState::Waiting).len();
         if waiting > 0 {
-            let _ = self.farm.nestd(&["flush", PROFILE]);
+            let _ = self.farm.nestd(&["flush", MACHINE]);
         }
         let in_work = self.parts(PartState::Claimed).len() + self.parts(PartState::Batched).len();
         is_empty && waiting + in_work == 0

@@ -8,7 +8,7 @@ use ledger::{BuildState, PartId, PartState};
 use super::{
     budget::SectionBudget,
     section_result::SectionResult,
-    support::{PROFILE, QUICK, TestFarm, block, wait_until_or},
+    support::{MACHINE, QUICK, TestFarm, block, wait_until_or},
 };
 
 /// Copies of each part.
@@ -80,9 +80,9 @@ fn say_one(farm: &TestFarm, name: &str, fate: FileFate, (word, bad): (&str, usiz
     if !word.starts_with("withdraw") {
         farm.nestd(&[&words[..], &["--anyway"]].concat());
     }
-    farm.nestd(&["resume", PROFILE]);
+    farm.nestd(&["resume", MACHINE]);
     thread::sleep(Duration::from_millis(600));
-    farm.nestd(&["flush", PROFILE]);
+    farm.nestd(&["flush", MACHINE]);
     wait_until_or("what waits is built", 60.0, || farm.log(), || of(PartState::Built).is_some());
     let counts = [refused, printable(farm, part)];
     let most = if fate == FileFate::Taken { bad } else { COPIES };

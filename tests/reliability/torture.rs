@@ -98,8 +98,8 @@ fn check_outcomes(farm: &TestFarm, files: &[ExpectedFile], data: &Path, names: &
 /// The result of a file in the ledger, or the reason in the error folder if it never became a part.
 fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> FileOutcome {
     let messages: Vec<&str> =
-        parts.iter().flat_map(|part| [part.warnings.as_str(), part.rejection.reason.as_str()]).collect();
-    let is_refused = parts.is_empty() || parts.iter().any(|part| part.state == PartState::Rejected);
+        parts.iter().flat_map(|part| [part.warnings.as_str(), part.refused.reason.as_str()]).collect();
+    let is_refused = parts.is_empty() || parts.iter().any(|part| part.state == PartState::Refused);
     if is_refused {
         let error = farm.folder("error").join(order);
         let reasons = fs::read_dir(&error).map_or(0, |entries| {

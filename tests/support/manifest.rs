@@ -79,7 +79,7 @@ impl ExpectedFile {
             (Some(count), Some(found)) if found + outcome.left_out == count => self.missing_warnings(&outcome.messages),
             (Some(_), None) => Some(format!("refused: {}", outcome.messages)),
             (Some(_), Some(found)) => Some(format!("accepted with {found} triangles")),
-            (None, Some(found)) if self.expect.starts_with("reject") => {
+            (None, Some(found)) if self.expect.starts_with("refuse") => {
                 Some(format!("accepted with {found} triangles"))
             }
             _ => None,

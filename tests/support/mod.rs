@@ -33,7 +33,7 @@ use farm_files::{assert_each_copy_once, drop_file, list_build_files};
 #[allow(unused_imports)] // no test program uses all of it
 pub use farm_files::{block, stl};
 
-pub const PROFILE: &str = "test";
+pub const MACHINE: &str = "test";
 
 /// A farm with one machine.
 pub struct TestFarm {
@@ -49,7 +49,7 @@ pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle
 impl TestFarm {
     /// A farm with the machine `test`, whose file contains `profile`; the daemon does not run yet.
     pub fn new(profile: &str) -> Self {
-        Self::with_machine(PROFILE, profile)
+        Self::with_machine(MACHINE, profile)
     }
 
     /// A farm with a machine of another name.

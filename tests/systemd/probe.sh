@@ -90,7 +90,7 @@ check "it is active after the restore" within 20 is_active
 before=$(property MainPID)
 cp /etc/nestd/profiles/paper-200.toml /etc/nestd/profiles/second-200.toml
 check "it reloads" timeout 20 systemctl reload nestd
-check "a new profile has its hot folder without a restart" within 15 test -d /srv/nestd/inbox/second-200
+check "a new machine has its hot folder without a restart" within 15 test -d /srv/nestd/inbox/second-200
 check "it is the same process" test "$before" = "$(property MainPID)"
 check "it is active after the reload" within 5 is_active
 echo 'volume_mm = "wrong"' > /etc/nestd/profiles/third.toml

@@ -6,8 +6,8 @@ use super::{
 };
 
 const LIST: &str = "file,copies\na.stl,30\n";
-const HELD: OrderListRules = OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Reject };
-const OVER: OrderListRules = OrderListRules { incomplete_secs: 50.0, unlisted: UnlistedPolicy::Reject };
+const HELD: OrderListRules = OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Refuse };
+const OVER: OrderListRules = OrderListRules { incomplete_secs: 50.0, unlisted: UnlistedPolicy::Refuse };
 
 /// Names and copies (or the error) of all parts that may be taken.
 fn taken(farm: &TestInbox, rules: OrderListRules) -> Vec<(String, Result<Option<u32>, String>)> {
@@ -105,7 +105,7 @@ fn order_csv_counts_among_several_lists_after_a_wait() {
 
 #[test]
 fn of_two_lists_under_other_names_none_counts_until_one_is_left() {
-    for unlisted in [UnlistedPolicy::Reject, UnlistedPolicy::Warn] {
+    for unlisted in [UnlistedPolicy::Refuse, UnlistedPolicy::Warn] {
         let farm = TestInbox::new();
         farm.drop_file("a.stl", "solid");
         farm.drop_file("said.stl", "solid");

@@ -38,7 +38,7 @@ fn precious(farm: &TestInbox) -> (PathBuf, PathBuf) {
 
 /// What is decided of the entries of a folder where nothing changes any more.
 fn judged(farm: &TestInbox, incomplete_secs: f64) -> Vec<TakeDecision> {
-    farm.judged(OrderListRules { incomplete_secs, unlisted: UnlistedPolicy::Reject })
+    farm.judged(OrderListRules { incomplete_secs, unlisted: UnlistedPolicy::Refuse })
 }
 
 /// Only its owner may read it.

@@ -33,7 +33,7 @@ impl TestInbox {
 
     /// The entries that have settled after the orphan time.
     pub fn ready(&self) -> Vec<SettledEntry> {
-        let rules = OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Reject };
+        let rules = OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Refuse };
         let judged = self.judged(rules).into_iter();
         let take = |judged| if let TakeDecision::Take(ready) = judged { Some(ready) } else { None };
         judged.filter_map(take).collect()

@@ -2,9 +2,9 @@
 
 use jiff::Timestamp;
 use ledger::{
-    BuildId, BuildState, ClaimedFile, Ledger, LedgerError, OperatorWord, OwedCopies, PartId, PartMeasures,
-    PartRejection, PartRow, PartState, PartTerms, PartTimes, ReprintTarget, RequiredTilts, SeenFile, SeenFiles,
-    SolidOfFile, ToldOutcome, WordAnswer,
+    BuildId, BuildState, ClaimedFile, Ledger, LedgerError, OperatorWord, OwedCopies, PartId, PartMeasures, PartRefusal,
+    PartRow, PartState, PartTerms, PartTimes, ReprintTarget, RequiredTilts, SeenFile, SeenFiles, SolidOfFile,
+    ToldOutcome, WordAnswer,
 };
 use nester::OrientationRule;
 
@@ -44,12 +44,12 @@ async fn say(ledger: &Ledger, word: OperatorWord, by: &str) -> Result<WordAnswer
 pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
     PartRow {
         id,
-        profile: "paper-200".to_owned(),
+        machine: "paper-200".to_owned(),
         name: format!("part-{}.stl", id.0),
         solid: SolidOfFile { object_index: 0, object_name: String::new() },
         file: ClaimedFile { claim: String::new(), content_hash: String::new(), bytes: 0, reads: 0 },
         state: PartState::Waiting,
-        rejection: PartRejection { reason: String::new(), refusal: None },
+        refused: PartRefusal { reason: String::new(), refusal: None },
         warnings: String::new(),
         owed: OwedCopies {
             copies,

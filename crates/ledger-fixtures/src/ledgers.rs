@@ -76,7 +76,7 @@ pub fn at(time: &str) -> Timestamp {
 pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
     NewPartRow {
         claim: claim.to_owned(),
-        profile: "paper-200".to_owned(),
+        machine: "paper-200".to_owned(),
         name: format!("{claim}.stl"),
         content_hash: blake3::hash(claim.as_bytes()).to_hex().to_string(),
         bytes: 684,

@@ -38,7 +38,7 @@ pub use rows::build_row::{
 };
 pub use rows::part_measures::{PartMeasures, PartTimes};
 pub use rows::part_row::{
-    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRejection, PartRow, PartTerms,
+    ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRefusal, PartRow, PartTerms,
     RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use rows::precedence::compare_precedence;
@@ -51,7 +51,7 @@ pub use service::node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow}
 pub use service::printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use service::receiver::{ReceiverKind, ReceiverRow};
 pub use service::status::{
-    DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,
+    DueArrival, MachineStatus, NestingBuild, OpenBuildForecast, PauseStatus, PublishedBuild, RETRY_PERIOD,
 };
 pub use service::totals::{BuildCount, FarmTotals, MeasuredBuild};
 pub use store::address::{LedgerAddress, ServerAddress};

@@ -6,7 +6,7 @@ use crate::{
     cli::{
         CommandExit, CommonArgs,
         terminal::{
-            farm_context::{load_settings, require_profile, run_with_ledger, user_at_host},
+            farm_context::{load_settings, require_machine, run_with_ledger, user_at_host},
             table::print_text,
         },
     },
@@ -14,22 +14,22 @@ use crate::{
 };
 
 /// Runs the command.
-pub fn run(common: &CommonArgs, profile: &str) -> Result<CommandExit> {
+pub fn run(common: &CommonArgs, machine: &str) -> Result<CommandExit> {
     let settings = load_settings(common)?;
-    require_profile(&settings, profile)?;
+    require_machine(&settings, machine)?;
     let node = settings.node.name.clone();
     if settings.ledger.file().is_none() {
         let before = run_with_ledger(settings.clone(), async |_, ledger| {
-            Ok(ledger.adopt_machine(profile, &node, &user_at_host()).await?)
+            Ok(ledger.adopt_machine(machine, &node, &user_at_host()).await?)
         })?;
         if let Some(before) = before {
             print_text(&format!(
-                "The node {node} serves {profile} from now on, in place of {before}. Its daemon takes it up within a minute. Files \
+                "The node {node} serves {machine} from now on, in place of {before}. Its daemon takes it up within a minute. Files \
                  that were taken in before are asked for again, as far as {before} does not give them."
             ))?;
         }
     }
-    match farm::adopt_claims(&settings, &settings.profiles[profile])? {
+    match farm::adopt_claims(&settings, &settings.profiles[machine])? {
         0 => print_text("No other nestd has claimed anything there.")?,
         1 => print_text("1 claim is taken over; the daemon takes it up within seconds.")?,
         claims => print_text(&format!("{claims} claims are taken over; the daemon takes them up within seconds."))?,

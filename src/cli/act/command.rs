@@ -9,7 +9,7 @@ use crate::{
     cli::{
         CommandExit, CommonArgs,
         terminal::{
-            farm_context::{require_profile, user_at_host, with_ledger},
+            farm_context::{require_machine, user_at_host, with_ledger},
             table::print_text,
             target::{PartTarget, find_targets},
         },
@@ -25,15 +25,15 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// A command to the daemon.
 #[derive(Debug, Clone)]
 pub enum DaemonCommand {
-    /// Nest and publish the waiting parts of a profile now.
+    /// Nest and publish the waiting parts of a machine now.
     Flush(String),
-    /// Stop a profile from firing batches until it is resumed.
+    /// Stop a machine from firing batches until it is resumed.
     Pause(String),
-    /// Let a profile fire again.
+    /// Let a machine fire again.
     Resume(String),
-    /// Take a rejected part back.
+    /// Take a refused part back.
     Retry(PartId),
-    /// Reject a waiting part, or take back some of its copies.
+    /// Refuse a waiting part, or take back some of its copies.
     Cancel(PartId, Option<u32>),
     /// Change what was asked with a part.
     Edit(PartId, Box<PartEdit>),
@@ -60,10 +60,10 @@ impl DaemonCommand {
         }
     }
 
-    fn profile_name(&self) -> Option<&str> {
+    fn machine_name(&self) -> Option<&str> {
         match self {
-            Self::Flush(profile) | Self::Pause(profile) | Self::Resume(profile) | Self::Move(_, profile) => {
-                Some(profile)
+            Self::Flush(machine) | Self::Pause(machine) | Self::Resume(machine) | Self::Move(_, machine) => {
+                Some(machine)
             }
             _ => None,
         }
@@ -92,8 +92,8 @@ impl DaemonCommand {
 /// Sends the command and waits a few seconds for the answer.
 pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
     let (text, exit) = with_ledger(common, async |settings, ledger| {
-        if let Some(profile) = order.profile_name() {
-            require_known_machine(settings, ledger, profile).await?;
+        if let Some(machine) = order.machine_name() {
+            require_known_machine(settings, ledger, machine).await?;
         }
         send_command(ledger, order, ANSWER_TIMEOUT).await
     })?;
@@ -102,10 +102,10 @@ pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
 }
 
 /// Refuses a machine that neither this node's configuration nor another node has.
-async fn require_known_machine(settings: &Settings, ledger: &Ledger, profile: &str) -> Result<()> {
-    match ledger.node_of_machine(profile).await? {
+async fn require_known_machine(settings: &Settings, ledger: &Ledger, machine: &str) -> Result<()> {
+    match ledger.node_of_machine(machine).await? {
         Some(_) if ledger.file().is_none() => Ok(()),
-        _ => require_profile(settings, profile),
+        _ => require_machine(settings, machine),
     }
 }
 
@@ -119,8 +119,8 @@ pub fn run_for_parts(
         let (mut answers, mut exit) = (Vec::new(), CommandExit::Success);
         for target in find_targets(ledger, words).await? {
             let order = command(&target)?;
-            if let Some(profile) = order.profile_name() {
-                require_known_machine(settings, ledger, profile).await?;
+            if let Some(machine) = order.machine_name() {
+                require_known_machine(settings, ledger, machine).await?;
             }
             let (text, ended) = send_command(ledger, &order, ANSWER_TIMEOUT).await?;
             answers.push(text);
@@ -138,7 +138,7 @@ pub fn run_for_parts(
 pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, timeout: Duration) -> Result<(String, CommandExit)> {
     let command = NewCommand {
         kind: order.command_kind(),
-        profile: order.profile_name().unwrap_or_default().to_owned(),
+        machine: order.machine_name().unwrap_or_default().to_owned(),
         part: order.part_id(),
         argument: order.argument(),
         asked_by: user_at_host(),
@@ -176,8 +176,8 @@ async fn silent_node(ledger: &Ledger, command: &NewCommand) -> Result<Option<Str
     if ledger.file().is_some() {
         return Ok(None);
     }
-    let profile = ledger.machine_of_command(command.part, &command.profile).await?;
-    let Some(name) = ledger.node_of_machine(&profile).await? else { return Ok(None) };
+    let machine = ledger.machine_of_command(command.part, &command.machine).await?;
+    let Some(name) = ledger.node_of_machine(&machine).await? else { return Ok(None) };
     let runs = ledger.find_node(&name).await?.is_some_and(|node| node.alive);
     Ok((!runs).then_some(name))
 }

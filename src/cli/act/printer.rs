@@ -87,14 +87,14 @@ async fn word_of(
 ) -> Result<OperatorWord> {
     // Also one that is configured no more is put into use: another one may get its name.
     let down = ledger.down_printers().await?.into_iter().find(|down| down.printer == name && state == PrinterUse::Up);
-    let profile = match down {
-        Some(down) => down.profile,
+    let machine = match down {
+        Some(down) => down.machine,
         None => machine_of_printer(settings, name)?.name.clone(),
     };
     let printer = name.to_owned();
     Ok(match state {
-        PrinterUse::Down => OperatorWord::PrinterDown { profile, printer, reason: reason.to_owned() },
-        PrinterUse::Up => OperatorWord::PrinterUp { profile, printer },
+        PrinterUse::Down => OperatorWord::PrinterDown { machine, printer, reason: reason.to_owned() },
+        PrinterUse::Up => OperatorWord::PrinterUp { machine, printer },
     })
 }
 

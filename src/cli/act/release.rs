@@ -43,8 +43,8 @@ pub fn run(common: &CommonArgs, args: &ReleaseArgs) -> Result<CommandExit> {
             "build {id} is {}: only a proved build waits for a yes",
             build.state
         );
-        let now = settings.profiles.get(&build.profile);
-        let made = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now);
+        let now = settings.profiles.get(&build.machine);
+        let made = MachineProfile::from_snapshot(&build.machine, build.kept.profile_snapshot.as_deref(), now);
         let preview = preview_release(ledger, now.unwrap_or(&made), &build, Timestamp::now()).await?;
         let mut sentences = preview.sentences(&settings.time_zone);
         if !args.preview {

@@ -63,7 +63,7 @@ async fn wait_until_taken_back(ledger: &Ledger, id: BuildId) -> Result<(String, 
     let text = format!(
         "Build {id} was taken back out of the queue: {waits}. {0} is paused, so that what waits can be changed or cancelled; \
          `nestd resume {0}` lets it go on.",
-        build.profile
+        build.machine
     );
     Ok((text, CommandExit::Success))
 }

@@ -12,6 +12,7 @@ use crate::{
             farm_context::{parse_time, with_ledger_to_read},
             table::{TextTable, print_json, print_text},
             terminal::output_columns,
+            values::former_option,
         },
     },
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
@@ -29,11 +30,12 @@ const LEAST_COLUMNS: &[&str] = &[
     "used",
     "copies",
     "state",
-    "profile",
+    "machine",
 ];
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
+#[command(arg = former_option("profile", "--machine"))]
 pub struct HistoryArgs {
     /// Builds since then: an age (7d, 12h), a date (2026-11-01) or an RFC 3339 time
     #[arg(long, value_name = "TIME")]
@@ -41,9 +43,9 @@ pub struct HistoryArgs {
     /// Builds before then
     #[arg(long, value_name = "TIME")]
     until: Option<String>,
-    /// Builds of one machine profile
-    #[arg(long, value_name = "P", add = candidates::of_profiles())]
-    profile: Option<String>,
+    /// Builds of one machine
+    #[arg(long, value_name = "MACHINE", add = candidates::of_machines())]
+    machine: Option<String>,
     /// The newest N builds only
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
@@ -79,19 +81,19 @@ pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
         let query = HistoryQuery {
             since: time(&args.since)?,
             until: time(&args.until)?,
-            profile: args.profile.clone(),
+            machine: args.machine.clone(),
             limit: args.limit,
             ..HistoryQuery::default()
         };
         let rows = ledger.read_history(&query).await?;
-        match &args.profile {
-            // The history of a profile that is no longer configured stays readable.
-            Some(profile)
+        match &args.machine {
+            // The history of a machine that is no longer configured stays readable.
+            Some(machine)
                 if rows.is_empty()
-                    && !settings.profiles.contains_key(profile)
-                    && ledger.node_of_machine(profile).await?.is_none() =>
+                    && !settings.profiles.contains_key(machine)
+                    && ledger.node_of_machine(machine).await?.is_none() =>
             {
-                Err(UsageError(format!("there is no profile '{profile}', and no build of one")).into())
+                Err(UsageError(format!("there is no machine '{machine}', and no build of one")).into())
             }
             _ => Ok((rows, ledger.height_summaries(&query).await?, TimeView::current(&settings.time_zone))),
         }

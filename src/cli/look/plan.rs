@@ -8,7 +8,7 @@ use crate::{
         CommandExit, CommonArgs,
         terminal::{
             candidates,
-            farm_context::{require_profile, with_ledger_to_read},
+            farm_context::{require_machine, with_ledger_to_read},
             table::{TextTable, print_json, print_text},
             terminal::output_columns,
         },
@@ -23,9 +23,9 @@ const LEAST_COLUMNS: &[&str] = &["fires_by", "due", "begins_at", "printer"];
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct PlanArgs {
-    /// Machine profile; without it, all machines
-    #[arg(value_name = "MACHINE", add = candidates::of_profiles())]
-    profile: Option<String>,
+    /// Machine; without it, all machines
+    #[arg(value_name = "MACHINE", add = candidates::of_machines())]
+    machine: Option<String>,
     /// Print all columns, however wide the terminal is
     #[arg(long)]
     wide: bool,
@@ -37,11 +37,11 @@ pub struct PlanArgs {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &PlanArgs) -> Result<CommandExit> {
     let (plans, view) = with_ledger_to_read(common, async |settings, ledger| {
-        if let Some(name) = &args.profile {
-            require_profile(settings, name)?;
+        if let Some(name) = &args.machine {
+            require_machine(settings, name)?;
         }
         let asked =
-            settings.profiles.values().filter(|profile| args.profile.as_ref().is_none_or(|name| *name == profile.name));
+            settings.profiles.values().filter(|profile| args.machine.as_ref().is_none_or(|name| *name == profile.name));
         let mut plans = Vec::new();
         for profile in asked {
             plans.push(plan_machine(ledger, profile, Timestamp::now()).await?);
@@ -60,7 +60,7 @@ pub fn run(common: &CommonArgs, args: &PlanArgs) -> Result<CommandExit> {
 /// The plan of a machine as text.
 fn plan_text(plan: &MachinePlan, view: &TimeView, is_wide: bool) -> String {
     let columns = output_columns(is_wide);
-    let mut text = format!("{}\n", plan.profile);
+    let mut text = format!("{}\n", plan.machine);
     let builds = TextTable::of(PLAN_COLUMNS, &plan.builds, view);
     if !builds.is_empty() {
         text += &builds.fit_essentials(columns, LEAST_COLUMNS);

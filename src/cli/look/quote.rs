@@ -12,7 +12,7 @@ use crate::{
         serve::nest::{RequestedFile, parse_part_argument},
         terminal::{
             candidates,
-            farm_context::{require_profile, with_ledger_to_read},
+            farm_context::{require_machine, with_ledger_to_read},
             table::{print_json, print_text},
         },
     },
@@ -28,8 +28,8 @@ pub struct QuoteArgs {
     /// Part files (STL, 3MF or CAMSPEC), with the number of copies: bracket.stl=4
     #[arg(required = true, value_name = "FILE[=N]")]
     parts: Vec<String>,
-    /// Machine profile
-    #[arg(long, value_name = "MACHINE", add = candidates::of_profiles())]
+    /// Machine
+    #[arg(long, value_name = "MACHINE", add = candidates::of_machines())]
     machine: String,
     /// The date that is wished for: 2026-11-25 or 25.11.2026 (the end of that day), or "2026-11-25 17:00"
     #[arg(long, value_name = "DATE")]
@@ -58,7 +58,7 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
         return Err(UsageError(format!("there is no file {}", missing.path.display())).into());
     }
     let (quote, sentences) = with_ledger_to_read(common, async |settings, ledger| {
-        require_profile(settings, &args.machine)?;
+        require_machine(settings, &args.machine)?;
         let profile = Arc::new(settings.profiles.get(&args.machine).context("its profile is not valid")?.clone());
         let zone = profile.time_zone.time_zone();
         let due = args.due.as_deref().map(|text| intake::parse_due_text(text, zone).map_err(UsageError)).transpose()?;

@@ -40,10 +40,10 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
         let mut found = look_up(ledger, &wanted).await?;
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
-            let now = settings.profiles.get(&build.profile);
-            sheet.file = now.and_then(|profile| locate_build_file(profile, build));
+            let now = settings.profiles.get(&build.machine);
+            sheet.file = now.and_then(|machine| locate_build_file(machine, build));
             sheet.machine =
-                Some(MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now));
+                Some(MachineProfile::from_snapshot(&build.machine, build.kept.profile_snapshot.as_deref(), now));
         }
         Ok((found, TimeView::current(&settings.time_zone)))
     })?;

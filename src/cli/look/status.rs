@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use jiff::Timestamp;
-use ledger::{Ledger, NodeRow, PartRow, PartState, ProfileStatus};
+use ledger::{Ledger, MachineStatus, NodeRow, PartRow, PartState};
 use serde::Serialize;
 
 use crate::{
@@ -23,13 +23,13 @@ use crate::{
     },
 };
 
-/// This many rejected parts are listed; `nestd show` finds the older ones.
-const REJECTED_LISTED: u32 = 20;
+/// This many refused parts are listed; `nestd show` finds the older ones.
+const REFUSED_LISTED: u32 = 20;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct StatusArgs {
-    /// Also list the parts that are claimed, waiting, batched or rejected, with their numbers
+    /// Also list the parts that are claimed, waiting, batched or refused, with their numbers
     #[arg(long)]
     parts: bool,
     /// Redraw in place every 2 s on a terminal; Ctrl-C ends it
@@ -63,7 +63,7 @@ pub struct FarmStatus {
     #[serde(serialize_with = "attention_as_json")]
     attention: Vec<FarmAlert>,
     /// Machines, by name.
-    profiles: Vec<MachineStatus>,
+    machines: Vec<ListedMachine>,
     /// The requested parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     parts: Option<Vec<PartRow>>,
@@ -71,7 +71,7 @@ pub struct FarmStatus {
 
 /// The current state of a machine.
 #[derive(Debug, Serialize)]
-struct MachineStatus {
+struct ListedMachine {
     /// Whether the machine is configured (still).
     configured: bool,
     #[serde(flatten)]
@@ -122,8 +122,8 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
     run_with_ledger(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
         let mut status = read_status(ledger, &settings.node.name, &names, with_parts).await?;
-        for machine in &mut status.profiles {
-            let profile = settings.profiles.get(&machine.forecast.status.profile);
+        for machine in &mut status.machines {
+            let profile = settings.profiles.get(&machine.forecast.status.machine);
             machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
             if let Some(profile) = profile {
                 machine.printers = printer_views(ledger, profile, Timestamp::now()).await?;
@@ -135,32 +135,32 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
 
 /// Reads the status from a ledger; `configured` are the profiles of the settings, and `node` is this one.
 pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
-    let known = ledger.profile_statuses().await?;
-    let machine = |configured: bool, status: ProfileStatus| MachineStatus {
+    let known = ledger.machine_statuses().await?;
+    let machine = |configured: bool, status: MachineStatus| ListedMachine {
         configured,
         forecast: MachineForecast::new(status, None),
         printers: Vec::new(),
     };
-    let mut profiles: Vec<MachineStatus> = (configured.iter())
-        .filter(|name| !known.iter().any(|k| k.profile == **name))
-        .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
+    let mut machines: Vec<ListedMachine> = (configured.iter())
+        .filter(|name| !known.iter().any(|k| k.machine == **name))
+        .map(|name| MachineStatus { machine: (*name).to_owned(), ..MachineStatus::default() })
         .map(|status| machine(true, status))
         .collect();
     // A removed machine for which nothing is left to do is history.
-    let is_of_interest = |status: &ProfileStatus| {
-        configured.contains(&status.profile.as_str())
+    let is_of_interest = |status: &MachineStatus| {
+        configured.contains(&status.machine.as_str())
             || status.paused.is_some()
             || status.waiting_parts + status.claimed_parts > 0
             || !status.nesting.is_empty()
     };
     let known = known.into_iter().filter(is_of_interest);
-    profiles.extend(known.map(|status| machine(configured.contains(&status.profile.as_str()), status)));
-    profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
+    machines.extend(known.map(|status| machine(configured.contains(&status.machine.as_str()), status)));
+    machines.sort_by(|a, b| a.forecast.status.machine.cmp(&b.forecast.status.machine));
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
     let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served_by(node).await?);
     let nodes = list_farm_nodes(ledger).await?;
     let silence_hint = ledger.silence_hint();
-    Ok(FarmStatus { daemon, nodes, is_served, silence_hint, attention: Vec::new(), profiles, parts })
+    Ok(FarmStatus { daemon, nodes, is_served, silence_hint, attention: Vec::new(), machines, parts })
 }
 
 async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -169,12 +169,12 @@ async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
         parts.extend(ledger.parts_in_state(state).await?);
     }
     parts.extend(
-        ledger.parts_in_state_between(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?,
+        ledger.parts_in_state_between(PartState::Refused, Timestamp::MIN, Timestamp::MAX, REFUSED_LISTED).await?,
     );
     Ok(parts)
 }
 
-impl MachineStatus {
+impl ListedMachine {
     /// Its printers, unless it has only one, which is in use.
     fn shown_printers(&self) -> &[PrinterView] {
         match self.printers.as_slice() {
@@ -188,19 +188,19 @@ impl FarmStatus {
     /// The status as text; tables wider than `columns` become lists.
     pub fn to_text(&self, now: Timestamp, zone: &FarmZone, columns: usize) -> String {
         let view = TimeView::at(zone, now);
-        let machine = |machine: &MachineStatus| MachineNow {
+        let machine = |machine: &ListedMachine| MachineNow {
             forecast: machine.forecast.clone(),
             is_configured: machine.configured,
-            other_node: self.other_node_of(&machine.forecast.status.profile),
+            other_node: self.other_node_of(&machine.forecast.status.machine),
             view: view.clone(),
         };
-        let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>(), &view);
+        let table = TextTable::of(MACHINE_COLUMNS, &self.machines.iter().map(machine).collect::<Vec<_>>(), &view);
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text =
             format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_essentials(columns, LEAST_COLUMNS));
         let printers: Vec<PrinterView> =
-            self.profiles.iter().flat_map(MachineStatus::shown_printers).cloned().collect();
+            self.machines.iter().flat_map(ListedMachine::shown_printers).cloned().collect();
         if !printers.is_empty() {
             let table = TextTable::of(PRINTER_COLUMNS, &printers, &view);
             text += &format!("\n{}", table.fit_essentials(columns, &["times", "told_by", "down_at"]));
@@ -218,8 +218,8 @@ impl FarmStatus {
     }
 
     /// The node that serves a machine, unless it is this one.
-    fn other_node_of(&self, profile: &str) -> Option<String> {
-        let serves = |listed: &&FarmNode| listed.machines.iter().any(|machine| machine == profile);
+    fn other_node_of(&self, name: &str) -> Option<String> {
+        let serves = |listed: &&FarmNode| listed.machines.iter().any(|machine| machine == name);
         let is_this = |listed: &FarmNode| self.daemon.as_ref().is_some_and(|own| own.name == listed.node.name);
         self.nodes.iter().find(serves).filter(|listed| !is_this(listed)).map(|listed| listed.node.name.clone())
     }
@@ -279,12 +279,12 @@ impl FarmStatus {
             return halted;
         }
         // The files name other machines than the daemon serves.
-        let is_rejected = self.attention.iter().any(|alert| alert.kind == AlertKind::ConfigurationWrong);
-        if let Some(daemon) = self.daemon.as_ref().filter(|daemon| is_rejected && !daemon.status.is_empty()) {
+        let is_refused = self.attention.iter().any(|alert| alert.kind == AlertKind::ConfigurationWrong);
+        if let Some(daemon) = self.daemon.as_ref().filter(|daemon| is_refused && !daemon.status.is_empty()) {
             return daemon.status.clone();
         }
-        let machines = self.profiles.iter().filter(|machine| machine.configured).count();
-        farm::farm_summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))
+        let machines = self.machines.iter().filter(|machine| machine.configured).count();
+        farm::farm_summary(machines, self.machines.iter().map(|machine| &machine.forecast.status))
     }
 }
 

@@ -11,11 +11,11 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 use build_file::format_count;
-use ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
+use ledger::{Ledger, MachineStatus, PartRow, PartState, PublishedBuild};
 
 use self::{
     daemon::{DemoDaemon, nestd_command},
-    farm::{DemoFarm, DroppedFiles, PROFILE, TORN_FILE},
+    farm::{DemoFarm, DroppedFiles, MACHINE, TORN_FILE},
 };
 use crate::cli::{CommandExit, CommonArgs, UsageError};
 
@@ -142,13 +142,13 @@ impl<'d> DemoWatcher<'d> {
         Ok(parts)
     }
 
-    async fn profile_status(&self) -> Result<Option<ProfileStatus>> {
-        Ok(self.ledger.profile_statuses().await?.into_iter().find(|s| s.profile == PROFILE))
+    async fn machine_status(&self) -> Result<Option<MachineStatus>> {
+        Ok(self.ledger.machine_statuses().await?.into_iter().find(|s| s.machine == MACHINE))
     }
 
     /// The build that was published last, unless it is from an earlier demo.
     async fn newest_build(&self) -> Result<Option<PublishedBuild>> {
-        let last = self.profile_status().await?.and_then(|s| s.last_published);
+        let last = self.machine_status().await?.and_then(|s| s.last_published);
         Ok(last.filter(|b| Some(b.build.0) != self.last_build))
     }
 
@@ -158,7 +158,7 @@ impl<'d> DemoWatcher<'d> {
         if Instant::now() > self.deadline {
             bail!("gave up after {TIMEOUT_SECS} s of waiting for {for_what}");
         }
-        if let Some(status) = self.profile_status().await? {
+        if let Some(status) = self.machine_status().await? {
             let line = status_line(&status);
             if line != self.last_line {
                 println!("  {line}");
@@ -175,7 +175,7 @@ impl<'d> DemoWatcher<'d> {
             let parts = self.new_parts().await?;
             let claimed = parts.iter().filter(|p| p.state == PartState::Claimed).count();
             if parts.len() >= dropped.files && claimed == 0 {
-                let refused = parts.iter().filter(|p| p.state == PartState::Rejected).count();
+                let refused = parts.iter().filter(|p| p.state == PartState::Refused).count();
                 if refused != dropped.torn {
                     bail!("{refused} parts were refused instead of {}", dropped.torn);
                 }
@@ -189,17 +189,17 @@ impl<'d> DemoWatcher<'d> {
     async fn until_all_are_built(&mut self, farm: &DemoFarm) -> Result<()> {
         let mut flushed_after = None;
         loop {
-            let is_done = |p: &PartRow| matches!(p.state, PartState::Built | PartState::Rejected);
+            let is_done = |p: &PartRow| matches!(p.state, PartState::Built | PartState::Refused);
             if self.new_parts().await?.iter().all(is_done) {
                 return Ok(());
             }
             let published = self.newest_build().await?.map(|b| b.build.0);
-            let nesting = self.profile_status().await?.is_some_and(|s| !s.nesting.is_empty());
+            let nesting = self.machine_status().await?.is_some_and(|s| !s.nesting.is_empty());
             // Sent once, and again after a build that had no room for all parts.
             if !nesting && flushed_after != Some(published) {
                 flushed_after = Some(published);
                 // A daemon that is too busy to answer in time still executes the command, so the demo goes on waiting.
-                if run_nestd(farm, &["flush", PROFILE]).is_err() {
+                if run_nestd(farm, &["flush", MACHINE]).is_err() {
                     self.daemon.expect_running()?;
                 }
             }
@@ -208,7 +208,7 @@ impl<'d> DemoWatcher<'d> {
     }
 }
 
-fn status_line(status: &ProfileStatus) -> String {
+fn status_line(status: &MachineStatus) -> String {
     if let Some(build) = status.nesting.first() {
         return format!("build {}: {}, {}", build.build.0, format_count(build.copies, "copy", "copies"), build.state);
     }
@@ -219,7 +219,7 @@ fn status_line(status: &ProfileStatus) -> String {
         "{}, {}; {} refused{forecast}",
         format_count(parts, "part waits", "parts wait"),
         format_count(copies, "copy", "copies"),
-        status.rejected_parts
+        status.refused_parts
     )
 }
 
@@ -240,8 +240,8 @@ async fn show_results(farm: &DemoFarm, watch: &DemoWatcher<'_>) -> Result<()> {
     run_nestd(farm, &["status"])?;
     run_nestd(farm, &["history", "--limit", "5"])?;
     println!("\nRefused, each file in {} with its reason beside it:", farm.machine_folder("error").display());
-    for part in watch.new_parts().await?.iter().filter(|p| p.state == PartState::Rejected) {
-        println!("  {}: {}", part.name, part.rejection.reason);
+    for part in watch.new_parts().await?.iter().filter(|p| p.state == PartState::Refused) {
+        println!("  {}: {}", part.name, part.refused.reason);
     }
     if matching_files(&farm.machine_folder("error"), |name| {
         name.starts_with(TORN_FILE) && name.ends_with(".reason.txt")

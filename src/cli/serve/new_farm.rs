@@ -20,7 +20,7 @@ use crate::{
             values::{parse_distance, parse_volume},
         },
     },
-    settings::{find_config_file, is_profile_name},
+    settings::{find_config_file, is_machine_name},
 };
 
 /// The farm file that is shipped; it documents every option.
@@ -91,7 +91,7 @@ pub fn run_init(args: &InitArgs) -> Result<CommandExit> {
 /// Writes the file of a machine beside the farm's configuration.
 pub fn run_machine(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit> {
     let MachineCommand::New(args) = command;
-    if !is_profile_name(&args.name) {
+    if !is_machine_name(&args.name) {
         let text = format!("'{}' is no name of a machine: 1 to 40 of a-z, 0-9 and -, for example mjf-2", args.name);
         return Err(UsageError(text).into());
     }

@@ -113,7 +113,7 @@ fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpe
     let stored = || info.rules.interlock.as_deref().and_then(|stored| parse_word(stored).ok());
     let layer_mm = info.rules.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
     Ok(MachineSpec {
-        name: info.heading.profile.clone().unwrap_or_default(),
+        name: info.heading.machine.clone().unwrap_or_default(),
         volume_mm: args.volume.or(info.rules.volume_mm).ok_or_else(|| missing("volume"))?,
         margins: args.margins.or(info.rules.margins_mm.map(VolumeMargins::from)).unwrap_or_default(),
         keep_out: info.rules.keep_out.clone(),
@@ -178,7 +178,7 @@ fn as_json(verified: &VerificationResult) -> Value {
         "proved": verified.is_proved(),
         "title": info.heading.title,
         "application": info.heading.application,
-        "profile": info.heading.profile,
+        "machine": info.heading.machine,
         "placements": verdict.bodies.len(),
         "volume_mm": machine.volume_mm.to_array(),
         "height_mm": verified.height_mm,

@@ -128,8 +128,8 @@ fn assemble_cake(
 }
 
 fn configured_profile<'a>(settings: &'a Settings, build: &BuildRow) -> Result<&'a MachineProfile> {
-    let gone = || format!("build {} is of profile '{}', which is not configured", build.id, build.profile);
-    settings.profiles.get(&build.profile).with_context(gone)
+    let gone = || format!("build {} is of machine '{}', which is not configured", build.id, build.machine);
+    settings.profiles.get(&build.machine).with_context(gone)
 }
 
 /// The one build that the words name.

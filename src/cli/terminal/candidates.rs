@@ -16,8 +16,8 @@ use crate::{
 /// Most words of a kind.
 const MAX_WORDS: u32 = 200;
 
-/// Offers machine profiles.
-pub fn of_profiles() -> ArgValueCompleter {
+/// Offers machines.
+pub fn of_machines() -> ArgValueCompleter {
     ArgValueCompleter::new(|typed: &OsStr| {
         let settings = typed_settings();
         let names = settings.iter().flat_map(|settings| settings.profiles.keys().cloned());
@@ -37,7 +37,7 @@ pub fn of_parts() -> ArgValueCompleter {
 
 /// Offers refused parts.
 pub fn of_refused_parts() -> ArgValueCompleter {
-    ArgValueCompleter::new(|typed: &OsStr| matching(read_parts(Some(PartState::Rejected)).into_iter(), typed))
+    ArgValueCompleter::new(|typed: &OsStr| matching(read_parts(Some(PartState::Refused)).into_iter(), typed))
 }
 
 /// Offers builds, parts and orders.
@@ -74,7 +74,7 @@ fn read_builds() -> Vec<(String, String)> {
         let query = HistoryQuery { limit: Some(MAX_WORDS), ..HistoryQuery::default() };
         Ok(ledger.read_history(&query).await?)
     });
-    let meaning = |row: &ledger::HistoryRow| format!("{}, {}", row.profile, row.state_word());
+    let meaning = |row: &ledger::HistoryRow| format!("{}, {}", row.machine, row.state_word());
     read.unwrap_or_default().iter().map(|row| (format!("b{}", row.build), meaning(row))).collect()
 }
 
@@ -83,7 +83,7 @@ fn read_parts(state: Option<PartState>) -> Vec<(String, String)> {
     let read = run_with_ledger_of(async |ledger| {
         Ok(ledger.list_parts(&PartQuery { state, limit: MAX_WORDS, ..PartQuery::default() }).await?)
     });
-    let is_offered = |part: &&ledger::PartRow| state.is_some() || part.state != PartState::Rejected;
+    let is_offered = |part: &&ledger::PartRow| state.is_some() || part.state != PartState::Refused;
     let word = |part: &ledger::PartRow| (format!("p{}", part.id), format!("{}, {}", part.full_name(), part.state));
     read.unwrap_or_default().iter().filter(is_offered).map(word).collect()
 }

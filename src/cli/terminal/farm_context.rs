@@ -60,13 +60,13 @@ pub fn run_with_ledger<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, 
     })
 }
 
-/// Refuses a profile that is not configured; the error names the configured ones.
-pub fn require_profile(settings: &Settings, profile: &str) -> Result<()> {
-    if settings.profiles.contains_key(profile) {
+/// Refuses a machine that is not configured; the error names the configured ones.
+pub fn require_machine(settings: &Settings, machine: &str) -> Result<()> {
+    if settings.profiles.contains_key(machine) {
         return Ok(());
     }
     let known: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-    Err(UsageError(format!("there is no profile '{profile}'; there are: {}", known.join(", "))).into())
+    Err(UsageError(format!("there is no machine '{machine}'; there are: {}", known.join(", "))).into())
 }
 
 /// `user@host` of the operator, for the ledger.

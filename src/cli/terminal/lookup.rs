@@ -141,7 +141,7 @@ pub async fn find_builds(ledger: &Ledger, wanted: &LookupQuery) -> Result<Vec<Bu
 async fn read_build_details(ledger: &Ledger, id: BuildId) -> Result<Option<BuildDetails>> {
     let Some(build) = ledger.find_build(id).await? else { return Ok(None) };
     let line = match build.state {
-        BuildState::Open => ledger.waiting_copies(&build.profile).await?,
+        BuildState::Open => ledger.waiting_copies(&build.machine).await?,
         _ => Vec::new(),
     };
     Ok(Some(BuildDetails {

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Columns that are left out on a narrow terminal, the first of them first.
-const LEAST_COLUMNS: &[&str] = &["cancelled", "bad", "refused", "profile", "in_builds", "printed", "state", "due_at"];
+const LEAST_COLUMNS: &[&str] = &["cancelled", "bad", "refused", "machine", "in_builds", "printed", "state", "due_at"];
 /// Where the texts of facts begin.
 const FACT_INDENT: usize = 14;
 
@@ -46,7 +46,7 @@ fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
     let mut text =
-        format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state_word(), align_fields(&facts, columns));
+        format!("Build {} of {}: {}\n{}", row.id, row.machine, row.state_word(), align_fields(&facts, columns));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
@@ -71,7 +71,7 @@ fn copies_text(sheet: &BuildDetails) -> String {
 fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
     let row = &sheet.part;
     let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)), view);
-    facts.extend(fields::REASON.fact(&row.rejection.reason));
+    facts.extend(fields::REASON.fact(&row.refused.reason));
     facts.extend(
         PartQuestion::of_part(row)
             .iter()

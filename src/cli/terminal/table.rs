@@ -86,7 +86,7 @@ impl TextTable {
         self.to_string().lines().all(|line| line.chars().count() <= columns)
     }
 
-    /// A row as "PART: 3  PROFILE: mjf". Each line contains as many pairs as fit; all lines but the first are
+    /// A row as "PART: 3  MACHINE: mjf". Each line contains as many pairs as fit; all lines but the first are
     /// indented.
     fn row_as_list(&self, row: &[String], columns: usize) -> String {
         let mut lines: Vec<String> = Vec::new();

@@ -1,10 +1,16 @@
 //! Parsers of option values that several commands use.
 
+use clap::{Arg, builder::UnknownArgumentValueParser};
 use glam::DVec3;
 use nester::VolumeMargins;
 
 /// Longest side of a picture, pixels. Drawing the largest picture needs half a gigabyte of memory.
 const MAX_PIXELS: u32 = 4096;
+
+/// An option that has another name now: whoever gives it is told that one.
+pub(crate) fn former_option(former: &'static str, now: &'static str) -> Arg {
+    Arg::new(former).long(former).hide(true).value_parser(UnknownArgumentValueParser::suggest_arg(now))
+}
 
 /// `380x284x380`.
 pub(crate) fn parse_volume(text: &str) -> Result<DVec3, String> {

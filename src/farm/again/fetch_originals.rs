@@ -106,15 +106,15 @@ pub(crate) async fn fetch_originals(desk: &mut Receiving<'_>) -> Result<()> {
 }
 
 /// Whether a part of a machine waits for its original, and will have it soon.
-pub(crate) async fn awaits_original(shared: &Shared<'_>, profile: &str) -> Result<bool> {
+pub(crate) async fn awaits_original(shared: &Shared<'_>, machine: &str) -> Result<bool> {
     let is_failing = shared.schedule.step_backoff.is_failing(&BACKOFF.to_owned());
-    Ok(!is_failing && shared.ledger.parts_to_fetch().await?.iter().any(|part| part.profile == profile))
+    Ok(!is_failing && shared.ledger.parts_to_fetch().await?.iter().any(|part| part.machine == machine))
 }
 
 async fn wanted_original(desk: &Receiving<'_>, part: PartRow) -> Result<Option<WantedOriginal>> {
-    let Some(machine) = desk.machines.get(&part.profile) else { return Ok(None) };
-    let profile_named = |name: &str| desk.machines.get(name).map(|machine| &*machine.profile);
-    let mut folders = archive_folders(desk.shared.ledger, &part.file.content_hash, profile_named).await?;
+    let Some(machine) = desk.machines.get(&part.machine) else { return Ok(None) };
+    let machine_named = |name: &str| desk.machines.get(name).map(|machine| &*machine.profile);
+    let mut folders = archive_folders(desk.shared.ledger, &part.file.content_hash, machine_named).await?;
     // The original of a part that was not read yet, where the machine came from another node.
     folders.push(intake::claim_dir(&machine.profile.folders.inbox, &part.file.claim));
     Ok(Some(WantedOriginal {

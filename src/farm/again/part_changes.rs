@@ -46,7 +46,7 @@ async fn edit_part(
     let edit = command.read_argument().edit.unwrap_or_default();
     let edited = desk.shared.ledger.for_command(command.id).edit_part(row.id, &edit, &command.asked_by).await?;
     if edit.changes_layout() {
-        forget_layout(desk, &row.profile);
+        forget_layout(desk, &row.machine);
     }
     Ok(CommandAnswer::PartEdited(row.id, edited.changes))
 }
@@ -55,12 +55,12 @@ async fn edit_part(
 async fn leaves_before_release(desk: &Receiving<'_>, command: &CommandRow, row: &PartRow) -> Result<bool, LedgerError> {
     let is_released = deferred_refusal::is_without_original(desk.completion, row);
     Ok(!is_released
-        && desk.machines.contains_key(&row.profile)
-        && !desk.machines.contains_key(&command.profile)
+        && desk.machines.contains_key(&row.machine)
+        && !desk.machines.contains_key(&command.machine)
         && desk
             .shared
             .ledger
-            .node_of_machine(&command.profile)
+            .node_of_machine(&command.machine)
             .await?
             .is_some_and(|node| node != desk.shared.settings.node.name))
 }
@@ -70,20 +70,20 @@ async fn move_part(
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let profile = &command.profile;
-    let is_own = desk.machines.contains_key(profile);
+    let machine = &command.machine;
+    let is_own = desk.machines.contains_key(machine);
     if !is_own
-        && desk.shared.ledger.node_of_machine(profile).await?.is_none_or(|node| node == desk.shared.settings.node.name)
+        && desk.shared.ledger.node_of_machine(machine).await?.is_none_or(|node| node == desk.shared.settings.node.name)
     {
-        return Ok(CommandAnswer::UnknownProfile(profile.clone()));
+        return Ok(CommandAnswer::UnknownMachine(machine.clone()));
     }
-    if *profile == row.profile {
-        return Ok(CommandAnswer::PartIsThere(row.id, profile.clone()));
+    if *machine == row.machine {
+        return Ok(CommandAnswer::PartIsThere(row.id, machine.clone()));
     }
     let parts =
-        desk.shared.ledger.for_command(command.id).move_to_machine(row.id, profile, !is_own, &command.asked_by).await?;
-    forget_layout(desk, &row.profile);
-    Ok(CommandAnswer::PartMoved(parts, profile.clone()))
+        desk.shared.ledger.for_command(command.id).move_to_machine(row.id, machine, !is_own, &command.asked_by).await?;
+    forget_layout(desk, &row.machine);
+    Ok(CommandAnswer::PartMoved(parts, machine.clone()))
 }
 
 async fn confirm_part(
@@ -115,8 +115,8 @@ pub(crate) async fn cancel_copies(
 }
 
 /// The layout of the open build was made for other rules: the next search starts anew.
-fn forget_layout(desk: &mut Receiving<'_>, profile: &str) {
-    if let Some(machine) = desk.machines.get_mut(profile) {
+fn forget_layout(desk: &mut Receiving<'_>, name: &str) {
+    if let Some(machine) = desk.machines.get_mut(name) {
         machine.open.reset();
     }
 }

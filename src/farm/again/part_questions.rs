@@ -52,11 +52,11 @@ fn copies_command(part: &PartRow) -> String {
     format!("nestd edit {} --copies N", part.id)
 }
 
-/// The lines of `STATUS.txt` for the parts of a profile whose number of copies is asked for. (Parts that wait for a yes or for
+/// The lines of `STATUS.txt` for the parts of a machine whose number of copies is asked for. (Parts that wait for a yes or for
 /// their file are in an alert.)
-pub(crate) fn questions_text(profile: &str, asked: &[QuestionedPart]) -> String {
+pub(crate) fn questions_text(machine: &str, asked: &[QuestionedPart]) -> String {
     let own: Vec<&QuestionedPart> =
-        asked.iter().filter(|row| row.part.profile == profile && row.kind == QuestionKind::Copies).collect();
+        asked.iter().filter(|row| row.part.machine == machine && row.kind == QuestionKind::Copies).collect();
     let mut lines: Vec<String> = own
         .iter()
         .take(MAX_LINES)
@@ -77,8 +77,8 @@ pub(crate) fn questions_text(profile: &str, asked: &[QuestionedPart]) -> String 
     lines.concat()
 }
 
-/// The open questions of a profile for `status.json`.
-pub(crate) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_json::Value {
+/// The open questions of a machine for `status.json`.
+pub(crate) fn questions_json(machine: &str, asked: &[QuestionedPart]) -> serde_json::Value {
     let of_part = |part: &PartRow| {
         let (id, name) = (part.id, part.full_name());
         let as_json = move |question: PartQuestion| {
@@ -89,7 +89,7 @@ pub(crate) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_j
         PartQuestion::of_part(part).into_iter().map(as_json)
     };
     // A part with two questions has a row for each kind.
-    let mut parts: Vec<&PartRow> = asked.iter().map(|row| &row.part).filter(|part| part.profile == profile).collect();
+    let mut parts: Vec<&PartRow> = asked.iter().map(|row| &row.part).filter(|part| part.machine == machine).collect();
     parts.sort_by_key(|part| part.id);
     parts.dedup_by_key(|part| part.id);
     parts.into_iter().flat_map(of_part).collect()

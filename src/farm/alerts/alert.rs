@@ -27,7 +27,7 @@ pub enum AlertKind {
     RepairDue,
     /// Another daemon serves the ledger.
     LedgerTakenOver,
-    /// A changed configuration was rejected.
+    /// A changed configuration was refused.
     ConfigurationWrong,
     /// A hot folder cannot be read.
     HotFolderAway,
@@ -57,7 +57,7 @@ pub enum AlertKind {
     EndingFails,
     /// A build cannot be started.
     NestingFails,
-    /// A build was given up, and its profile is paused.
+    /// A build was given up, and its machine is paused.
     BuildFailed,
     /// A print failed, and nobody has seen to it.
     PrintFailed,
@@ -186,7 +186,7 @@ impl AlertKind {
                 "The ledger has lost the last changes of other nodes: nestd takes and publishes nothing until they are repaired"
             }
             Self::LedgerTakenOver => "Another nestd is this node now: this one takes and publishes nothing more",
-            Self::ConfigurationWrong => "The changed configuration was rejected; the previous one stays in force",
+            Self::ConfigurationWrong => "The changed configuration was refused; the previous one stays in force",
             Self::HotFolderAway => "The hot folder is unavailable",
             Self::QueueAway => "The queue folder cannot be used",
             Self::ArchiveAway => "The archive cannot be used",
@@ -201,7 +201,7 @@ impl AlertKind {
             Self::FileDamaged => "The file of a part is damaged or no longer kept, and must be dropped again",
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
             Self::NestingFails => "A build cannot be made now",
-            Self::BuildFailed => "A build failed, and its profile is paused",
+            Self::BuildFailed => "A build failed, and its machine is paused",
             Self::PrintFailed => "A print failed, and nobody has seen to it",
             Self::ReleaseDue => "A proved build waits for a yes before it is published",
             Self::Question => "Parts wait for a yes before they are printed",
@@ -244,7 +244,7 @@ impl AlertKind {
             Self::ChangesWait => END_CONNECTION,
             Self::RepairDue => {
                 "On each node that is named, stop nestd, run `nestd check --deep --repair`, and start nestd; this one then goes on by \
-                 itself. Where a node is gone for good, take its machines over with `nestd adopt PROFILE`."
+                 itself. Where a node is gone for good, take its machines over with `nestd adopt MACHINE`."
             }
             Self::LedgerTakenOver => {
                 "Another process has this node's name, or its machines were adopted. Where that was meant, start this nestd again: it \
@@ -273,11 +273,11 @@ impl AlertKind {
             }
             Self::OtherNode => {
                 "Remove the machine's file from profiles/ here or on that node, and reload both. If that node is gone for good, take its \
-                 machine over with `nestd adopt PROFILE`."
+                 machine over with `nestd adopt MACHINE`."
             }
             Self::ForeignClaims => {
                 "If that nestd is still in use, start it: it takes them itself. If it is gone for good, or another one \
-                 takes its place, take them over with `nestd adopt PROFILE`."
+                 takes its place, take them over with `nestd adopt MACHINE`."
             }
             Self::FoldersMissing => "Mount or make the folder above them, and let nestd's user write there.",
             Self::TakingFails => {
@@ -299,7 +299,7 @@ impl AlertKind {
             }
             Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
             Self::BuildFailed => {
-                "See the reason, mend it, then `nestd resume PROFILE`: its parts wait, but for those that were refused since. A part that is \
+                "See the reason, mend it, then `nestd resume MACHINE`: its parts wait, but for those that were refused since. A part that is \
                  the reason goes with `nestd cancel PART`."
             }
             Self::PrintFailed => {
@@ -336,7 +336,7 @@ impl AlertKind {
             }
             Self::Refused => {
                 "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \
-                 remove both from there, or run `nestd dismiss PROFILE`: they stay there, without an alert."
+                 remove both from there, or run `nestd dismiss MACHINE`: they stay there, without an alert."
             }
             Self::Stray => "Move them into the folder of the machine that they are for.",
             Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
@@ -371,8 +371,8 @@ impl AlertKind {
 pub struct FarmAlert {
     /// Kind of alert.
     pub kind: AlertKind,
-    /// Machine profile, "" = the farm.
-    pub profile: String,
+    /// Machine, "" = the farm.
+    pub machine: String,
     /// What was found, without a full stop; "" = the headline says everything.
     pub detail: String,
     /// Since when.
@@ -382,15 +382,15 @@ pub struct FarmAlert {
 impl FarmAlert {
     /// What is wrong, as a sentence.
     pub fn alert_text(&self) -> String {
-        let of = if self.profile.is_empty() { String::new() } else { format!("{}: ", self.profile) };
+        let of = if self.machine.is_empty() { String::new() } else { format!("{}: ", self.machine) };
         match self.detail.trim_end_matches('.') {
             "" => format!("{of}{}.", self.kind.headline()),
             detail => format!("{of}{}: {detail}.", self.kind.headline()),
         }
     }
 
-    /// Whether it is shown in the hot folder of a profile.
-    pub fn is_shown_in(&self, profile: &str) -> bool {
-        self.profile == profile || self.kind.is_farm_wide()
+    /// Whether it is shown in the hot folder of a machine.
+    pub fn is_shown_in(&self, machine: &str) -> bool {
+        self.machine == machine || self.kind.is_farm_wide()
     }
 }

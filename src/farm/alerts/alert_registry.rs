@@ -114,7 +114,7 @@ impl ServiceBridge {
     }
 }
 
-/// The key of an alert: kind, profile, and subject.
+/// The key of an alert: kind, machine, and subject.
 type AlertKey = (AlertKind, String, String);
 
 /// A changed detail of the same alert is logged at this interval at most.
@@ -145,20 +145,20 @@ impl AlertRegistry {
     }
 
     /// Raises an alert, which stays until it is cleared.
-    pub fn raise(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+    pub fn raise(&mut self, kind: AlertKind, machine: &str, about: &str, detail: &str) {
         // Names may contain control sequences for a terminal.
         let detail = &intake::display_name(detail.as_ref()).replace("\\\\", "\\");
-        let key = (kind, profile.to_owned(), about.to_owned());
+        let key = (kind, machine.to_owned(), about.to_owned());
         let known = self.active.get(&key);
         if known.is_some_and(|(known, _)| known.detail == *detail) {
             return;
         }
         let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
-        let alert = FarmAlert { kind, profile: profile.to_owned(), detail: detail.clone(), since };
+        let alert = FarmAlert { kind, machine: machine.to_owned(), detail: detail.clone(), since };
         let logged = match known {
             Some((_, logged)) if self.time.passed_since(*logged) < DETAIL_LOG_INTERVAL => *logged,
             _ => {
-                error!(profile, "{} {}", alert.alert_text(), kind.remedy());
+                error!(machine, "{} {}", alert.alert_text(), kind.remedy());
                 self.time.instant()
             }
         };
@@ -166,36 +166,36 @@ impl AlertRegistry {
     }
 
     /// Clears an alert.
-    pub fn clear(&mut self, kind: AlertKind, profile: &str, about: &str) {
-        let key = (kind, profile.to_owned(), about.to_owned());
+    pub fn clear(&mut self, kind: AlertKind, machine: &str, about: &str) {
+        let key = (kind, machine.to_owned(), about.to_owned());
         self.failures.remove(&key);
         if let Some((alert, _)) = self.active.remove(&key) {
-            info!(profile, "Resolved: {}", alert.alert_text());
+            info!(machine, "Resolved: {}", alert.alert_text());
         }
     }
 
     /// Whether an alert is active.
-    pub fn is_active(&self, kind: AlertKind, profile: &str, about: &str) -> bool {
-        self.active.contains_key(&(kind, profile.to_owned(), about.to_owned()))
+    pub fn is_active(&self, kind: AlertKind, machine: &str, about: &str) -> bool {
+        self.active.contains_key(&(kind, machine.to_owned(), about.to_owned()))
     }
 
-    /// Clears the alerts of a kind whose profile is not in the list.
-    pub fn retain_profiles(&mut self, kind: AlertKind, profiles: &[String]) {
-        let gone = |(of, profile, _): &&AlertKey| *of == kind && !profiles.contains(profile);
+    /// Clears the alerts of a kind whose machine is not in the list.
+    pub fn retain_machines(&mut self, kind: AlertKind, machines: &[String]) {
+        let gone = |(of, machine, _): &&AlertKey| *of == kind && !machines.contains(machine);
         let gone: Vec<AlertKey> = self.active.keys().filter(gone).cloned().collect();
-        gone.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+        gone.iter().for_each(|(kind, machine, about)| self.clear(*kind, machine, about));
     }
 
     /// Removes everything about a machine that is no longer served.
-    pub fn forget_machine(&mut self, profile: &str) {
-        self.failures.retain(|(_, of, _), _| of != profile);
-        self.active.retain(|(_, of, _), _| of != profile);
+    pub fn forget_machine(&mut self, machine: &str) {
+        self.failures.retain(|(_, of, _), _| of != machine);
+        self.active.retain(|(_, of, _), _| of != machine);
     }
 
     /// Reports a failure that is retried: a warning first, and an alert once it lasts.
-    pub fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+    pub fn report_failure(&mut self, kind: AlertKind, machine: &str, about: &str, detail: &str) {
         let now = self.time.instant();
-        let key = (kind, profile.to_owned(), about.to_owned());
+        let key = (kind, machine.to_owned(), about.to_owned());
         if self.failures.len() >= MAX_FAILURES && !self.failures.contains_key(&key) {
             self.failures.clear();
         }
@@ -208,8 +208,8 @@ impl AlertRegistry {
             (failure.detail, failure.logged) = (detail.to_owned(), now);
         }
         match lasts {
-            true => self.raise(kind, profile, about, detail),
-            false if is_news => warn!(profile, "{}: {detail}. It is tried again.", kind.headline()),
+            true => self.raise(kind, machine, about, detail),
+            false if is_news => warn!(machine, "{}: {detail}. It is tried again.", kind.headline()),
             false => {}
         }
     }
@@ -219,7 +219,7 @@ impl AlertRegistry {
         let is_over = |failure: &RepeatedFailure| self.time.passed_since(failure.last) > after;
         let over: Vec<AlertKey> =
             self.failures.iter().filter(|(_, t)| is_over(t)).map(|(key, _)| key.clone()).collect();
-        over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+        over.iter().for_each(|(kind, machine, about)| self.clear(*kind, machine, about));
     }
 
     /// The active alerts without duplicates: steps that fail for the same reason share one alert that names them.
@@ -228,7 +228,7 @@ impl AlertRegistry {
         for ((_, _, about), (alert, _)) in &self.active {
             let why = alert.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&alert.detail);
             let is_same = |(known, reason, _): &&mut (FarmAlert, String, Vec<&str>)| {
-                (known.kind, known.profile.as_str(), reason.as_str()) == (alert.kind, alert.profile.as_str(), why)
+                (known.kind, known.machine.as_str(), reason.as_str()) == (alert.kind, alert.machine.as_str(), why)
             };
             match grouped.iter_mut().find(is_same) {
                 Some((known, _, others)) => {
@@ -246,9 +246,9 @@ impl AlertRegistry {
         })
     }
 
-    /// The lines for the hot folder of a profile.
-    pub fn status_text_for(&self, profile: &str) -> String {
-        let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(profile)).collect();
+    /// The lines for the hot folder of a machine.
+    pub fn status_text_for(&self, machine: &str) -> String {
+        let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(machine)).collect();
         let mut text = String::new();
         for alert in shown.iter().take(MAX_LISTED_ALERTS) {
             text += &format!("ATTENTION: {}\n    {}\n", alert.alert_text(), alert.kind.remedy());
@@ -260,8 +260,8 @@ impl AlertRegistry {
     }
 
     /// The same, as JSON.
-    pub fn status_json_for(&self, profile: &str) -> serde_json::Value {
-        let shown = self.active_alerts().filter(|notice| notice.is_shown_in(profile));
+    pub fn status_json_for(&self, machine: &str) -> serde_json::Value {
+        let shown = self.active_alerts().filter(|notice| notice.is_shown_in(machine));
         shown.map(|notice| serde_json::json!(AlertSummary::from(&notice))).collect()
     }
 
@@ -346,7 +346,7 @@ mod tests {
         );
         alerts.clear(AlertKind::QueueAway, "b", "");
         assert!(!alerts.status_text_for("b").contains("not mounted"));
-        alerts.retain_profiles(AlertKind::Refused, &["c".to_owned()]);
+        alerts.retain_machines(AlertKind::Refused, &["c".to_owned()]);
         assert_eq!(alerts.active_alerts().count(), 1);
     }
 

@@ -13,8 +13,8 @@ pub struct AlertSummary {
     /// Kind of the alert.
     #[schemars(with = "String")]
     kind: AlertKind,
-    /// Machine profile; empty = the whole farm.
-    profile: String,
+    /// Machine; empty = the whole farm.
+    machine: String,
     /// What is wrong.
     sentence: String,
     /// What to do.
@@ -28,7 +28,7 @@ impl From<&FarmAlert> for AlertSummary {
     fn from(alert: &FarmAlert) -> Self {
         Self {
             kind: alert.kind,
-            profile: alert.profile.clone(),
+            machine: alert.machine.clone(),
             sentence: alert.alert_text().to_string(),
             remedy: alert.kind.remedy(),
             since: alert.since.to_string(),

@@ -10,17 +10,17 @@ use ledger::{BuildId, LedgerError, PartId};
 /// The answer to a command.
 #[derive(Debug)]
 pub(crate) enum CommandAnswer {
-    /// The waiting parts of a profile are in this build now, with so many copies.
+    /// The waiting parts of a machine are in this build now, with so many copies.
     BuildFired(BuildId, usize),
-    /// Nothing waits in the profile.
+    /// Nothing waits in the machine.
     NothingWaits(String),
-    /// The profile was paused.
+    /// The machine was paused.
     Paused(String),
-    /// The profile was paused before.
+    /// The machine was paused before.
     PausedAlready(String),
-    /// The profile was resumed.
+    /// The machine was resumed.
     Resumed(String),
-    /// The profile was not paused.
+    /// The machine was not paused.
     NotPaused(String),
     /// The hot folders are scanned.
     ScanStarted,
@@ -40,11 +40,11 @@ pub(crate) enum CommandAnswer {
     PartConfirmed(PartId),
     /// The part did not wait for a yes.
     NothingToConfirm(PartId),
-    /// Refused: there is no such profile.
-    UnknownProfile(String),
-    /// Refused: a paused profile fires nothing.
-    ProfilePaused(String),
-    /// Refused: all printers of the profile are down, this one among them.
+    /// Refused: there is no such machine.
+    UnknownMachine(String),
+    /// Refused: a paused machine fires nothing.
+    MachinePaused(String),
+    /// Refused: all printers of the machine are down, this one among them.
     NoPrinterInUse(String, String),
     /// Refused: the command names no part.
     NoPartNamed,
@@ -77,8 +77,8 @@ impl CommandAnswer {
             | Self::PartIsThere(..)
             | Self::PartConfirmed(_)
             | Self::NothingToConfirm(_) => true,
-            Self::UnknownProfile(_)
-            | Self::ProfilePaused(_)
+            Self::UnknownMachine(_)
+            | Self::MachinePaused(_)
             | Self::NoPrinterInUse(..)
             | Self::NoPartNamed
             | Self::UnknownPart(_)
@@ -116,8 +116,8 @@ impl fmt::Display for CommandAnswer {
             Self::NothingToConfirm(part) => write!(f, "part {part} waits for no confirmation"),
             Self::PartRetried(part) => write!(f, "part {part} is read again"),
             Self::PartCancelled(part) => write!(f, "part {part} is cancelled"),
-            Self::UnknownProfile(name) => write!(f, "there is no profile {name}"),
-            Self::ProfilePaused(name) => write!(f, "{name} is paused; resume it first"),
+            Self::UnknownMachine(name) => write!(f, "there is no machine {name}"),
+            Self::MachinePaused(name) => write!(f, "{name} is paused; resume it first"),
             Self::NoPrinterInUse(name, printer) => {
                 write!(f, "no printer of {name} is in use; `nestd printer {printer} up` puts one into use again")
             }

@@ -57,7 +57,7 @@ pub(crate) fn must_wait_after_crashes(
     let decision = decide_after_crashes(begun, shared.date().duration_since(shared.lifecycle.started_at));
     let (CrashDecision::WarnAndBegin(wait) | CrashDecision::WarnAndWait(wait)) = decision else { return false };
     let about = format!("ended at build {}", build.id);
-    shared.alerts.raise(AlertKind::NestingFails, &build.profile, &about, &describe_crashes(build, begun, wait, parts));
+    shared.alerts.raise(AlertKind::NestingFails, &build.machine, &about, &describe_crashes(build, begun, wait, parts));
     matches!(decision, CrashDecision::WarnAndWait(_))
 }
 
@@ -77,7 +77,7 @@ fn describe_crashes(build: &BuildRow, begun: u32, wait: Duration, parts: &[&Part
 
 /// A search for a build has ended, with whatever result, and nestd is still running.
 pub(crate) async fn record_search_end(ledger: &Ledger, alerts: &mut AlertRegistry, build: &BuildRow) -> Result<()> {
-    alerts.clear(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id));
+    alerts.clear(AlertKind::NestingFails, &build.machine, &format!("ended at build {}", build.id));
     Ok(ledger.end_search(build.id).await?)
 }
 

@@ -44,12 +44,12 @@ impl Shared<'_> {
 
     /// Whether this node looks after the parts of a machine. The one node of a file looks after all, also after those of a machine that
     /// is not configured any more.
-    pub(crate) fn looks_after(&self, machines: &MachineStates, profile: &str) -> bool {
-        self.ledger.file().is_some() || machines.contains_key(profile)
+    pub(crate) fn looks_after(&self, machines: &MachineStates, machine: &str) -> bool {
+        self.ledger.file().is_some() || machines.contains_key(machine)
     }
 
     /// Reports a failure that is retried. If the ledger is damaged, the farm halts instead.
-    pub(crate) fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, failure: &anyhow::Error) {
+    pub(crate) fn report_failure(&mut self, kind: AlertKind, machine: &str, about: &str, failure: &anyhow::Error) {
         let ledger_alert = ledger_alert(failure);
         self.schedule.is_cut_off |= ledger_alert.as_ref().is_some_and(|(kind, _)| kind.cuts_ledger_off());
         match ledger_alert {
@@ -64,7 +64,7 @@ impl Shared<'_> {
             // The next tick sees it.
             Some((AlertKind::RepairDue, _)) => {}
             Some((kind, detail)) => self.halt(kind, &detail),
-            None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
+            None => self.alerts.report_failure(kind, machine, about, &format!("{about}: {failure:#}")),
         }
     }
 

@@ -1,4 +1,4 @@
-//! The state of an active machine profile: its hot folder scanner, its printer queue, and its open build. The layout of
+//! The state of an active machine: its hot folder scanner, its printer queue, and its open build. The layout of
 //! the open build is updated as parts arrive.
 
 use std::{
@@ -36,7 +36,7 @@ const RETRY_AFTER: Duration = Duration::from_secs(15);
 /// Arrivals within this time share one search, so that parts dropped together are nested together.
 const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
 
-/// The hot folder of an active profile.
+/// The hot folder of an active machine.
 #[derive(Debug)]
 pub struct InboxState {
     /// The hot folder scanner; `None` while a job scans the folder with it.
@@ -57,7 +57,7 @@ pub struct InboxState {
     pub unrecorded_refusals: Vec<RefusedFile>,
 }
 
-/// When the open build of a profile is looked at.
+/// When the open build of a machine is looked at.
 #[derive(Debug)]
 pub struct BatchPacing {
     /// Whether the search for all waiting copies is done: only a change of the ledger or the passing of time brings new
@@ -69,10 +69,10 @@ pub struct BatchPacing {
     pub next_batch_at: Instant,
 }
 
-/// The machines by the names of their profiles.
+/// The machines by name.
 pub type MachineStates = BTreeMap<String, MachineState>;
 
-/// The state of an active machine profile.
+/// The state of an active machine.
 #[derive(Debug)]
 pub struct MachineState {
     /// The machine.

@@ -98,6 +98,6 @@ impl MachinePrinters {
 }
 
 /// What alerts on a printer's queue folder are about; "" = the only one of its machine.
-pub fn alert_subject(profile: &str, printer: &str) -> String {
-    if printer == profile { String::new() } else { format!("printer {printer}") }
+pub fn alert_subject(machine: &str, printer: &str) -> String {
+    if printer == machine { String::new() } else { format!("printer {printer}") }
 }

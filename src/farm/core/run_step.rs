@@ -33,8 +33,8 @@ impl Farm {
     }
 
     /// Reports a failure that is retried, see [`Shared::report_failure`].
-    pub(crate) fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, failure: &anyhow::Error) {
-        self.desk::<Shared<'_>>().report_failure(kind, profile, about, failure);
+    pub(crate) fn report_failure(&mut self, kind: AlertKind, machine: &str, about: &str, failure: &anyhow::Error) {
+        self.desk::<Shared<'_>>().report_failure(kind, machine, about, failure);
     }
 
     /// Halts the farm if a step has asked for that.

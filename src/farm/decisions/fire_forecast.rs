@@ -2,7 +2,7 @@
 
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::ProfileStatus;
+use ledger::MachineStatus;
 
 use super::{
     printer_outlook::PrinterOutlook,
@@ -24,7 +24,7 @@ pub struct FireForecast {
 
 impl FireForecast {
     /// When it fires, what would be in it and why: the end of a sentence that begins with 'It fires'.
-    pub fn fire_text(&self, profile: &MachineProfile, row: &ProfileStatus) -> String {
+    pub fn fire_text(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
         let zone = &profile.time_zone;
         let (at, latest, why) =
             (zone.format_minute(self.at), zone.format_minute(self.latest), self.fire_reason(profile, row));
@@ -38,7 +38,7 @@ impl FireForecast {
     }
 
     /// The reason in words.
-    fn fire_reason(&self, profile: &MachineProfile, row: &ProfileStatus) -> String {
+    fn fire_reason(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
         match self.by {
             FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
             FireTrigger::Due => format!("deadline of {}", row.due_of),
@@ -52,7 +52,7 @@ impl FireForecast {
 }
 
 /// What would be in the build now: `, with 12 copies, 83.0 mm high`.
-fn contents_text(row: &ProfileStatus) -> String {
+fn contents_text(row: &MachineStatus) -> String {
     let text = |copies: u32| format!(", with {}", format_count(copies, "copy", "copies"));
     match row.open.as_ref().and_then(|open| Some((open.copies?, open.height_mm?))) {
         Some((copies, height_mm)) if copies > 0 => format!("{}, {height_mm:.1} mm high", text(copies)),
@@ -61,8 +61,8 @@ fn contents_text(row: &ProfileStatus) -> String {
     }
 }
 
-/// When the next build of a profile fires because of the time alone.
-pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
+/// When the next build of a machine fires because of the time alone.
+pub fn forecast_fire(profile: &MachineProfile, row: &MachineStatus) -> Option<FireForecast> {
     if row.paused.is_some() || row.waiting_parts == 0 || !has_machine_room(profile, &row.ahead) {
         return None;
     }

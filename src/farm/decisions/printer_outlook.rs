@@ -2,7 +2,7 @@
 //! and time.
 
 use jiff::{SignedDuration, Timestamp};
-use ledger::{OccupyingBuild, ProfileStatus};
+use ledger::{MachineStatus, OccupyingBuild};
 
 use super::{
     print_times::PrintTimes,
@@ -60,7 +60,7 @@ impl PrinterOutlook {
     }
 
     /// As the status of a machine tells it.
-    pub fn of_status(profile: &MachineProfile, row: &ProfileStatus) -> Self {
+    pub fn of_status(profile: &MachineProfile, row: &MachineStatus) -> Self {
         let is_down = |name: &str| row.ahead.iter().any(|ahead| ahead.printer == name && ahead.is_down);
         let times = PrintTimes::learn(profile, &row.told_prints);
         Self::new(profile, &row.occupying, times, |name| !is_down(name), row.read_at.map_or(Timestamp::MIN, |at| at.0))

@@ -1,6 +1,6 @@
 //! Whether another build may be made for the printers of a machine. This is a function of facts.
 
-use ledger::{BuildsAhead, ProfileStatus};
+use ledger::{BuildsAhead, MachineStatus};
 
 use crate::settings::MachineProfile;
 
@@ -27,7 +27,7 @@ pub fn has_machine_room(profile: &MachineProfile, ahead: &[BuildsAhead]) -> bool
 }
 
 /// That the open build of a machine waits for room in the queue; `None` = it does not.
-pub fn held_text(profile: &MachineProfile, row: &ProfileStatus) -> Option<String> {
+pub fn held_text(profile: &MachineProfile, row: &MachineStatus) -> Option<String> {
     let is_held = row.waiting_parts > 0 && row.paused.is_none() && !has_machine_room(profile, &row.ahead);
     is_held.then(|| {
         let depth = profile.printing.queue_depth;

@@ -39,7 +39,7 @@ use farm_files::{assert_each_copy_once, drop_file, list_build_files};
 pub use farm_files::{block, stl};
 
 /// The machine of these tests.
-pub const PROFILE: &str = "test";
+pub const MACHINE: &str = "test";
 /// The default profile of the tests: small volume, quick settling, short searches.
 pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.05\n\
                          arrival_secs = 0.05\nimprove_secs = 0\nmax_attempts = 50\n";
@@ -74,7 +74,7 @@ impl HandDrivenFarm {
         let (hands, time) = ClockHands::make();
         let runtime = Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
         let farm = Self { dir, hands, time, runtime, farm: None };
-        farm.write_profile(PROFILE, profile);
+        farm.write_profile(MACHINE, profile);
         farm
     }
 
@@ -259,12 +259,12 @@ impl HandDrivenFarm {
     }
 
     pub fn folder(&self, kind: &str) -> PathBuf {
-        self.folder_of(kind, PROFILE)
+        self.folder_of(kind, MACHINE)
     }
 
     /// A folder of any machine.
-    pub fn folder_of(&self, kind: &str, profile: &str) -> PathBuf {
-        self.root().join(kind).join(profile)
+    pub fn folder_of(&self, kind: &str, machine: &str) -> PathBuf {
+        self.root().join(kind).join(machine)
     }
 
     pub fn write_profile(&self, name: &str, text: &str) {
@@ -298,8 +298,8 @@ impl HandDrivenFarm {
 
     /// Gives the daemon a command.
     pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
-        let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
-        let command = NewCommand { kind, profile, part, argument: Default::default(), asked_by: "a@test".to_owned() };
+        let machine = if part.is_some() { String::new() } else { MACHINE.to_owned() };
+        let command = NewCommand { kind, machine, part, argument: Default::default(), asked_by: "a@test".to_owned() };
         self.submit_command(&command)
     }
 
@@ -338,17 +338,17 @@ impl HandDrivenFarm {
 
     /// The copies that stand in the open build.
     pub fn open_copies(&self) -> BTreeSet<CopyId> {
-        self.farm.as_ref().unwrap().machines[PROFILE].open.standing.clone()
+        self.farm.as_ref().unwrap().machines[MACHINE].open.standing.clone()
     }
 
     /// What `STATUS.txt` says next.
     pub fn status_text(&self) -> String {
-        self.farm.as_ref().unwrap().machines[PROFILE].status.0.clone()
+        self.farm.as_ref().unwrap().machines[MACHINE].status.0.clone()
     }
 
     /// What `status.json` says next.
     pub fn status_json(&self) -> serde_json::Value {
-        self.farm.as_ref().unwrap().machines[PROFILE].status.1.clone()
+        self.farm.as_ref().unwrap().machines[MACHINE].status.1.clone()
     }
 
     /// Why it has halted, as the pages say it.

@@ -7,4 +7,4 @@ mod nested;
 mod printed;
 mod received;
 
-use hand_driven_farm::{HandDrivenFarm, PROFILE, QUICK, block, stl};
+use hand_driven_farm::{HandDrivenFarm, MACHINE, QUICK, block, stl};

@@ -56,7 +56,7 @@ impl ClaimNote {
         let wanted = BTreeMap::from([(part.solid.object_index, part.wanted_copies())]);
         let part = NewPartRow {
             claim: part.file.claim.clone(),
-            profile: part.profile.clone(),
+            machine: part.machine.clone(),
             name: part.name.clone(),
             content_hash: part.file.content_hash.clone(),
             bytes: part.file.bytes,
@@ -270,7 +270,7 @@ pub(crate) fn new_part_row(
     let FileTerms { limits, unit, read_unit, copies } = FileTerms::of_ticket(&ticket, profile);
     NewPartRow {
         claim: claim.id.clone(),
-        profile: profile.name.clone(),
+        machine: profile.name.clone(),
         name: claim.display_name(),
         content_hash: stored.hash.clone(),
         bytes: stored.bytes,

@@ -96,13 +96,15 @@ pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
 
 /// Start of the line in the reason that names the part.
 pub fn part_line(part: &PartRow) -> String {
-    format!("Part {} of the profile {}.", part.id, part.profile)
+    format!("Part {} of the machine {}.", part.id, part.machine)
 }
 
-/// The part of a profile that the text of a reason names; `None` = the file was refused before it became a part.
-pub(super) fn find_part_number(text: &str, profile: &str) -> Option<PartId> {
-    let end = format!(" of the profile {profile}.");
-    text.lines().find_map(|line| line.strip_prefix("Part ")?.split_once(&end)?.0.parse().ok().map(PartId))
+/// The part of a machine that the text of a reason names; `None` = the file was refused before it became a part.
+pub(super) fn find_part_number(text: &str, machine: &str) -> Option<PartId> {
+    // An earlier version called a machine by its profile.
+    let ends = ["machine", "profile"].map(|word| format!(" of the {word} {machine}."));
+    let number = |line: &str| ends.iter().find_map(|end| line.strip_prefix("Part ")?.split_once(end)?.0.parse().ok());
+    text.lines().find_map(number).map(PartId)
 }
 
 /// The complete text of a reason file.

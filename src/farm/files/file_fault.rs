@@ -78,10 +78,10 @@ fn find_solid_fault(
     profile: &MachineProfile,
 ) -> Option<(RefusalCause, String)> {
     let defects = solid.mesh.defects();
-    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrorPolicy::Reject {
+    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrorPolicy::Refuse {
         let reason = format!(
             "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
-             the profile {}.",
+             the machine {}.",
             solid.name,
             defects_text(&defects),
             profile.name

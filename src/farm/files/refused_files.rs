@@ -24,12 +24,12 @@ pub struct RefusedFiles {
 }
 
 impl RefusedFiles {
-    /// Number of files in the error folder of a profile that somebody must handle. `find_part` finds the row of a part;
+    /// Number of files in the error folder of a machine that somebody must handle. `find_part` finds the row of a part;
     /// it is asked once for each reason that was written.
     pub fn count_unresolved(
         &mut self,
         error_dir: &Path,
-        profile: &str,
+        machine: &str,
         find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
     ) -> usize {
         let dismissed = fs::metadata(error_dir.join(DISMISSED)).and_then(|meta| meta.modified()).ok();
@@ -41,7 +41,7 @@ impl RefusedFiles {
             let Ok(written) = fs::symlink_metadata(&reason).and_then(|meta| meta.modified()) else { continue };
             let known = before.get(&reason).filter(|(when, _)| *when == written).map(|(_, cancelled)| *cancelled);
             // What is not decided yet is asked for again.
-            if let Some(is_cancelled) = known.or_else(|| is_cancelled(&reason, profile, &find_part)) {
+            if let Some(is_cancelled) = known.or_else(|| is_cancelled(&reason, machine, &find_part)) {
                 self.known.insert(reason, (written, is_cancelled));
             }
         }
@@ -61,14 +61,14 @@ fn refused_retention() -> Duration {
 /// Whether the part that a reason names was cancelled; `None` = its row does not say so yet, or it was taken back.
 fn is_cancelled(
     reason: &Path,
-    profile: &str,
+    machine: &str,
     find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
 ) -> Option<bool> {
     let text = intake::read_reason(reason).ok().flatten().unwrap_or_default();
-    let Some(part) = find_part_number(&text, profile) else { return Some(false) };
+    let Some(part) = find_part_number(&text, machine) else { return Some(false) };
     match find_part(part).ok()? {
-        Some(row) if row.state != PartState::Rejected => None,
-        row => Some(row.is_some_and(|row| row.rejection.refusal.is_some_and(RefusalCause::is_intended))),
+        Some(row) if row.state != PartState::Refused => None,
+        row => Some(row.is_some_and(|row| row.refused.refusal.is_some_and(RefusalCause::is_intended))),
     }
 }
 
@@ -96,19 +96,20 @@ mod tests {
         let ledger = fresh().await;
         let (cancelled, retried) = (waiting(&ledger.ledger, "a", 1).await, waiting(&ledger.ledger, "b", 1).await);
         ledger.ledger.cancel_part(cancelled, RefusalCause::Cancelled, "Not needed.").await.unwrap();
-        let profile = ledger.ledger.find_part(cancelled).await.unwrap().unwrap().profile;
+        let machine = ledger.ledger.find_part(cancelled).await.unwrap().unwrap().machine;
         let runtime = tokio::runtime::Handle::current();
         let find_part = |part| tokio::task::block_in_place(|| runtime.block_on(ledger.ledger.find_part(part)));
         let dir = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).expect("can be written");
         let mut refused = RefusedFiles::default();
-        let mut count = || refused.count_unresolved(dir.path(), &profile, find_part);
+        let mut count = || refused.count_unresolved(dir.path(), &machine, find_part);
         assert_eq!(count(), 0);
         let reason =
-            |part: PartId| format!("Not needed.\n\nPart {part} of the profile {profile}. To take it back: ..\n");
+            |part: PartId| format!("Not needed.\n\nPart {part} of the machine {machine}. To take it back: ..\n");
         fs::create_dir(dir.path().join("part-3")).expect("a folder");
         write("part-3/a.stl.reason.txt", &reason(cancelled));
-        write("c.stl.reason.txt", &reason(retried));
+        // As an earlier version wrote it.
+        write("c.stl.reason.txt", &reason(retried).replace("of the machine", "of the profile"));
         assert_eq!(count(), 0, "the second one is not refused any more");
         write("b.pdf.reason.txt", "b.pdf was refused.\n\nIt is a PDF file. Cancelled by nobody.\n");
         write("b.pdf", "x");

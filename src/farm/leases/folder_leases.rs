@@ -37,7 +37,7 @@ impl LeaseProblem {
     }
 }
 
-/// The leases on the folders of a profile.
+/// The leases on the folders of a machine.
 #[derive(Debug, Clone)]
 pub struct FolderLeases {
     /// Lease on the hot folder.

@@ -20,7 +20,7 @@ pub async fn machines_of_other_nodes(
     }
     let rows = ledger.list_machines().await?.into_iter();
     let others = rows.filter(|row| !row.node.is_empty() && row.node != settings.node.name);
-    Ok(others.map(|row| (row.profile, row.node)).collect())
+    Ok(others.map(|row| (row.machine, row.node)).collect())
 }
 
 /// The settings with the machines of this node alone: the folders of the others are for the nodes that serve them.

@@ -163,7 +163,7 @@ pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str)
     let store = ContentStore::from_dir(settings.state_dir.join("store"));
     let Ok(stored) = store.file_path(hash) else { return Ok(None) };
     let copies = second_copies(&settings.state_dir);
-    let archives = archive_folders(ledger, hash, |profile| settings.profiles.get(profile)).await?;
+    let archives = archive_folders(ledger, hash, |machine| settings.profiles.get(machine)).await?;
     let hash = hash.to_owned();
     let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
         Ok(()) => Some(stored),
@@ -177,11 +177,11 @@ pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str)
 pub(crate) async fn archive_folders<'m>(
     ledger: &Ledger,
     hash: &str,
-    profile_named: impl Fn(&str) -> Option<&'m MachineProfile>,
+    machine_named: impl Fn(&str) -> Option<&'m MachineProfile>,
 ) -> Result<Vec<PathBuf>> {
     let mut folders = Vec::new();
-    for (profile, file_name) in ledger.build_files_with_content(hash).await? {
-        folders.extend(profile_named(&profile).map(|profile| archive_folder(&profile.folders.archive, &file_name)));
+    for (machine, file_name) in ledger.build_files_with_content(hash).await? {
+        folders.extend(machine_named(&machine).map(|profile| archive_folder(&profile.folders.archive, &file_name)));
     }
     Ok(folders)
 }

@@ -55,9 +55,9 @@ pub struct BuildWriteRequest {
 }
 
 /// The name of a build's file. It is the same at every attempt, so that a crash leaves at most one dot-file.
-pub fn queue_file_name(profile: &str, build: &BuildRow) -> String {
+pub fn queue_file_name(machine: &str, build: &BuildRow) -> String {
     let created: Timestamp = build.times.nesting_at.unwrap_or(build.times.opened_at).0;
-    build_file::build_file_name(created, profile, build.id.0.unsigned_abs())
+    build_file::build_file_name(created, machine, build.id.0.unsigned_abs())
 }
 
 /// Writes the build, reads it back, proves it, and writes the sidecars. Publishes nothing.

@@ -20,7 +20,7 @@ use crate::{
     settings::{MachineProfile, Settings},
 };
 
-/// Takes over the claims of other farms in the hot folder of a profile; returns their number. Works with or without a
+/// Takes over the claims of other farms in the hot folder of a machine; returns their number. Works with or without a
 /// daemon; a running one finds them at its next tick.
 ///
 /// # Errors
@@ -57,7 +57,7 @@ pub(crate) fn join_farm(settings: &Settings, shared: Option<SharedFarm>) -> io::
     for profile in settings.profiles.values() {
         let Some(known) = known.as_ref().filter(|known| known.id != now.id) else { break };
         if let Err(error) = intake::rename_claims(&profile.folders.inbox, &known.id, &now.id) {
-            warn!(profile = %profile.name, "Claims of this nestd could not be renamed: {error}.");
+            warn!(machine = %profile.name, "Claims of this nestd could not be renamed: {error}.");
         }
     }
     now.write_into(&settings.state_dir)
@@ -78,7 +78,7 @@ pub fn check_claims_released(profile: &MachineProfile, farm: &str, claims: &Hash
 }
 
 /// Gives up the parts of claims that another farm has taken over, before anything else is done with them.
-pub(super) async fn give_up_taken_over_claims(desk: &mut Batching<'_>, profile: &str, claims: &[String]) -> Result<()> {
+pub(super) async fn give_up_taken_over_claims(desk: &mut Batching<'_>, machine: &str, claims: &[String]) -> Result<()> {
     const REASON: &str = "Another nestd has taken over this file while this one did not answer, and prints it.";
     if claims.is_empty() {
         return Ok(());
@@ -89,7 +89,7 @@ pub(super) async fn give_up_taken_over_claims(desk: &mut Batching<'_>, profile: 
         desk.shared.ledger.fail_build(build, REASON).await?;
     }
     for part in desk.shared.ledger.give_up_claims(claims, REASON).await? {
-        warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
+        warn!(part.id = %part.id, machine, "Part {} ({}) is given up: {REASON}", part.id, part.name);
         mark_note::update_decision_count(&mut desk.receiving(), &part).await;
         claim_completion::copy_given_up_part(&mut desk.receiving(), &part, REASON);
     }

@@ -11,10 +11,10 @@ use crate::farm::{
     records::ledger_freshness::{FolderComparison, StoreComparison, compare_machine_folders},
 };
 
-/// Compares a profile's folders with the ledger.
+/// Compares a machine's folders with the ledger.
 #[derive(Clone)]
 pub(crate) struct FolderComparisonJob {
-    profile: String,
+    machine: String,
     /// Count of the interruptions of the leases when it began: what was compared before a later one says nothing.
     interruptions: u32,
 }
@@ -25,14 +25,14 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
     type Desk<'f> = Serving<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, compared: Self::Outcome) -> Result<()> {
-        let leases = desk.machines.get(&self.profile).map(|machine| &machine.leases);
+        let leases = desk.machines.get(&self.machine).map(|machine| &machine.leases);
         match leases.is_some_and(|leases| leases.interruption_count() != self.interruptions) {
             true => start_folder_comparison(&mut desk),
-            false => on_folders_compared(&mut desk, &self.profile, compared),
+            false => on_folders_compared(&mut desk, &self.machine, compared),
         }
         Ok(())
     }
@@ -45,12 +45,12 @@ pub(crate) fn start_folder_comparison(desk: &mut Serving<'_>) {
     let store = Arc::new(StoreComparison::default());
     for (name, machine) in desk.machines.iter() {
         let store = store.clone();
-        let (settings, ledger, profile) =
+        let (settings, ledger, machine_name) =
             (desk.shared.settings.clone(), desk.shared.ledger.clone(), machine.profile.clone());
         let interruptions = machine.leases.interruption_count();
         let (before, runtime) = (machine.agreed_folders.clone(), tokio::runtime::Handle::current());
-        desk.jobs.start(FolderComparisonJob { profile: name.clone(), interruptions }, move || {
-            runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &profile, before))
+        desk.jobs.start(FolderComparisonJob { machine: name.clone(), interruptions }, move || {
+            runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &machine_name, before))
         });
     }
 }

@@ -29,10 +29,10 @@ use crate::{
 /// The alert for each folder before the queue folders, in the order of [`FolderLeases::all_leases`].
 const LEASE_ALERTS: [AlertKind; 3] = [AlertKind::HotFolderAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
 
-/// Renews the leases on a profile's folders.
+/// Renews the leases on a machine's folders.
 #[derive(Clone)]
 pub(crate) struct LeaseRenewalJob {
-    profile: String,
+    machine: String,
 }
 
 impl BackgroundJob<Farm> for LeaseRenewalJob {
@@ -41,18 +41,18 @@ impl BackgroundJob<Farm> for LeaseRenewalJob {
     type Desk<'f> = Batching<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, (): ()) -> Result<()> {
-        on_leases_renewed(&mut desk, &self.profile).await
+        on_leases_renewed(&mut desk, &self.machine).await
     }
 }
 
 /// The leases of a machine that a job renews. The farm must know each beat that is in the markers, or it would take its own for that of
 /// another daemon.
 struct CarriedLeases {
-    profile: String,
+    machine: String,
     leases: Box<FolderLeases>,
     /// The queues that are not those that were opened.
     replaced: Vec<QueueAddress>,
@@ -62,7 +62,7 @@ impl Carried<Farm> for CarriedLeases {
     type Desk<'f> = Serving<'f>;
 
     fn give_back(self, mut desk: Self::Desk<'_>) {
-        let Self { profile: name, leases, replaced } = self;
+        let Self { machine: name, leases, replaced } = self;
         // After a reload the folders may have changed.
         let is_same = |machine: &&mut MachineState| machine.leases.are_of_same_folders(&leases);
         let Some(machine) = desk.machines.get_mut(&name).filter(is_same) else { return };
@@ -79,7 +79,7 @@ impl Carried<Farm> for CarriedLeases {
         machine.leases = *leases;
         if is_interrupted {
             warn!(
-                profile = name,
+                machine = name,
                 "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
             );
             folder_comparison::start_folder_comparison(&mut desk);
@@ -126,10 +126,10 @@ pub(crate) fn renew_leases(desk: &mut Serving<'_>, is_due: bool) {
         if desk.jobs.is_running::<LeaseRenewalJob>(name) {
             continue;
         }
-        let (profile, leases) = (name.clone(), Box::new(machine.leases.clone()));
+        let (machine_name, leases) = (name.clone(), Box::new(machine.leases.clone()));
         let queues = machine.printers.open_queues();
-        let carried = CarriedLeases { profile: profile.clone(), leases, replaced: Vec::new() };
-        desk.jobs.start_with(LeaseRenewalJob { profile }, carried, move |carried| {
+        let carried = CarriedLeases { machine: machine_name.clone(), leases, replaced: Vec::new() };
+        desk.jobs.start_with(LeaseRenewalJob { machine: machine_name }, carried, move |carried| {
             carried.leases.renew_all();
             let replaced = queues.iter().filter(|(_, queue)| queue.check().is_err());
             carried.replaced = replaced.map(|(_, queue)| queue.address().clone()).collect();

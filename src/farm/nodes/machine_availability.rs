@@ -29,8 +29,8 @@ const UNAVAILABLE_KINDS: [AlertKind; 8] = [
 ];
 
 /// Whether a machine cannot claim parts or publish builds at this moment.
-pub(crate) fn is_unavailable(alerts: &AlertRegistry, profile: &str, machine: &MachineState) -> bool {
-    alerts.active_alerts().any(|alert| alert.profile == profile && hinders(&alert, machine))
+pub(crate) fn is_unavailable(alerts: &AlertRegistry, name: &str, machine: &MachineState) -> bool {
+    alerts.active_alerts().any(|alert| alert.machine == name && hinders(&alert, machine))
 }
 
 /// Whether an alert keeps its machine from claiming parts or publishing builds. The queue folder of one printer does not, as
@@ -48,7 +48,7 @@ pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
             .shared
             .alerts
             .active_alerts()
-            .filter(|alert| alert.profile == *name && hinders(alert, machine))
+            .filter(|alert| alert.machine == *name && hinders(alert, machine))
             .collect();
         let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
         let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
@@ -57,7 +57,7 @@ pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
             && machine.printers.has_open_queue()
             && desk.display.updated_at.is_some();
         ObservedMachine {
-            profile: name.clone(),
+            machine: name.clone(),
             scanned_at: machine.inbox.scanned_at,
             is_inbox_there: machine.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
             is_queue_writable: machine.printers.has_open_queue() && !is(AlertKind::QueueAway),
@@ -71,7 +71,7 @@ pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
     // apart what that scan puts together.
     let scanned = desk.jobs.running_subjects::<HotFolderScanJob>().filter(|name| !desk.machines.contains_key(*name));
     let leaving = scanned.map(|name| ObservedMachine {
-        profile: name.to_owned(),
+        machine: name.to_owned(),
         scanned_at: None,
         is_inbox_there: true,
         is_queue_writable: false,

@@ -51,10 +51,10 @@ impl Carried<Farm> for CarriedWatch {
     }
 }
 
-/// Creates the folders of a profile. Returns those that could not be created.
+/// Creates the folders of a machine. Returns those that could not be created.
 #[derive(Clone)]
 struct FoldersJob {
-    profile: String,
+    machine: String,
 }
 
 impl BackgroundJob<Farm> for FoldersJob {
@@ -63,11 +63,11 @@ impl BackgroundJob<Farm> for FoldersJob {
     type Desk<'f> = Watching<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, failed: Self::Outcome) -> Result<()> {
-        on_folders_made(&mut desk, &self.profile, &failed);
+        on_folders_made(&mut desk, &self.machine, &failed);
         Ok(())
     }
 }
@@ -131,7 +131,7 @@ pub(crate) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut Jo
             continue;
         }
         let leases = machine.leases.clone();
-        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(leases));
+        jobs.start(FoldersJob { machine: name.clone() }, move || make_folders(leases));
     }
 }
 
@@ -154,7 +154,7 @@ fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]
     }
 }
 
-/// Creates the folders of a profile. An unavailable share must not stop the other machines. A folder that was served
+/// Creates the folders of a machine. An unavailable share must not stop the other machines. A folder that was served
 /// before is not created again: an empty directory in its place would be in the way of whoever mounts it again. Returns
 /// the folders that could not be created.
 fn make_folders(mut leases: FolderLeases) -> Vec<String> {

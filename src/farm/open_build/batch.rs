@@ -39,14 +39,14 @@ use crate::farm::{
     receive::{damaged_files, deferred_refusal},
 };
 
-/// After batching, a profile rests for this many times the time that it took: a long queue of parts must not occupy the
+/// After batching, a machine rests for this many times the time that it took: a long queue of parts must not occupy the
 /// farm.
 const BATCH_REST_FACTOR: u32 = 9;
 
-/// Improves the layout of a profile's open build.
+/// Improves the layout of a machine's open build.
 #[derive(Clone)]
 pub(crate) struct ImproveLayoutJob {
-    profile: String,
+    machine: String,
     search: LayoutSearch,
 }
 
@@ -56,21 +56,21 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     type Desk<'f> = Batching<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, nested: Self::Outcome) -> Result<()> {
-        let taken = on_layout_improved(&mut desk, &self.profile, &self.search, nested).await;
+        let taken = on_layout_improved(&mut desk, &self.machine, &self.search, nested).await;
         self.search_again_unless(taken, &mut desk)
     }
 
     async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
-        let taken = on_search_panicked(&mut desk, &self.profile, &self.search, message).await;
+        let taken = on_search_panicked(&mut desk, &self.machine, &self.search, message).await;
         self.search_again_unless(taken, &mut desk)
     }
 
     fn on_not_started(self, desk: Self::Desk<'_>, _why: &str) {
-        if let Some(machine) = desk.machines.get_mut(&self.profile) {
+        if let Some(machine) = desk.machines.get_mut(&self.machine) {
             machine.open.take_search_result(&self.search, None, desk.shared.now());
         }
     }
@@ -80,7 +80,7 @@ impl ImproveLayoutJob {
     /// If its end could not be taken in, because the ledger cannot be reached, the same copies are searched again after a
     /// while.
     fn search_again_unless(&self, taken: Result<()>, desk: &mut Batching<'_>) -> Result<()> {
-        if let (Err(_), Some(machine)) = (&taken, desk.machines.get_mut(&self.profile)) {
+        if let (Err(_), Some(machine)) = (&taken, desk.machines.get_mut(&self.machine)) {
             let now = desk.shared.now();
             machine.open.take_search_result(&self.search, None, now);
             machine.open.retry_tried_later(now);
@@ -107,7 +107,7 @@ pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str) -> Resu
     result
 }
 
-/// Keeps a profile's open build up to date and fires it when a trigger holds.
+/// Keeps a machine's open build up to date and fires it when a trigger holds.
 pub(crate) async fn update_open_build(desk: &mut Batching<'_>, name: &str) -> Result<()> {
     if desk.machines.get(name).is_some_and(|machine| !machine.leases.are_fresh()) {
         return Ok(());
@@ -189,7 +189,7 @@ async fn is_queue_full(desk: &Batching<'_>, name: &str) -> Result<bool> {
         && !has_queue_room(depth, &usable, &desk.shared.ledger.builds_ahead(name).await?))
 }
 
-/// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
+/// Whether a part of the machine is claimed but not read. A flush command waits for such parts, except for those
 /// that the disk keeps from being read.
 async fn has_unread_claims(ledger: &Ledger, reading: &ReadingState, name: &str) -> Result<bool> {
     let claimed = ledger.claimed_parts(name, reading.backoff.len() + 1).await?;
@@ -231,7 +231,7 @@ async fn start_layout_search(
         search: search.clone(),
     };
     open.search = Some(ArrivalSearch { search: search.clone(), copies: wanted });
-    let job = ImproveLayoutJob { profile: name.to_owned(), search: search.clone() };
+    let job = ImproveLayoutJob { machine: name.to_owned(), search: search.clone() };
     let work = move || request.run_search(&meshes);
     start_search(&mut desk.nesting.searches, desk.jobs, (build.id, &search), job, work);
     Ok(())
@@ -258,7 +258,7 @@ async fn on_layout_improved(
             if let Some(fault) = PartFault::find_in_chain(&failure) {
                 return damaged_files::hold_faulty_part(&mut desk.shared, desk.machines, desk.meshes, fault).await;
             }
-            warn!(profile = %name, "The open build could not be nested: {failure:#}.");
+            warn!(machine = %name, "The open build could not be nested: {failure:#}.");
             return Ok(());
         }
     };
@@ -286,7 +286,7 @@ pub(super) async fn report_left_out(
 ) -> Result<()> {
     let Some(machine) = machines.get_mut(name) else { return Ok(()) };
     for notice in machine.left_out.add_new(notices) {
-        warn!(part.id = %notice.part, profile = %name, "{}", notice.text);
+        warn!(part.id = %notice.part, machine = %name, "{}", notice.text);
         ledger.write_event(notice.cause.event_kind(), name, Some(notice.part), build, &notice.text).await?;
     }
     Ok(())
@@ -303,7 +303,7 @@ async fn refuse_unplaceable_part(desk: &mut Batching<'_>, name: &str, layout: &B
         "It was tried and found no place in the empty build volume of {name}. Drop it for a larger machine, or with a freer \
          orientation or a smaller clearance_mm in its ticket."
     );
-    warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+    warn!(part.id = %part, machine = %name, "Refused part {part}. {reason}");
     refuse_waiting_part(desk, part, RefusalCause::TooLarge, &reason).await
 }
 
@@ -324,7 +324,7 @@ async fn on_search_panicked(desk: &mut Batching<'_>, name: &str, search: &Layout
     refuse_waiting_part(desk, part, RefusalCause::Failure, &reason).await
 }
 
-/// waiting -> rejected, with a copy of the original in the error folder.
+/// waiting -> refused, with a copy of the original in the error folder.
 async fn refuse_waiting_part(desk: &mut Batching<'_>, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
     let row = desk.shared.ledger.find_part(part).await?.context("a part that waits has no row")?;
     deferred_refusal::start_refusal(&mut desk.receiving(), row, cause, reason, None);
@@ -359,6 +359,6 @@ async fn fire_build(desk: &mut Batching<'_>, name: &str, by: FireTrigger, wanted
     desk.nesting.just_fired.insert(build);
     machine.open.reset();
     machine.pending_flushes.clear();
-    info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
+    info!(build.id = %build, machine = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
     save_layout(desk.shared.ledger, build, &layout).await
 }

@@ -59,38 +59,33 @@ pub(crate) async fn check_due_dates(shared: &Shared<'_>, machines: &MachineState
     let parts = shared.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
     let mut orders: BTreeMap<(String, String, UtcTimestamp), Vec<DuePartRow>> = BTreeMap::new();
     // Another node looks after the dates of its machines.
-    for part in parts.into_iter().filter(|part| shared.looks_after(machines, &part.profile)) {
-        orders.entry((part.profile.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
+    for part in parts.into_iter().filter(|part| shared.looks_after(machines, &part.machine)) {
+        orders.entry((part.machine.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
     }
-    for ((profile, order, due), parts) in orders {
+    for ((machine, order, due), parts) in orders {
         let height_mm = parts.iter().filter_map(|part| part.height_mm).fold(0.0, f64::max);
-        let Some(why) = due_date_outlook(shared, machines.get(&profile), &profile, height_mm).risk_reason(due.0, now)
+        let Some(why) = due_date_outlook(shared, machines.get(&machine), &machine, height_mm).risk_reason(due.0, now)
         else {
             continue;
         };
         let text = parts.first().map_or("", |part| part.due_text.as_str());
         let date = shared.settings.time_zone.format_due(due.0, text);
         let detail = format!("{} due {date}: {why}.", describe_parts(&order, &parts));
-        warn!(profile, "A due date is at risk: {detail}");
+        warn!(machine, "A due date is at risk: {detail}");
         let ids: Vec<PartId> = parts.iter().map(|part| part.id).collect();
-        shared.ledger.record_at_risk(&profile, &ids, &detail).await?;
+        shared.ledger.record_at_risk(&machine, &ids, &detail).await?;
     }
     Ok(())
 }
 
 /// The outlook for the next build of a machine, or for a build of this height that has started.
-fn due_date_outlook(
-    shared: &Shared<'_>,
-    machine: Option<&MachineState>,
-    profile: &str,
-    height_mm: f64,
-) -> DueDateOutlook {
+fn due_date_outlook(shared: &Shared<'_>, machine: Option<&MachineState>, name: &str, height_mm: f64) -> DueDateOutlook {
     let Some(machine) = machine else {
         let hindered = Some("its machine is not configured");
         return DueDateOutlook { print_secs: 0.0, margin_secs: f64::INFINITY, hindered };
     };
     let height_mm = if height_mm > 0.0 { height_mm } else { machine.open.layout.height_mm };
-    let is_away = machine_availability::is_unavailable(shared.alerts, profile, machine);
+    let is_away = machine_availability::is_unavailable(shared.alerts, name, machine);
     DueDateOutlook {
         print_secs: height_mm * machine.profile.space.print_hours_per_mm * 3600.0,
         margin_secs: machine.profile.trigger.due_margin_secs.unwrap_or(0.0),

@@ -15,7 +15,10 @@ use ledger::{
 };
 use tracing::{info, warn};
 
-use super::{batch, searches::start_search};
+use super::{
+    batch,
+    searches::{leave_search, start_search},
+};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
@@ -47,7 +50,7 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// The name under which the daemon pauses a profile after a failed build, for people.
+/// The name under which the daemon pauses a machine after a failed build, for people.
 const PAUSED_BY_NESTD: &str = "nestd";
 
 /// Nests, writes and proves a build.
@@ -95,9 +98,9 @@ pub(crate) async fn nest_fired_builds(desk: &mut Building<'_>) -> Result<()> {
     // A build that ends the daemon each time must not keep the others from their turn.
     builds.sort_by_key(|build| (build.attempts, build.id));
     for build in builds {
-        let (id, profile) = (build.id, build.profile.clone());
+        let (id, machine) = (build.id, build.machine.clone());
         if let Err(failure) = nest_build(desk, build).await {
-            desk.shared.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
+            desk.shared.report_failure(AlertKind::NestingFails, &machine, &format!("build {id}"), &failure);
         }
     }
     Ok(())
@@ -131,7 +134,7 @@ async fn nest_build(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
         true => build.attempts,
         false => ledger.begin_attempt(build.id).await?,
     };
-    let search = &desk.machines[&build.profile].profile.search;
+    let search = &desk.machines[&build.machine].profile.search;
     let decision = decide_attempt(&AttemptFacts {
         build: build.id,
         attempts,
@@ -166,7 +169,7 @@ async fn start_final_search(
 ) -> Result<()> {
     let ledger = desk.shared.ledger;
     let wanted = parts_with_copies(ledger, build.id).await?;
-    let machine = &desk.machines[&build.profile];
+    let machine = &desk.machines[&build.machine];
     let profile = machine.profile.clone();
     let queue = machine.printers.find(printer).and_then(|printer| printer.opened.clone());
     let queue = queue.context("the queue folder is not open")?;
@@ -215,7 +218,7 @@ async fn start_final_search(
 async fn find_kept_build(desk: &Building<'_>, build: &BuildRow) -> Result<Option<(KeptBuild, Vec<PlacementRow>)>> {
     let Some(printed) = build.search.repeats else { return Ok(None) };
     let Some(row) = desk.shared.ledger.find_build(printed).await? else { return Ok(None) };
-    let archive = &desk.machines[&build.profile].profile.folders.archive;
+    let archive = &desk.machines[&build.machine].profile.folders.archive;
     let Some(kept) = KeptBuild::of_build(archive, &row) else { return Ok(None) };
     Ok(Some((kept, desk.shared.ledger.placements_of_build(printed).await?)))
 }
@@ -242,7 +245,7 @@ async fn report_left_out_of_build(desk: &mut Building<'_>, build: BuildId, unpla
     let stood = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
     let stood: BTreeSet<CopyId> = stood.iter().map(|placed| placed.copy).collect();
     let left_out = find_left_out(&parts, &placed, &stood);
-    batch::report_left_out(desk.shared.ledger, desk.machines, &row.profile, Some(build), left_out).await
+    batch::report_left_out(desk.shared.ledger, desk.machines, &row.machine, Some(build), left_out).await
 }
 
 /// Commits a written and proved build; publishing follows in the same tick.
@@ -254,8 +257,8 @@ async fn on_written(desk: &mut Building<'_>, build: BuildId, written: Result<Box
     if written.is_ok() {
         desk.nesting.failures.remove(&build);
         desk.nesting.backoff.record_success(&build);
-        let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        desk.shared.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
+        let name = ledger.find_build(build).await?.map(|b| b.machine).unwrap_or_default();
+        desk.shared.alerts.clear(AlertKind::NestingFails, &name, &format!("build {build}"));
     }
     let written = match written {
         Ok(written) => written,
@@ -271,21 +274,21 @@ async fn on_written(desk: &mut Building<'_>, build: BuildId, written: Result<Box
     }
     ledger.verify_build(build, &written.verified, &written.placed).await?;
     if let Some(row) = ledger.find_build(build).await?
-        && let Some(machine) = desk.machines.get(&row.profile)
+        && let Some(machine) = desk.machines.get(&row.machine)
     {
         report_changed_machine(ledger, &machine.profile, &row).await?;
     }
     if !written.locked.is_empty() {
         warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
-        let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
+        let name = ledger.find_build(build).await?.map(|b| b.machine).unwrap_or_default();
+        ledger.write_event(EventKind::Locked, &name, None, Some(build), &written.locked).await?;
     }
     publish::publish_verified_builds(desk).await
 }
 
 async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &anyhow::Error) -> Result<()> {
     let decision = classify_failure(failure, desk.shared.lifecycle.is_stopping);
-    let profile = desk.shared.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    let machine = desk.shared.ledger.find_build(build).await?.map(|b| b.machine).unwrap_or_default();
     match decision {
         FailedSearch::LeaveForNextStart => {
             info!(build.id = %build, "Build {build} was left for the next start: {failure:#}.");
@@ -303,39 +306,27 @@ async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &any
             // The parts stay in it.
             desk.nesting.just_fired.insert(build);
             desk.nesting.backoff.record_failure(build);
-            desk.shared.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), failure);
+            desk.shared.report_failure(AlertKind::NestingFails, &machine, &format!("build {build}"), failure);
             Ok(())
         }
         FailedSearch::CountAttempt { is_unproved } => {
             warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
             let why = format!("{failure:#}");
             if is_unproved {
-                desk.shared.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
+                desk.shared.ledger.write_event(EventKind::ProofFailed, &machine, None, Some(build), &why).await?;
             }
             record_attempt_failure(desk.shared.ledger, desk.nesting, build, &why).await
         }
     }
 }
 
-/// Keeps what the search of a fired build has found that was stopped: it goes on from there. Nothing is published of it, for it could be
-/// lower.
-pub(crate) async fn leave_search(ledger: &Ledger, build: BuildId, cut_short: &SearchCutShort) -> Result<()> {
-    if ledger.find_build(build).await?.is_none_or(|row| row.state != BuildState::Nesting) {
-        return Ok(());
-    }
-    if let Some(layout) = &cut_short.layout {
-        batch::save_layout(ledger, build, layout).await?;
-    }
-    Ok(ledger.leave_search(build, cut_short.cpu_secs, cut_short.wall_secs).await?)
-}
-
-/// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
+/// Fails a build that cannot be made. Its parts wait again, and its machine is paused, since a person must act.
 async fn give_up_build(desk: &mut Building<'_>, build: &BuildRow, reason: &str) -> Result<()> {
     desk.nesting.failures.remove(&build.id);
-    warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
+    warn!(build.id = %build.id, machine = %build.machine, "Build {} failed, and its machine is paused: {reason}.", build.id);
     queues::discard_staged(desk.machines, desk.jobs, build);
     // Paused first: the alert names what has failed since.
-    desk.shared.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
+    desk.shared.ledger.pause_machine(&build.machine, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
     Ok(desk.shared.ledger.fail_build(build.id, reason).await?)
 }
 
@@ -343,8 +334,8 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
     let failure = nesting.failures.entry(build).or_default();
     *failure = (failure.0 + 1, why.to_owned());
     nesting.backoff.record_failure(build);
-    let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-    Ok(ledger.write_event(EventKind::AttemptFailed, &profile, None, Some(build), why).await?)
+    let machine = ledger.find_build(build).await?.map(|b| b.machine).unwrap_or_default();
+    Ok(ledger.write_event(EventKind::AttemptFailed, &machine, None, Some(build), why).await?)
 }
 
 /// A build's job panicked.

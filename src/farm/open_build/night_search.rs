@@ -32,10 +32,10 @@ use crate::farm::{
 /// Height differences up to this count as equal, mm.
 const SAME_MM: f64 = 1e-6;
 
-/// Lowers the open build of a profile.
+/// Lowers the open build of a machine.
 #[derive(Clone)]
 pub(crate) struct NightSearchJob {
-    profile: String,
+    machine: String,
     build: BuildId,
     search: LayoutSearch,
     /// The copies and rules that it is for.
@@ -55,7 +55,7 @@ impl BackgroundJob<Farm> for NightSearchJob {
     type Desk<'f> = Searching<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, outcome: Self::Outcome) -> Result<()> {
@@ -87,7 +87,7 @@ impl BackgroundJob<Farm> for NightSearchJob {
 impl NightSearchJob {
     /// The machine and the search, unless something else is wanted of its open build by now.
     fn take_search<'m>(&self, machines: &'m mut MachineStates) -> Option<(&'m mut MachineState, NightSearchRow)> {
-        let machine = machines.get_mut(&self.profile)?;
+        let machine = machines.get_mut(&self.machine)?;
         let night = &mut machine.open.night;
         night.search.take_if(|search| search.is(&self.search))?;
         let row = night.row.clone()?;
@@ -108,7 +108,7 @@ impl NightSearchJob {
             is_stopped: self.search.is_stopped(),
         };
         let row = NightSearchRow { pool, ..count_search(row, &end, first_secs) };
-        debug!(profile = %self.profile, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
+        debug!(machine = %self.machine, cpu_secs = row.cpu_secs, height_mm = end.height_mm, "An open build was searched further.");
         machine.open.night.keep_unsaved(row.clone());
         if is_lower {
             save_layout(desk.shared.ledger, self.build, &machine.open.layout).await?;
@@ -139,7 +139,7 @@ impl NightSearchJob {
         let Some((machine, row)) = self.take_search(desk.machines) else {
             return self.count_ended(desk.shared.ledger, None).await;
         };
-        warn!(profile = %self.profile, "The open build of {} is not lowered further while it waits: {why}.", self.profile);
+        warn!(machine = %self.machine, "The open build of {} is not lowered further while it waits: {why}.", self.machine);
         let row = NightSearchRow { state: NightState::GivenUp, ..row };
         machine.open.night.keep_unsaved(row.clone());
         desk.shared.ledger.save_night_search(self.build, &row).await?;
@@ -205,7 +205,7 @@ async fn go_on(desk: &mut Searching<'_>, name: &str) -> Result<()> {
     let (row, pool) = match layouts_from_json(&row.pool) {
         Ok(pool) => (row, pool),
         Err(error) => {
-            warn!(profile = %name, "The kept layouts of the open build of {name} cannot be read, so its search begins anew: {error}.");
+            warn!(machine = %name, "The kept layouts of the open build of {name} cannot be read, so its search begins anew: {error}.");
             (begin_night(row.problem, height_mm), Vec::new())
         }
     };
@@ -218,7 +218,7 @@ async fn go_on(desk: &mut Searching<'_>, name: &str) -> Result<()> {
     }
     if row.state != NightState::GoesOn {
         let why = if row.starts >= MAX_STARTS { ", because the daemon ended during its last searches" } else { "" };
-        info!(profile = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
+        info!(machine = %name, cpu_secs = row.cpu_secs, "The open build of {name} is not searched further: {}{why}.", row.state);
     }
     let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
     (machine.open.night.row, machine.open.night.is_known) = (Some(row.clone()), true);
@@ -229,7 +229,7 @@ async fn go_on(desk: &mut Searching<'_>, name: &str) -> Result<()> {
         let starts = std::iter::once(machine.open.layout.placed.clone()).chain(pool).collect();
         let request = NestingRequest { profile, wanted, starts, search: search.clone() };
         let (name, problem, meshes) = (name.to_owned(), row.problem, desk.meshes.clone());
-        let job = NightSearchJob { profile: name, build, search: search.clone(), problem };
+        let job = NightSearchJob { machine: name, build, search: search.clone(), problem };
         let work = move || request.run_search(&meshes);
         start_search(desk.searches, desk.jobs, (build, &search), job, work);
     }

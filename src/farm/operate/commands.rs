@@ -16,7 +16,7 @@ use crate::farm::{
 
 /// Carries out commands. A flush command is answered when its build has been fired.
 pub(crate) async fn process_commands(desk: &mut Receiving<'_>) -> Result<()> {
-    let paused = desk.shared.ledger.paused_profiles().await?;
+    let paused = desk.shared.ledger.paused_machines().await?;
     for (name, machine) in desk.machines.iter_mut() {
         machine.paused = paused.contains(name);
     }
@@ -32,11 +32,11 @@ pub(crate) async fn process_commands(desk: &mut Receiving<'_>) -> Result<()> {
             Ok(None) => {}
             Ok(Some(answer)) => {
                 desk.shared.schedule.step_backoff.record_success(&about);
-                desk.shared.alerts.clear(AlertKind::StepFails, &command.profile, &about);
+                desk.shared.alerts.clear(AlertKind::StepFails, &command.machine, &about);
                 answer_command(desk.shared.ledger, command.id, &answer).await?;
             }
             Err(failure) => {
-                desk.shared.report_failure(AlertKind::StepFails, &command.profile, &about, &failure);
+                desk.shared.report_failure(AlertKind::StepFails, &command.machine, &about, &failure);
                 desk.shared.schedule.step_backoff.record_failure(about);
             }
         }
@@ -52,11 +52,11 @@ async fn concerns_this_node(desk: &Receiving<'_>, command: &CommandRow) -> Resul
     if desk.shared.ledger.file().is_some() {
         return Ok(true);
     }
-    let profile = desk.shared.ledger.machine_of_command(command.part_id, &command.profile).await?;
-    if desk.machines.contains_key(&profile) {
+    let machine = desk.shared.ledger.machine_of_command(command.part_id, &command.machine).await?;
+    if desk.machines.contains_key(&machine) {
         return Ok(true);
     }
-    match desk.shared.ledger.node_of_machine(&profile).await? {
+    match desk.shared.ledger.node_of_machine(&machine).await? {
         Some(node) => Ok(node == desk.shared.settings.node.name),
         None => Ok(desk.shared.ledger.is_first_node(&desk.shared.settings.node.name).await?),
     }
@@ -64,20 +64,20 @@ async fn concerns_this_node(desk: &Receiving<'_>, command: &CommandRow) -> Resul
 
 /// Carries out a command; `None` = it is answered later.
 async fn execute_command(desk: &mut Receiving<'_>, command: &CommandRow) -> Result<Option<CommandAnswer>> {
-    let name = command.profile.as_str();
-    let needs_profile = matches!(command.kind, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume);
-    if needs_profile && !desk.machines.contains_key(name) {
-        return Ok(Some(CommandAnswer::UnknownProfile(name.to_owned())));
+    let name = command.machine.as_str();
+    let needs_machine = matches!(command.kind, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume);
+    if needs_machine && !desk.machines.contains_key(name) {
+        return Ok(Some(CommandAnswer::UnknownMachine(name.to_owned())));
     }
     Ok(Some(match command.kind {
         CommandKind::Flush => return Ok(request_flush(desk.machines, name, command.id)),
         CommandKind::Pause => {
-            match desk.shared.ledger.pause_profile(name, &command.asked_by, PauseCause::Person).await? {
+            match desk.shared.ledger.pause_machine(name, &command.asked_by, PauseCause::Person).await? {
                 true => CommandAnswer::Paused(name.to_owned()),
                 false => CommandAnswer::PausedAlready(name.to_owned()),
             }
         }
-        CommandKind::Resume => match desk.shared.ledger.resume_profile(name, &command.asked_by).await? {
+        CommandKind::Resume => match desk.shared.ledger.resume_machine(name, &command.asked_by).await? {
             true => CommandAnswer::Resumed(name.to_owned()),
             false => CommandAnswer::NotPaused(name.to_owned()),
         },
@@ -99,7 +99,7 @@ fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Opt
     let machine = machines.get_mut(name)?;
     if machine.paused {
         machine.pending_flushes.retain(|&waits| waits != id);
-        return Some(CommandAnswer::ProfilePaused(name.to_owned()));
+        return Some(CommandAnswer::MachinePaused(name.to_owned()));
     }
     if machine.printers.are_all_down()
         && let Some(printer) = machine.printers.0.first()
@@ -171,7 +171,7 @@ async fn execute_part_command(
 async fn cancel_part(desk: &mut Receiving<'_>, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
     desk.shared.ledger.ensure_cancellable(row.id).await?;
     let reason = format!("Cancelled by {}.", command.asked_by);
-    if matches!(row.state, PartState::Waiting | PartState::Claimed) && desk.machines.contains_key(&row.profile) {
+    if matches!(row.state, PartState::Waiting | PartState::Claimed) && desk.machines.contains_key(&row.machine) {
         deferred_refusal::start_refusal(desk, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);
     }

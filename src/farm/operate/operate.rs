@@ -62,7 +62,7 @@ pub async fn operate(
         ensure_not_made_again(ledger, settings, *build).await?;
     }
     let mut answer = ledger.carry_out(word, by, &seen, anyway).await?;
-    if let OperatorWord::PrinterDown { profile, printer, .. } = word
+    if let OperatorWord::PrinterDown { machine: profile, printer, .. } = word
         && let Some(profile) = settings.profiles.get(profile)
     {
         answer.sentences.push(fate_of_queued(ledger, profile, printer).await?);
@@ -75,7 +75,7 @@ async fn ensure_not_made_again(ledger: &Ledger, settings: &Settings, build: Buil
     let Some(row) = ledger.find_build(build).await?.filter(|row| row.state == BuildState::Verified) else {
         return Ok(());
     };
-    match settings.profiles.get(&row.profile).and_then(|profile| find_misfit(profile, &row)) {
+    match settings.profiles.get(&row.machine).and_then(|machine| find_misfit(machine, &row)) {
         Some(why) => Err(LedgerError::MadeAgain { build, why }),
         None => Ok(()),
     }
@@ -117,7 +117,7 @@ async fn see_file(
 /// Looks into the queues of the machine of a build.
 async fn look_for_file(settings: &Settings, build: &BuildRow) -> FileLook {
     let unknown = FileLook { place: QueuePlace::Unknown, others: Vec::new() };
-    let Some(profile) = settings.profiles.get(&build.profile) else { return unknown };
+    let Some(profile) = settings.profiles.get(&build.machine) else { return unknown };
     let queues: Vec<(String, QueueAddress)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
     let build = build.clone();

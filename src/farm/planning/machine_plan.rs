@@ -18,8 +18,8 @@ use crate::{farm::decisions::trigger::FireTrigger, settings::MachineProfile};
 /// The plan of a machine. It holds as long as nothing more arrives.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MachinePlan {
-    /// Its profile.
-    pub profile: String,
+    /// Its machine.
+    pub machine: String,
     /// When it was made.
     pub planned_at: UtcTimestamp,
     /// Why nothing fires; `None` = nothing prevents it.
@@ -123,7 +123,7 @@ pub fn make_plan(profile: &MachineProfile, reading: &PlanReading, now: Timestamp
     let under_way = reading.under_way.iter().map(|build| view_under_way(profile, build, fired(build.id()), now));
     let to_come = coming.iter().filter(|build| !build.lines.is_empty()).map(|build| view_coming(profile, build));
     MachinePlan {
-        profile: profile.name.clone(),
+        machine: profile.name.clone(),
         planned_at: UtcTimestamp(now),
         hindered: facts.hindrance.map(|hindrance| match hindrance {
             PlanHindrance::Paused => RiskCause::Paused,

@@ -29,7 +29,7 @@ pub const QUOTE_SEARCH_TIME: Duration = Duration::from_millis(1400);
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OrderQuote {
     /// The machine.
-    pub profile: String,
+    pub machine: String,
     /// When it was made. It holds as long as nothing else arrives.
     pub quoted_at: UtcTimestamp,
     /// Copies that it is for.
@@ -133,7 +133,7 @@ pub fn quote_order(
     let minute = |at: Timestamp| UtcTimestamp(at.round(jiff::Unit::Minute).unwrap_or(at));
     let earliest_at = earliest.done.map(|(done, _)| done);
     OrderQuote {
-        profile: profile.name.clone(),
+        machine: profile.name.clone(),
         quoted_at: UtcTimestamp(now),
         copies,
         earliest_at: earliest_at.map(minute),
@@ -249,11 +249,11 @@ impl OrderQuote {
         let mut sentences = vec![match (self.earliest_at, self.kept_at) {
             (Some(earliest), Some(kept)) => format!(
                 "{copies} on {}: at {} at the earliest; {} is kept with 95 %.",
-                self.profile,
+                self.machine,
                 time(earliest),
                 time(kept)
             ),
-            _ => format!("{copies} on {}: it is not known when they would be printed.", self.profile),
+            _ => format!("{copies} on {}: it is not known when they would be printed.", self.machine),
         }];
         if let Some(ticket) = self.ticket_due_at {
             sentences.push(format!("Give the ticket the due date {}.", time(ticket)));

@@ -64,7 +64,7 @@ pub struct PlanReading {
 pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<PlanReading> {
     let (occupying, times) = occupation_of(ledger, profile, now).await?;
     let experience = ledger.published_experience(&profile.name, packing_experience::LEARN_FROM).await?;
-    let status = ledger.profile_statuses().await?.into_iter().find(|row| row.profile == profile.name);
+    let status = ledger.machine_statuses().await?.into_iter().find(|row| row.machine == profile.name);
     let open = status.as_ref().and_then(|row| row.open.as_ref()).map(|open| open.build);
     let open = match open {
         Some(build) => ledger.find_build(build).await?,
@@ -74,7 +74,7 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
     let (placed, layout) = standing_layout(open.as_ref(), &waiting);
     let standing: HashSet<CopyId> = placed.iter().map(|placed| placed.copy).collect();
     let down = ledger.down_printers().await?;
-    let is_down = |name: &str| down.iter().any(|down| down.profile == profile.name && down.printer == name);
+    let is_down = |name: &str| down.iter().any(|down| down.machine == profile.name && down.printer == name);
     let spans = build_spans(profile, &occupying, &times, now);
     let outlook = PrinterOutlook::new(profile, &occupying, times, |name| !is_down(name), now);
     let is_paused = status.as_ref().is_some_and(|row| row.paused.is_some());

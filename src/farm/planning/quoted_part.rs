@@ -11,7 +11,7 @@ use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use intake::Ticket;
 use jiff::Timestamp;
 use ledger::{
-    ClaimedFile, OwedCopies, PartId, PartMeasures, PartRejection, PartRow, PartState, PartTerms, PartTimes,
+    ClaimedFile, OwedCopies, PartId, PartMeasures, PartRefusal, PartRow, PartState, PartTerms, PartTimes,
     RequiredTilts, SolidOfFile,
 };
 use solids::Mesh;
@@ -162,12 +162,12 @@ fn quoted_row(
     let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
     PartRow {
         id,
-        profile: profile.name.clone(),
+        machine: profile.name.clone(),
         name: file.name.clone(),
         solid: SolidOfFile { object_index, object_name: solid.name.clone() },
         file: ClaimedFile { claim: String::new(), content_hash: String::new(), bytes: 0, reads: 0 },
         state: PartState::Waiting,
-        rejection: PartRejection { reason: String::new(), refusal: None },
+        refused: PartRefusal { reason: String::new(), refusal: None },
         warnings: String::new(),
         owed: OwedCopies {
             copies: solid.copies.saturating_mul(asked.copies),

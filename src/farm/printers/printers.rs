@@ -30,7 +30,7 @@ pub struct PrinterView {
     /// Its name.
     pub printer: String,
     /// Its machine.
-    pub profile: String,
+    pub machine: String,
     /// Its queue folder.
     pub queue: String,
     /// Since when and why it takes no builds; `None` = it is in use.
@@ -58,14 +58,14 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
     let down = ledger.down_printers().await?;
     let loads = printer_loads(profile, &builds, &times, now);
     let view = |rules: &PrinterRules| {
-        let down = down.iter().find(|down| down.profile == profile.name && down.printer == rules.name);
+        let down = down.iter().find(|down| down.machine == profile.name && down.printer == rules.name);
         let down = down.cloned();
         let load = loads.get(&rules.name).copied().unwrap_or(PrinterLoad { free_at: now, builds: 0 });
         let is_free = down.is_none() && load.free_at <= now;
         let free_at = Some(load.free_at).filter(|at| down.is_none() && !is_free && *at < Timestamp::MAX);
         PrinterView {
             printer: rules.name.clone(),
-            profile: profile.name.clone(),
+            machine: profile.name.clone(),
             queue: rules.queue.to_string(),
             down,
             builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
@@ -85,7 +85,7 @@ pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Times
 /// The ledger cannot be read.
 pub async fn fate_of_queued(ledger: &Ledger, profile: &MachineProfile, printer: &str) -> Result<String, LedgerError> {
     let down = ledger.down_printers().await?;
-    let is_up = |other: &&str| !down.iter().any(|down| down.profile == profile.name && down.printer == **other);
+    let is_up = |other: &&str| !down.iter().any(|down| down.machine == profile.name && down.printer == **other);
     let others = profile.printers.iter().map(|rules| rules.name.as_str()).filter(|other| *other != printer);
     let others: Vec<&str> = others.filter(is_up).collect();
     if others.is_empty() {
@@ -174,7 +174,7 @@ pub(crate) async fn update_down_printers(ledger: &Ledger, machines: &mut Machine
     let down = ledger.down_printers().await?;
     for (name, machine) in machines {
         for printer in &mut machine.printers.0 {
-            printer.down = down.iter().find(|down| down.profile == *name && down.printer == printer.name).cloned();
+            printer.down = down.iter().find(|down| down.machine == *name && down.printer == printer.name).cloned();
         }
     }
     Ok(())
@@ -188,7 +188,7 @@ pub(crate) async fn choose_for_build(
     build: &BuildRow,
     now: Timestamp,
 ) -> Result<Option<String>> {
-    let Some(machine) = machines.get(&build.profile) else { return Ok(None) };
+    let Some(machine) = machines.get(&build.machine) else { return Ok(None) };
     let usable = usable_printers(machine);
     if let (None, Some(printer)) = (build.times.published_at, &build.place.printer)
         && usable.contains(&printer.as_str())
@@ -201,7 +201,7 @@ pub(crate) async fn choose_for_build(
     let (builds, times) = occupation_of(ledger, &machine.profile, now).await?;
     // A build that fired while there was room goes where it is.
     let depth = machine.profile.printing.queue_depth;
-    let ahead = if depth > 0 { ledger.builds_ahead(&build.profile).await? } else { Vec::new() };
+    let ahead = if depth > 0 { ledger.builds_ahead(&build.machine).await? } else { Vec::new() };
     let has_room = |printer: &&&str| queue_room(depth, printer, &ahead) > 0;
     let with_room: Vec<&str> = usable.iter().filter(has_room).copied().collect();
     let usable = if with_room.is_empty() { usable } else { with_room };

@@ -28,10 +28,10 @@ use crate::{
 /// Wait before a queue folder that could not be opened is tried again.
 const OPEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Opens a profile's queue folder.
+/// Opens a machine's queue folder.
 #[derive(Clone)]
 pub(crate) struct OpenQueueJob {
-    profile: String,
+    machine: String,
     printer: String,
 }
 
@@ -48,7 +48,7 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     async fn on_done(self, desk: Self::Desk<'_>, opened: Self::Outcome) -> Result<()> {
         if let Ok(Some(OpenedQueue { queue, builds })) = &opened {
             // A machine that got printers, or a printer that got another name, goes on with what is there.
-            desk.shared.ledger.name_printer(&self.profile, &self.printer, queue.id(), builds).await?;
+            desk.shared.ledger.name_printer(&self.machine, &self.printer, queue.id(), builds).await?;
         }
         let opened = opened.map(|opened| opened.map(|opened| opened.queue));
         on_queue_opened(desk.machines, desk.shared.alerts, &self, opened);
@@ -104,14 +104,14 @@ pub(crate) async fn open_queues(desk: &mut Serving<'_>) -> Result<()> {
             }
             let kept = live.iter().filter(|build| may_lie_at(build, &printer.name, &names));
             let opening = QueueOpening {
-                profile: name.clone(),
+                machine: name.clone(),
                 address: printer.address.clone(),
                 lease,
                 staged: kept.map(staged_name).collect(),
                 ledger: desk.shared.ledger.clone(),
             };
             let (runtime, printer) = (tokio::runtime::Handle::current(), printer.name.clone());
-            let job = OpenQueueJob { profile: name.clone(), printer };
+            let job = OpenQueueJob { machine: name.clone(), printer };
             desk.jobs.start(job, move || runtime.block_on(opening.open_and_sweep()));
         }
     }
@@ -126,7 +126,7 @@ fn may_lie_at(build: &BuildRow, printer: &str, names: &[String]) -> bool {
 }
 
 fn staged_name(build: &BuildRow) -> String {
-    build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, build))
+    build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.machine, build))
 }
 
 fn on_queue_opened(
@@ -135,10 +135,10 @@ fn on_queue_opened(
     job: &OpenQueueJob,
     opened: Result<Option<OpenQueue>, String>,
 ) {
-    let Some(machine) = machines.get_mut(&job.profile) else { return };
+    let Some(machine) = machines.get_mut(&job.machine) else { return };
     // After a reload, the printer may be gone, or have another queue folder.
     let Some(printer) = machine.printers.0.iter_mut().find(|printer| printer.name == job.printer) else { return };
-    let (name, about) = (&job.profile, &alert_subject(&job.profile, &job.printer));
+    let (name, about) = (&job.machine, &alert_subject(&job.machine, &job.printer));
     match opened {
         // The renewal of the leases reports it.
         Ok(None) => alerts.clear(AlertKind::QueueAway, name, about),
@@ -161,8 +161,8 @@ pub(crate) async fn demand_same_queue(
     build: BuildId,
     verified: &Verified,
 ) -> Result<()> {
-    let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-    let printers = machines.get(&profile).map(|machine| machine.printers.0.as_slice()).unwrap_or_default();
+    let name = ledger.find_build(build).await?.map(|b| b.machine).unwrap_or_default();
+    let printers = machines.get(&name).map(|machine| machine.printers.0.as_slice()).unwrap_or_default();
     ensure!(printers.iter().any(|printer| printer.opened.is_some()), "the queue folder is not available any more");
     let is_staging =
         |printer: &PrinterState| printer.opened.as_ref().is_some_and(|queue| queue.id() == verified.file.queue_id);
@@ -172,9 +172,9 @@ pub(crate) async fn demand_same_queue(
 
 /// Starts a job that removes the staged files of a build that is given up.
 pub(crate) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm>, build: &BuildRow) {
-    let printer = machines.get(&build.profile).and_then(|machine| machine.printers.of_build(build));
+    let printer = machines.get(&build.machine).and_then(|machine| machine.printers.of_build(build));
     let Some(queue) = printer.and_then(|printer| printer.opened.clone()) else { return };
-    let name = queue_file_name(&build.profile, build);
+    let name = queue_file_name(&build.machine, build);
     jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
 }
 
@@ -186,7 +186,7 @@ pub(crate) struct OpenedQueue {
 
 /// The data for opening a queue folder.
 struct QueueOpening {
-    profile: String,
+    machine: String,
     address: QueueAddress,
     /// The lease on its folder, if it is one.
     lease: Option<FolderLease>,
@@ -205,13 +205,13 @@ impl QueueOpening {
         let queue = self.address.open().map_err(|error| error_chain(&error))?;
         // Another farm staged the builds that this farm has not fired. Their files are kept.
         for file in queue.names(FileState::Staged).unwrap_or_default() {
-            if !is_own_build(&self.ledger, &self.profile, &file).await.map_err(|error| format!("{error:#}"))? {
+            if !is_own_build(&self.ledger, &self.machine, &file).await.map_err(|error| format!("{error:#}"))? {
                 self.staged.push(file);
             }
         }
         let swept = queue.sweep(&self.staged).map_err(|error| error_chain(&error))?;
         if !swept.is_empty() {
-            info!(profile = %self.profile, files = swept.len(), "Removed half-written files of an earlier run.");
+            info!(machine = %self.machine, files = swept.len(), "Removed half-written files of an earlier run.");
         }
         let mut builds = queue.names(FileState::Visible).map_err(|error| error_chain(&error))?;
         builds.retain(|name| is_build_name(name));
@@ -222,10 +222,10 @@ impl QueueOpening {
 
 /// Whether this farm has fired the build of a build file. An open build has no file yet: if a file with its future name
 /// exists, the file belongs to another farm.
-async fn is_own_build(ledger: &Ledger, profile: &str, file: &str) -> Result<bool> {
+async fn is_own_build(ledger: &Ledger, machine: &str, file: &str) -> Result<bool> {
     let Some((_, number)) = build_record::parse_build_file_name(file) else { return Ok(false) };
     let build = ledger.find_build(BuildId(number)).await?;
-    Ok(build.is_some_and(|build| build.state != BuildState::Open && queue_file_name(profile, &build) == file))
+    Ok(build.is_some_and(|build| build.state != BuildState::Open && queue_file_name(machine, &build) == file))
 }
 
 /// Checks that a written build is in the queue folder under its dot-name, and that nothing has removed it.

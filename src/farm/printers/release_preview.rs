@@ -89,7 +89,7 @@ pub async fn preview_release(
     let begins = printer.and_then(|printer| loads.get(&printer.name)).map(|load| load.free_at);
     let begins = begins.filter(|at| *at < Timestamp::MAX);
     let ends = begins.and_then(|at| at.checked_add(times.occupied(height_mm)).ok());
-    let status = ledger.profile_statuses().await?;
+    let status = ledger.machine_statuses().await?;
     let mut late: Vec<LatePreview> =
         ledger.parts_of_build(build.id).await?.iter().filter_map(|part| late_part(part, ends)).collect();
     late.sort_by_key(|part| part.due_at);
@@ -104,7 +104,7 @@ pub async fn preview_release(
         printer: printer.map(|printer| printer.name.clone()).unwrap_or_default(),
         begins_at: begins.map(UtcTimestamp),
         ends_at: ends.map(UtcTimestamp),
-        waiting_copies: status.iter().find(|row| row.profile == profile.name).map_or(0, |row| row.waiting_copies),
+        waiting_copies: status.iter().find(|row| row.machine == profile.name).map_or(0, |row| row.waiting_copies),
         late,
         made_again_for: find_misfit(profile, build),
     })

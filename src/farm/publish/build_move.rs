@@ -23,7 +23,7 @@ pub(super) async fn find_other_printer(
     mut build: BuildRow,
     source: Option<OpenQueue>,
 ) -> Result<Option<MovingBuild>> {
-    let machine = &desk.machines[&build.profile];
+    let machine = &desk.machines[&build.machine];
     let misfit = find_misfit(&machine.profile, &build);
     // What does not fit any more stays where it lies, and is told (`queue_files`).
     if build.place.move_to.is_none() && (source.is_none() || misfit.is_some()) {
@@ -48,7 +48,7 @@ pub(super) async fn find_other_printer(
                 );
                 return Ok(None);
             };
-            let machine = &desk.machines[&build.profile];
+            let machine = &desk.machines[&build.machine];
             let chosen = open_queue(machine, &printer);
             if before.as_ref() != Some(&printer) {
                 abandoned = before.and_then(|before| open_queue(machine, &before));

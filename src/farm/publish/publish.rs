@@ -61,7 +61,7 @@ pub(crate) async fn publish_verified_builds(desk: &mut Building<'_>) -> Result<(
     for build in desk.shared.ledger.builds_in_state(BuildState::Verified).await? {
         let id = build.id;
         // The alert on a machine that is not configured covers this.
-        let Some(machine) = desk.machines.get(&build.profile) else { continue };
+        let Some(machine) = desk.machines.get(&build.machine) else { continue };
         let printer = machine.printers.of_build(&build);
         let misfit = find_misfit(&machine.profile, &build);
         let decision = decide_publishing(&publish_facts(desk, machine, &build, misfit.is_some()));
@@ -113,7 +113,7 @@ fn publish_facts(desk: &Building<'_>, machine: &MachineState, build: &BuildRow, 
 /// Starts a job that looks whether a build whose printer is down was certainly never published: a restored ledger may have
 /// forgotten that it was.
 fn start_remake_check(desk: &mut Building<'_>, build: BuildRow) {
-    let Some(machine) = desk.machines.get(&build.profile) else { return };
+    let Some(machine) = desk.machines.get(&build.machine) else { return };
     let queue = machine.printers.of_build(&build).and_then(|printer| printer.opened.clone());
     let (archive, leases) = (machine.profile.folders.archive.clone(), machine.leases.clone());
     let (id, ledger) = (build.id, desk.shared.ledger.clone());
@@ -129,8 +129,8 @@ fn start_remake_check(desk: &mut Building<'_>, build: BuildRow) {
 
 /// verified -> nesting: its printer went down before anything was published.
 async fn make_for_another_printer(desk: &mut Building<'_>, build: &BuildRow) -> Result<()> {
-    let printer = build.place.printer.as_deref().unwrap_or(&build.profile);
-    info!(build.id = %build.id, profile = %build.profile, "Build {} is made for another printer: {printer} is down.", build.id);
+    let printer = build.place.printer.as_deref().unwrap_or(&build.machine);
+    info!(build.id = %build.id, machine = %build.machine, "Build {} is made for another printer: {printer} is down.", build.id);
     queues::discard_staged(desk.machines, desk.jobs, build);
     desk.shared.ledger.reopen_verified_build(build.id, &format!("the printer {printer} is down")).await?;
     // No attempt has failed.
@@ -166,13 +166,13 @@ async fn on_publish_step(desk: &mut Building<'_>, id: BuildId, step: Result<Publ
 
 async fn report_publish_failure(desk: &mut Building<'_>, id: BuildId, failure: &anyhow::Error) -> Result<()> {
     desk.nesting.backoff.record_failure(id);
-    let profile = desk.shared.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
+    let machine = desk.shared.ledger.find_build(id).await?.map(|b| b.machine).unwrap_or_default();
     let about = format!("build {id}");
     match failure.downcast_ref::<QueueReplacedError>() {
         Some(replaced) => {
-            desk.shared.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
+            desk.shared.alerts.raise(AlertKind::QueueReplaced, &machine, &about, &format!("{about}: {replaced}"));
         }
-        None => desk.shared.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
+        None => desk.shared.report_failure(AlertKind::PublishingFails, &machine, &about, failure),
     }
     Ok(())
 }
@@ -182,12 +182,12 @@ async fn on_build_published(desk: &mut Building<'_>, id: BuildId, published: Pub
     desk.nesting.backoff.record_success(&id);
     let Some(build) = desk.shared.ledger.find_build(id).await? else { return Ok(()) };
     for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
-        desk.shared.alerts.clear(kind, &build.profile, &format!("build {id}"));
+        desk.shared.alerts.clear(kind, &build.machine, &format!("build {id}"));
     }
     let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
     match published {
         PublishOutcome::PublishedNow => {
-            info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)
+            info!(build.id = %id, machine = %build.machine, height_mm, "Published build {id} of {}: {height_mm} mm.", build.machine)
         }
         PublishOutcome::AlreadyPublished => {
             warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")

@@ -28,7 +28,7 @@ const MAX_LOOKED_FOR: u32 = 50;
 /// Looks into the queue folders of a machine.
 #[derive(Clone)]
 struct QueueLookJob {
-    profile: String,
+    machine: String,
 }
 
 /// What was found.
@@ -48,7 +48,7 @@ impl BackgroundJob<Farm> for QueueLookJob {
     type Desk<'f> = Serving<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, desk: Self::Desk<'_>, found: Self::Outcome) -> Result<()> {
@@ -58,15 +58,15 @@ impl BackgroundJob<Farm> for QueueLookJob {
         for (build, place) in found.elsewhere {
             let what =
                 if place.is_taken_back { "taken back, and goes into a queue again" } else { "in its queue folder" };
-            info!(build.id = %build, profile = %self.profile, "Build {build} was found at {}: {what}.", place.printer);
+            info!(build.id = %build, machine = %self.machine, "Build {build} was found at {}: {what}.", place.printer);
             desk.shared.ledger.correct_place(build, &place).await?;
         }
         if let Some(files) = found.files {
             for (build, printer, queue_id) in files.back {
-                info!(build.id = %build.id, profile = %self.profile, "The file of build {} lies in the queue of {printer} again.", build.id);
+                info!(build.id = %build.id, machine = %self.machine, "The file of build {} lies in the queue of {printer} again.", build.id);
                 desk.shared.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
             }
-            report_wrong_files(desk.shared.alerts, &self.profile, &files.wrong);
+            report_wrong_files(desk.shared.alerts, &self.machine, &files.wrong);
         }
         Ok(())
     }
@@ -85,7 +85,7 @@ pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
         };
         report_removed_printers(desk.shared.alerts, &machine.printers, name, &wanted);
         if !look.queues.is_empty() {
-            desk.jobs.start(QueueLookJob { profile: name.clone() }, move || look.look_for(wanted));
+            desk.jobs.start(QueueLookJob { machine: name.clone() }, move || look.look_for(wanted));
         }
     }
     Ok(())
@@ -95,7 +95,7 @@ pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
 fn report_removed_printers(
     alerts: &mut AlertRegistry,
     printers: &MachinePrinters,
-    profile: &str,
+    machine: &str,
     builds: &[QueuedBuild],
 ) {
     // The folder of a printer with another name may be opened yet.
@@ -105,7 +105,7 @@ fn report_removed_printers(
     let is_left_behind = |build: &&QueuedBuild| printers.find(&build.printer).is_none() && build.queue_id.is_some();
     let left: Vec<&QueuedBuild> = builds.iter().filter(is_left_behind).collect();
     let Some(first) = left.first() else {
-        alerts.clear(AlertKind::QueueReplaced, profile, "removed printers");
+        alerts.clear(AlertKind::QueueReplaced, machine, "removed printers");
         return;
     };
     let text = format!(
@@ -114,7 +114,7 @@ fn report_removed_printers(
         format_count(left.len(), "build", "builds"),
         first.build
     );
-    alerts.raise(AlertKind::QueueReplaced, profile, "removed printers", &text);
+    alerts.raise(AlertKind::QueueReplaced, machine, "removed printers", &text);
 }
 
 /// The open queue folders of a machine, by the names of its printers.
@@ -157,7 +157,7 @@ impl QueueLook {
                 match self.settle_withdrawn(printer, &**queue, &file) {
                     Ok(place) => found.elsewhere.extend(place),
                     Err(failure) => {
-                        warn!(profile = %self.profile.name, "{file} was taken back and stays so: {failure:#}.")
+                        warn!(machine = %self.profile.name, "{file} was taken back and stays so: {failure:#}.")
                     }
                 }
             }
@@ -176,7 +176,7 @@ impl QueueLook {
         match look.look() {
             Ok(found) => Some(found),
             Err(failure) => {
-                warn!(profile = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
+                warn!(machine = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
                 None
             }
         }
@@ -192,7 +192,7 @@ impl QueueLook {
     ) -> Result<Option<(BuildId, FoundPlace)>> {
         let row = self.runtime.block_on(self.ledger.find_build_of_file(file))?;
         // Other farms and machines have files of their own.
-        let Some(build) = row.filter(|build| build.profile == self.profile.name && !build.place.is_on_its_way()) else {
+        let Some(build) = row.filter(|build| build.machine == self.profile.name && !build.place.is_on_its_way()) else {
             return Ok(None);
         };
         if build.state == BuildState::Published {

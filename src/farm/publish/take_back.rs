@@ -71,13 +71,13 @@ pub(crate) async fn take_back_builds(desk: &mut Building<'_>) -> Result<()> {
 
 /// Starts the next step of a build.
 async fn start(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
-    let source = desk.machines[&build.profile].printers.queue_with_id(build.staged.queue_id.as_deref());
+    let source = desk.machines[&build.machine].printers.queue_with_id(build.staged.queue_id.as_deref());
     let found = match build.place.withdraw_by.is_some() {
         true => find_waiting(desk, build, source).await?,
         false => find_other_printer(desk, build, source).await?,
     };
     let Some((build, source, target)) = found else { return Ok(()) };
-    let machine = &desk.machines[&build.profile];
+    let machine = &desk.machines[&build.machine];
     let (queues, leases, ledger) = (machine.printers.open_queues(), machine.leases.clone(), desk.shared.ledger.clone());
     let file = TakenFile { build, source, target, queues, leases, ledger, runtime: Handle::current() };
     desk.jobs.start(TakeBackJob { build: file.build.id }, move || file.go_on());
@@ -90,7 +90,7 @@ async fn find_waiting(
     build: BuildRow,
     source: Option<OpenQueue>,
 ) -> Result<Option<(BuildRow, OpenQueue, TakeBackTarget)>> {
-    let machine = &desk.machines[&build.profile];
+    let machine = &desk.machines[&build.machine];
     let Some(source) = source else {
         if machine.printers.are_all_open() {
             give_up(desk, &build).await?;
@@ -114,7 +114,7 @@ async fn give_up(desk: &mut Building<'_>, build: &BuildRow) -> Result<()> {
         "build {id} is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not \
          printed, `nestd outcome {id} failed` has its copies wait again"
     );
-    desk.shared.alerts.raise(AlertKind::QueueReplaced, &build.profile, &format!("build {id}, withdrawn"), &text);
+    desk.shared.alerts.raise(AlertKind::QueueReplaced, &build.machine, &format!("build {id}, withdrawn"), &text);
     Ok(())
 }
 
@@ -124,7 +124,7 @@ async fn on_step(desk: &mut Building<'_>, id: BuildId, step: Result<TakeBackStep
     let step = match step {
         Ok(step) => step,
         Err(failure) => {
-            report_failure(desk, id, &build.profile, &failure);
+            report_failure(desk, id, &build.machine, &failure);
             return Ok(());
         }
     };
@@ -133,7 +133,7 @@ async fn on_step(desk: &mut Building<'_>, id: BuildId, step: Result<TakeBackStep
         NextStep::Later => {}
         NextStep::Never => {
             desk.nesting.backoff.record_success(&id);
-            desk.shared.alerts.clear(AlertKind::PublishingFails, &build.profile, &format!("build {id}"));
+            desk.shared.alerts.clear(AlertKind::PublishingFails, &build.machine, &format!("build {id}"));
         }
     }
     Ok(())
@@ -151,19 +151,19 @@ enum NextStep {
 /// The file is out of the printer's reach: the word that waited for it is carried out.
 async fn carry_word_out(desk: &Building<'_>, build: &BuildRow) -> Result<()> {
     // It must be there to fire at once.
-    desk.shared.ledger.open_build(&build.profile).await?;
+    desk.shared.ledger.open_build(&build.machine).await?;
     let told = desk.shared.ledger.finish_noted_word(build.id, true).await?.unwrap_or_default().join(" ");
-    info!(build.id = %build.id, profile = %build.profile, "The file of build {} is out of the queue. {told}", build.id);
+    info!(build.id = %build.id, machine = %build.machine, "The file of build {} is out of the queue. {told}", build.id);
     Ok(())
 }
 
 async fn commit_step(desk: &mut Building<'_>, build: &BuildRow, step: TakeBackStep) -> Result<NextStep> {
-    let (id, profile, to) = (build.id, &build.profile, build.place.move_to.clone().unwrap_or_default());
+    let (id, machine, to) = (build.id, &build.machine, build.place.move_to.clone().unwrap_or_default());
     let ledger = desk.shared.ledger;
     match step {
         TakeBackStep::TakenBack => {
             if let Err(failure) = carry_word_out(desk, build).await {
-                report_failure(desk, id, profile, &failure);
+                report_failure(desk, id, machine, &failure);
                 return Ok(NextStep::Later);
             }
             return Ok(NextStep::AtOnce);
@@ -179,7 +179,7 @@ async fn commit_step(desk: &mut Building<'_>, build: &BuildRow, step: TakeBackSt
                 return Ok(NextStep::AtOnce);
             }
             let from = build.place.printer.clone().unwrap_or_default();
-            info!(build.id = %id, profile = %profile, "Moved build {id} from the printer {from} to {to}.");
+            info!(build.id = %id, machine = %machine, "Moved build {id} from the printer {from} to {to}.");
         }
         TakeBackStep::Removed => ledger.end_take_back(id, TakeBackEnd::Removed).await?,
         TakeBackStep::TakenThere => {
@@ -200,14 +200,14 @@ async fn commit_step(desk: &mut Building<'_>, build: &BuildRow, step: TakeBackSt
         TakeBackStep::Taken => {
             let then = "Say it once more when it is known how it is printed";
             drop_word(desk, id, TakeBackEnd::Taken, ("its printer took it first", then)).await?;
-            info!(build.id = %id, profile = %profile, "Build {id} stays: its printer took it.");
+            info!(build.id = %id, machine = %machine, "Build {id} stays: its printer took it.");
         }
         TakeBackStep::Elsewhere(place) => {
             let at = &place.printer;
             let why = format!("it lies at {at}, and not where it was published");
             drop_word(desk, id, TakeBackEnd::Removed, (&why, "Say it once more")).await?;
             ledger.correct_place(id, &place).await?;
-            info!(build.id = %id, profile = %profile, "Build {id} was found at {at} and is not taken back from where it was published.");
+            info!(build.id = %id, machine = %machine, "Build {id} was found at {at} and is not taken back from where it was published.");
         }
     }
     Ok(NextStep::Never)
@@ -228,7 +228,7 @@ async fn drop_word(desk: &Building<'_>, id: BuildId, end: TakeBackEnd, (why, the
 
 /// What lies in the queue as a build is not the proved file: the next look reads it, and tells so until that is over.
 fn look_again_at(desk: &mut Building<'_>, build: &BuildRow) {
-    let Some(machine) = desk.machines.get(&build.profile) else { return };
+    let Some(machine) = desk.machines.get(&build.machine) else { return };
     let queue = machine.printers.queue_with_id(build.staged.queue_id.as_deref());
     if let (Some(queue), Some(name)) = (queue, build.staged.file_name.as_deref()) {
         queue_contents::forget(&*queue, name);
@@ -250,7 +250,7 @@ async fn report_taken_there(desk: &Building<'_>, build: &BuildRow, printer: &str
     Ok(desk.shared.ledger.record_dropped_word(id, &text).await?)
 }
 
-fn report_failure(desk: &mut Building<'_>, id: BuildId, profile: &str, failure: &anyhow::Error) {
+fn report_failure(desk: &mut Building<'_>, id: BuildId, machine: &str, failure: &anyhow::Error) {
     desk.nesting.backoff.record_failure(id);
-    desk.shared.report_failure(AlertKind::PublishingFails, profile, &format!("build {id}"), failure);
+    desk.shared.report_failure(AlertKind::PublishingFails, machine, &format!("build {id}"), failure);
 }

@@ -65,7 +65,7 @@ pub(crate) async fn consider_withdrawal(
             Err(LedgerError::InQueue(_) | LedgerError::NotInQueue(_)) => {}
             said => {
                 said?;
-                info!(build.id = %build.id, profile = %name, "Build {} is taken back out of the queue: {why}.", build.id);
+                info!(build.id = %build.id, machine = %name, "Build {} is taken back out of the queue: {why}.", build.id);
             }
         }
     }

@@ -23,7 +23,7 @@ use crate::farm::{
 #[derive(Clone)]
 pub(crate) struct ClaimCompletionJob {
     claim: String,
-    profile: String,
+    machine: String,
     name: String,
 }
 
@@ -47,15 +47,15 @@ impl BackgroundJob<Farm> for ClaimCompletionJob {
 
 impl ClaimCompletionJob {
     fn of(part: &PartRow) -> Self {
-        Self { claim: part.file.claim.clone(), profile: part.profile.clone(), name: part.name.clone() }
+        Self { claim: part.file.claim.clone(), machine: part.machine.clone(), name: part.name.clone() }
     }
 
-    fn of_claim(profile: &str, claim: &ClaimedPart) -> Self {
-        Self { claim: claim.id.clone(), profile: profile.to_owned(), name: claim.display_name() }
+    fn of_claim(machine: &str, claim: &ClaimedPart) -> Self {
+        Self { claim: claim.id.clone(), machine: machine.to_owned(), name: claim.display_name() }
     }
 }
 
-/// Refuses a claimed part. If its original is claimed: changes the part to rejected, then moves the file into the error
+/// Refuses a claimed part. If its original is claimed: changes the part to refused, then moves the file into the error
 /// folder; after a crash in between, `record_claimed_file` finishes this. A part that is read again has no original in the
 /// hot folder any more, which could tell of it after a crash: its copy in the error folder comes first.
 pub(crate) async fn refuse_part(
@@ -64,12 +64,12 @@ pub(crate) async fn refuse_part(
     cause: RefusalCause,
     reason: &str,
 ) -> Result<()> {
-    warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-    if deferred_refusal::is_without_original(desk.completion, part) && desk.machines.contains_key(&part.profile) {
+    warn!(part.id = %part.id, machine = %part.machine, "Refused {} in {}: {reason}", part.name, part.machine);
+    if deferred_refusal::is_without_original(desk.completion, part) && desk.machines.contains_key(&part.machine) {
         deferred_refusal::start_refusal(desk, part.clone(), cause, reason, None);
         return Ok(());
     }
-    desk.shared.ledger.reject_claim(part.id, cause, reason).await?;
+    desk.shared.ledger.refuse_claim(part.id, cause, reason).await?;
     mark_note::update_decision_count(desk, part).await;
     move_to_error_folder(desk, part, Some(cause), reason);
     Ok(())
@@ -88,7 +88,7 @@ pub(crate) async fn complete_claims(desk: &mut Receiving<'_>) -> Result<()> {
 pub(super) fn complete_claim(desk: &mut Receiving<'_>, part: &PartRow) {
     match part.state {
         PartState::Claimed => {}
-        PartState::Rejected => move_to_error_folder(desk, part, part.rejection.refusal, &part.rejection.reason),
+        PartState::Refused => move_to_error_folder(desk, part, part.refused.refusal, &part.refused.reason),
         // The part was read: only its original must still be released.
         _ => release_claim(desk, part),
     }
@@ -141,8 +141,8 @@ pub(crate) fn release_claim(desk: &mut Receiving<'_>, part: &PartRow) {
 
 /// Puts a claimed file back into the hot folder. Somebody wrote to it after its row was committed, and then nestd
 /// crashed: the file is a new revision.
-pub(crate) fn give_back_claim(desk: &mut Receiving<'_>, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
-    let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), desk.meshes.store.clone());
+pub(crate) fn give_back_claim(desk: &mut Receiving<'_>, machine: &str, claim: &ClaimedPart, stored: &StoredFile) {
+    let (end, store) = (ClaimCompletionJob::of_claim(machine, claim), desk.meshes.store.clone());
     let (claim, hash) = (claim.clone(), stored.hash.clone());
     desk.jobs.start(end, move || {
         intake::give_back_claim(&claim)?;
@@ -152,9 +152,9 @@ pub(crate) fn give_back_claim(desk: &mut Receiving<'_>, profile: &str, claim: &C
 }
 
 /// Releases a claim that replaced a damaged stored file. Such a claim does not order new copies.
-pub(super) fn release_replacement(desk: &mut Receiving<'_>, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+pub(super) fn release_replacement(desk: &mut Receiving<'_>, machine: &str, claim: &ClaimedPart, stored: &StoredFile) {
     let (claim, hash) = (claim.clone(), stored.hash.clone());
-    desk.jobs.start(ClaimCompletionJob::of_claim(profile, &claim), move || {
+    desk.jobs.start(ClaimCompletionJob::of_claim(machine, &claim), move || {
         intake::release_claim(&claim, &hash)?;
         Ok(ClaimOutcome::Done)
     });
@@ -180,9 +180,9 @@ async fn on_claim_completed(
             }
         }
         Err(failure) => {
-            desk.shared.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
+            desk.shared.report_failure(AlertKind::EndingFails, &of.machine, &of.name, &failure);
             if let (false, Some(machine)) =
-                (desk.completion.claims.contains_key(&of.claim), desk.machines.get_mut(&of.profile))
+                (desk.completion.claims.contains_key(&of.claim), desk.machines.get_mut(&of.machine))
             {
                 // The claim is known only by its folder: the next scan lists it.
                 machine.inbox.relist = true;

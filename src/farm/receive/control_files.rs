@@ -32,22 +32,26 @@ impl BackgroundJob<Farm> for ControlFileJob {
 }
 
 /// Gives the commands of the control files of a scan, and removes the files.
-pub(super) async fn obey_controls(desk: &mut Receiving<'_>, profile: &str, controls: Vec<ControlFile>) -> Result<()> {
+pub(super) async fn obey_controls(
+    desk: &mut Receiving<'_>,
+    machine_name: &str,
+    controls: Vec<ControlFile>,
+) -> Result<()> {
     for control in controls {
-        let Some(machine) = desk.machines.get_mut(profile) else { return Ok(()) };
+        let Some(machine) = desk.machines.get_mut(machine_name) else { return Ok(()) };
         let (inbox, key) = (machine.profile.folders.inbox.clone(), control.key.clone());
         if !machine.inbox.controls.is_obeyed(&key) {
             let name = control.kind.file_name();
             let user = control.owner_uid.map_or_else(String::new, |uid| format!(" of user {uid}"));
             let command = NewCommand {
                 kind: command_kind(control.kind),
-                profile: profile.to_owned(),
+                machine: machine_name.to_owned(),
                 part: None,
                 argument: CommandArgument::default(),
                 asked_by: format!("file {name}{user}"),
             };
             let id = desk.shared.ledger.submit_command(&command).await?;
-            let Some(machine) = desk.machines.get_mut(profile) else { return Ok(()) };
+            let Some(machine) = desk.machines.get_mut(machine_name) else { return Ok(()) };
             machine.inbox.controls.record_command(key.clone(), id, name);
         }
         desk.jobs.start(ControlFileJob { key }, move || {

@@ -105,16 +105,16 @@ pub(crate) async fn continue_without_faulty_part(
 /// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.
 pub(super) async fn take_as_replacement(
     desk: &mut Receiving<'_>,
-    profile: &str,
+    machine: &str,
     claim: &ClaimedPart,
     stored: &StoredFile,
 ) -> Result<bool> {
-    let Some(part) = desk.shared.ledger.take_replacement(&claim.id, profile, &stored.hash).await? else {
+    let Some(part) = desk.shared.ledger.take_replacement(&claim.id, machine, &stored.hash).await? else {
         return Ok(false);
     };
     let name = claim.display_name();
-    info!(part.id = %part, profile, "{name} was dropped again: part {part} goes on with it; it is not another order.");
-    claim_completion::release_replacement(desk, profile, claim, stored);
+    info!(part.id = %part, machine, "{name} was dropped again: part {part} goes on with it; it is not another order.");
+    claim_completion::release_replacement(desk, machine, claim, stored);
     update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await?;
     Ok(true)
 }
@@ -124,7 +124,7 @@ pub(crate) async fn check_damaged_files(desk: &mut Receiving<'_>) -> Result<()> 
     update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await?;
     let mut parts = desk.shared.ledger.damaged_parts().await?;
     // The files of another node's machines are looked for there.
-    parts.retain(|part| desk.shared.looks_after(desk.machines, &part.profile));
+    parts.retain(|part| desk.shared.looks_after(desk.machines, &part.machine));
     let mut hashes: Vec<String> = parts.into_iter().map(|part| part.file.content_hash).collect();
     hashes.dedup();
     if hashes.is_empty() {
@@ -172,7 +172,7 @@ async fn on_files_repaired(desk: &mut Receiving<'_>, hashes: &[String]) -> Resul
 async fn update_damaged_alerts(ledger: &Ledger, machines: &MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
     let mut by_machine: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for part in ledger.damaged_parts().await? {
-        by_machine.entry(part.profile).or_default().push(format!("part {} ({})", part.id, part.name));
+        by_machine.entry(part.machine).or_default().push(format!("part {} ({})", part.id, part.name));
     }
     for name in machines.keys() {
         match by_machine.get(name) {

@@ -52,7 +52,7 @@ impl BackgroundJob<Farm> for RefusedCopyJob {
 #[derive(Clone)]
 pub(crate) struct StrayCopyRemovalJob {
     part: PartId,
-    profile: String,
+    machine: String,
     name: String,
 }
 
@@ -67,7 +67,7 @@ impl BackgroundJob<Farm> for StrayCopyRemovalJob {
 
     async fn on_done(self, mut desk: Self::Desk<'_>, removed: Self::Outcome) -> Result<()> {
         if let Err(failure) = removed {
-            desk.shared.report_failure(AlertKind::EndingFails, &self.profile, &self.name, &failure);
+            desk.shared.report_failure(AlertKind::EndingFails, &self.machine, &self.name, &failure);
         }
         Ok(())
     }
@@ -83,7 +83,7 @@ pub(super) fn is_refusing(completion: &CompletionState, jobs: &JobRunner<Farm>, 
     completion.deferred_refusals.contains_key(&part) || jobs.is_running::<StrayCopyRemovalJob>(part)
 }
 
-/// Changes a part that waits, or is read again, to rejected once a copy of the original is in the error folder. After a crash
+/// Changes a part that waits, or is read again, to refused once a copy of the original is in the error folder. After a crash
 /// in between, the command or the search requests this again.
 pub(crate) fn start_refusal(
     desk: &mut Receiving<'_>,
@@ -114,12 +114,12 @@ async fn on_refused_copied(desk: &mut Receiving<'_>, id: PartId, copied: Result<
     Ok(())
 }
 
-/// claimed, waiting -> rejected, as a command, a read or a search asked for.
+/// claimed, waiting -> refused, as a command, a read or a search asked for.
 async fn record_refusal(desk: &mut Receiving<'_>, refusal: &DeferredRefusal) -> Result<()> {
     let DeferredRefusal { part, cause, reason, command } = refusal;
     let ledger = desk.shared.ledger.for_command(command.as_ref().map(|command| command.id));
     let left = match (command, part.state) {
-        (None, PartState::Claimed) => ledger.reject_claim(part.id, *cause, reason).await,
+        (None, PartState::Claimed) => ledger.refuse_claim(part.id, *cause, reason).await,
         _ => ledger.cancel_part(part.id, *cause, reason).await,
     };
     if left.is_ok() {
@@ -144,9 +144,9 @@ async fn record_refusal(desk: &mut Receiving<'_>, refusal: &DeferredRefusal) -> 
 /// A cancel was refused: a build may have taken the part while its file was copied, now or before a crash. The copy goes.
 pub(crate) fn remove_stray_copy(desk: &mut Receiving<'_>, part: &PartRow, refused: &LedgerError) {
     let is_printed = matches!(refused, LedgerError::AlreadyBuilt(_) | LedgerError::BeingBuilt { .. });
-    let Some(machine) = desk.machines.get(&part.profile).filter(|_| is_printed) else { return };
+    let Some(machine) = desk.machines.get(&part.machine).filter(|_| is_printed) else { return };
     let (leases, error_dir, row) = (machine.leases.clone(), machine.profile.folders.error.clone(), part.clone());
-    let job = StrayCopyRemovalJob { part: part.id, profile: part.profile.clone(), name: part.name.clone() };
+    let job = StrayCopyRemovalJob { part: part.id, machine: part.machine.clone(), name: part.name.clone() };
     desk.jobs.start(job, move || {
         leases.check_error_folder()?;
         error_folder::remove_refused_files(&error_dir, &row)
@@ -158,13 +158,13 @@ fn put_off(desk: &mut Receiving<'_>, refusal: DeferredRefusal, failure: &anyhow:
     let DeferredRefusal { part, command, .. } = refusal;
     if let Some(command) = command {
         let about = format!("command {}", command.id);
-        desk.shared.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
+        desk.shared.report_failure(AlertKind::StepFails, &command.machine, &about, failure);
         return desk.shared.schedule.step_backoff.record_failure(about);
     }
-    desk.shared.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
+    desk.shared.report_failure(AlertKind::EndingFails, &part.machine, &part.name, failure);
     if part.state == PartState::Claimed {
         desk.reading.backoff.record_failure(part.id);
-    } else if let Some(machine) = desk.machines.get_mut(&part.profile) {
+    } else if let Some(machine) = desk.machines.get_mut(&part.machine) {
         machine.open.retry_tried_later(desk.shared.now());
     }
 }

@@ -53,10 +53,10 @@ impl DuplicateDecision {
         match duplicates {
             DuplicatePolicy::Accept => Self::None,
             DuplicatePolicy::Warn => Self::Warn(format!("The same file as part {}: taken as more copies.", earlier.id)),
-            DuplicatePolicy::Reject => Self::Refuse(format!(
-                "It is the same file as part {}, and this profile takes no file twice. Where more copies are meant, set \
+            DuplicatePolicy::Refuse => Self::Refuse(format!(
+                "It is the same file as part {}, and this machine takes no file twice. Where more copies are meant, set \
                  duplicates = \"warn\" in the profile {}, reload nestd and take it back.",
-                earlier.id, part.profile
+                earlier.id, part.machine
             )),
         }
     }
@@ -69,8 +69,8 @@ pub(super) async fn decide_on_duplicate(
     part: &PartRow,
     solids: &[SolidFacts],
 ) -> Result<DuplicateDecision> {
-    let Some(machine) = machines.get(&part.profile) else { return Ok(DuplicateDecision::None) };
-    let Some(earlier) = ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await? else {
+    let Some(machine) = machines.get(&part.machine) else { return Ok(DuplicateDecision::None) };
+    let Some(earlier) = ledger.find_earlier_part(&part.machine, &part.file.content_hash, part.id).await? else {
         return Ok(DuplicateDecision::None);
     };
     let put_back = ledger.find_put_back_part(part.id).await?;

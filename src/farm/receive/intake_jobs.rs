@@ -169,7 +169,7 @@ async fn start_part_read(desk: &mut Receiving<'_>, mut part: PartRow, profile: &
     if !turn.has_come() {
         return Ok(());
     }
-    let was_rejected = desk.shared.ledger.was_rejected(part.id).await?;
+    let was_refused = desk.shared.ledger.was_refused(part.id).await?;
     if !desk.reading.counted_reads.remove(&part.id) {
         part.file.reads = desk.shared.ledger.begin_read(part.id).await?;
     }
@@ -178,7 +178,7 @@ async fn start_part_read(desk: &mut Receiving<'_>, mut part: PartRow, profile: &
     let claim = desk.completion.claims.get(&part.file.claim).cloned();
     let leases = desk.machines.get(&profile.name).map(|machine| machine.leases.clone());
     // After a retry the refused file and its reason must leave the error folder.
-    let refused_before = leases.filter(|_| was_rejected);
+    let refused_before = leases.filter(|_| was_refused);
     desk.jobs.start(PartReadJob { part: part.id }, move || {
         let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
         // Removed before the part becomes waiting: a crash later must not leave its file in two places.
@@ -210,7 +210,7 @@ async fn on_part_read(desk: &mut Receiving<'_>, id: PartId, outcome: PartReadOut
             let ids = desk.shared.ledger.accept_solids(id, &solids).await?;
             let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
             let parts = format_count(ids.len(), "part", "parts");
-            info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
+            info!(part.id = %id, machine = %part.machine, "{} waits in {}: {parts}, {copies}.", part.name, part.machine);
             claim_completion::release_claim(desk, &part);
             Ok(())
         }
@@ -224,7 +224,7 @@ async fn on_part_read(desk: &mut Receiving<'_>, id: PartId, outcome: PartReadOut
             let about = format!("part {id} ({})", part.name);
             desk.shared.alerts.report_failure(
                 AlertKind::ReadingFails,
-                &part.profile,
+                &part.machine,
                 &about,
                 &format!("{about}: {why}"),
             );

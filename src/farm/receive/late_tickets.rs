@@ -28,7 +28,7 @@ const MEANT_WITHIN: SignedDuration = SignedDuration::from_hours(7 * 24);
 /// Moves a late ticket to where it belongs.
 #[derive(Clone)]
 pub(crate) struct LateTicketJob {
-    profile: String,
+    machine: String,
     file_name: String,
     key: String,
 }
@@ -45,7 +45,7 @@ impl BackgroundJob<Farm> for LateTicketJob {
     async fn on_done(self, _desk: Self::Desk<'_>, ended: Self::Outcome) -> Result<()> {
         if let Err(failure) = ended {
             // It is offered again, and changes nothing.
-            warn!(profile = %self.profile, "{} could not be put where it belongs: {failure:#}.", self.file_name);
+            warn!(machine = %self.machine, "{} could not be put where it belongs: {failure:#}.", self.file_name);
         }
         Ok(())
     }
@@ -92,7 +92,7 @@ pub(crate) type UnjudgedTickets = (Vec<String>, anyhow::Error);
 /// nested just now: they must be offered again.
 pub(super) async fn apply_late_tickets(
     desk: &mut Receiving<'_>,
-    profile: &str,
+    machine: &str,
     scan: &mut HotFolderScan,
 ) -> Result<Vec<String>, UnjudgedTickets> {
     let tickets = std::mem::take(&mut scan.late_tickets);
@@ -100,7 +100,7 @@ pub(super) async fn apply_late_tickets(
         return Ok(Vec::new());
     }
     let since = desk.shared.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
-    let parts = match desk.shared.ledger.recent_parts(profile, since).await {
+    let parts = match desk.shared.ledger.recent_parts(machine, since).await {
         Ok(parts) => parts,
         Err(failure) => return Err((tickets.into_iter().map(|late| late.key).collect(), failure.into())),
     };
@@ -110,7 +110,7 @@ pub(super) async fn apply_late_tickets(
         if desk.jobs.is_running::<LateTicketJob>(&key) {
             continue;
         }
-        let judged = match apply_late_ticket(desk, profile, &late, &parts).await {
+        let judged = match apply_late_ticket(desk, machine, &late, &parts).await {
             Ok(LateDecision::AwaitPart(part)) => {
                 left.push((late, part));
                 continue;
@@ -120,7 +120,7 @@ pub(super) async fn apply_late_tickets(
                 keys.push(key);
                 continue;
             }
-            Ok(decision) => finish(desk, profile, late, decision).await,
+            Ok(decision) => finish(desk, machine, late, decision).await,
             Err(failure) => Err(failure),
         };
         if let Err(failure) = judged {
@@ -158,11 +158,11 @@ fn waiting_reasons(left: &[(LateTicket, AwaitedPart)]) -> Vec<String> {
 
 async fn apply_late_ticket(
     desk: &mut Receiving<'_>,
-    profile: &str,
+    machine_name: &str,
     late: &LateTicket,
     parts: &[PartRow],
 ) -> Result<LateDecision> {
-    let Some(machine) = desk.machines.get(profile) else { return Ok(LateDecision::Wait) };
+    let Some(machine) = desk.machines.get(machine_name) else { return Ok(LateDecision::Wait) };
     let machine = machine.profile.clone();
     let candidates: Vec<&PartRow> = parts.iter().filter(|part| may_mean(late, part)).collect();
     let mut names: Vec<&str> = candidates.iter().map(|part| part.name.as_str()).collect();
@@ -191,7 +191,7 @@ async fn apply_late_ticket(
         return Ok(LateDecision::Wait);
     }
     match newest.state {
-        PartState::Rejected => return Ok(LateDecision::AwaitPart(AwaitedPart::Refused)),
+        PartState::Refused => return Ok(LateDecision::AwaitPart(AwaitedPart::Refused)),
         // A new file of the name of a part that is printed may still come.
         PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
         _ => {}
@@ -209,9 +209,9 @@ async fn apply_late_ticket(
             Ok(None) => {}
             Ok(Some(edited)) if edited.changes.is_empty() => {}
             Ok(Some(edited)) => {
-                info!(part.id = %part.id, profile, "{} came late and changed part {}: {}.", late.source.file_name, part.id, edited.changes.join(", "));
+                info!(part.id = %part.id, machine = machine_name, "{} came late and changed part {}: {}.", late.source.file_name, part.id, edited.changes.join(", "));
                 mark_note::update_decision_count(desk, part).await;
-                if let (true, Some(machine)) = (edit.changes_layout(), desk.machines.get_mut(profile)) {
+                if let (true, Some(machine)) = (edit.changes_layout(), desk.machines.get_mut(machine_name)) {
                     machine.open.reset();
                 }
             }
@@ -304,11 +304,11 @@ fn applied_reason(meant: &str, failure: &anyhow::Error) -> String {
 }
 
 /// Puts a late ticket where it belongs.
-async fn finish(desk: &mut Receiving<'_>, profile: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
-    let Some(machine) = desk.machines.get(profile) else { return Ok(()) };
+async fn finish(desk: &mut Receiving<'_>, name: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
+    let Some(machine) = desk.machines.get(name) else { return Ok(()) };
     let (folders, leases) = (machine.profile.folders.clone(), machine.leases.clone());
     let job =
-        LateTicketJob { profile: profile.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
+        LateTicketJob { machine: name.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
     match decision {
         LateDecision::Wait | LateDecision::AwaitPart(_) => {}
         LateDecision::Accept(meant) => desk.jobs.start(job, move || {
@@ -328,9 +328,9 @@ async fn finish(desk: &mut Receiving<'_>, profile: &str, late: LateTicket, decis
             }
         }),
         LateDecision::Refuse(reason) => {
-            warn!(profile, "Refused {} for {}: {reason}", late.source.file_name, late.part_name);
+            warn!(machine = name, "Refused {} for {}: {reason}", late.source.file_name, late.part_name);
             let detail = format!("{}: {reason}", late.source.file_name);
-            desk.shared.ledger.record_file_refusal(profile, RefusalCause::Ticket, &detail).await?;
+            desk.shared.ledger.record_file_refusal(name, RefusalCause::Ticket, &detail).await?;
             desk.jobs.start(job, move || {
                 leases.check_error_folder()?;
                 late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;

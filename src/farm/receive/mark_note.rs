@@ -62,7 +62,7 @@ pub(crate) async fn update_decision_count(desk: &mut Receiving<'_>, part: &PartR
 /// How often was decided about the parts of a claim, and the copies that are wanted of each solid by now.
 async fn read_decisions(desk: &Receiving<'_>, part: &PartRow) -> Result<(u32, BTreeMap<u32, u32>), LedgerError> {
     let parts = desk.shared.ledger.parts_of_claim(&part.file.claim).await?;
-    let live = parts.iter().filter(|part| part.state != PartState::Rejected);
+    let live = parts.iter().filter(|part| part.state != PartState::Refused);
     let wanted = live.map(|part| (part.solid.object_index, part.wanted_copies())).collect();
     Ok((desk.shared.ledger.decision_count(&part.file.claim).await?, wanted))
 }

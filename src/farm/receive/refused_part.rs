@@ -112,7 +112,7 @@ pub(super) fn describe_refused_part(
     cause: Option<RefusalCause>,
     reason: &str,
 ) -> Option<RefusedPart> {
-    let machine = desk.machines.get(&part.profile)?;
+    let machine = desk.machines.get(&part.machine)?;
     let folders = &machine.profile.folders;
     Some(RefusedPart {
         part: part.clone(),

@@ -31,10 +31,10 @@ use crate::farm::{
 /// Delay of a scan after a file-system event, so that a burst of events causes one scan.
 const SCAN_DELAY_AFTER_EVENT: Duration = Duration::from_millis(200);
 
-/// Scans a profile's hot folder.
+/// Scans a machine's hot folder.
 #[derive(Clone)]
 pub(crate) struct HotFolderScanJob {
-    profile: String,
+    machine: String,
 }
 
 impl BackgroundJob<Farm> for HotFolderScanJob {
@@ -43,17 +43,17 @@ impl BackgroundJob<Farm> for HotFolderScanJob {
     type Desk<'f> = Receiving<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, mut desk: Self::Desk<'_>, scan: Self::Outcome) -> Result<()> {
-        on_scan_done(&mut desk, &self.profile, scan).await;
+        on_scan_done(&mut desk, &self.machine, scan).await;
         Ok(())
     }
 
     async fn on_panic(self, desk: Self::Desk<'_>, _message: &str) -> Result<()> {
         // Nobody knows what it remembers: the next one lists the claims again.
-        if let Some(machine) = desk.machines.get_mut(&self.profile) {
+        if let Some(machine) = desk.machines.get_mut(&self.machine) {
             let (orphan_secs, time) = (desk.shared.settings.orphan_ticket_secs, desk.shared.schedule.time.clone());
             machine.inbox.scanner = Some(Box::new(HotFolderScanner::new(&machine.profile, orphan_secs, time)));
         }
@@ -63,7 +63,7 @@ impl BackgroundJob<Farm> for HotFolderScanJob {
 
 /// The scanner of a hot folder, with its memory.
 struct CarriedScanner {
-    profile: String,
+    machine: String,
     scanner: Box<HotFolderScanner>,
 }
 
@@ -73,8 +73,8 @@ impl Carried<Farm> for CarriedScanner {
     fn give_back(self, desk: Self::Desk<'_>) {
         let (now, scan_secs) = (desk.shared.now(), desk.shared.settings.scan_secs);
         // After a reload, the machine may have another hot folder, and another scanner.
-        let is_same = |machine: &&mut MachineState| self.scanner.is_for_profile(&machine.profile);
-        if let Some(machine) = desk.machines.get_mut(&self.profile).filter(is_same) {
+        let is_same = |machine: &&mut MachineState| self.scanner.is_for_machine(&machine.profile);
+        if let Some(machine) = desk.machines.get_mut(&self.machine).filter(is_same) {
             machine.inbox.scanner = Some(self.scanner);
             machine.inbox.next_scan_at = now + Duration::from_secs_f64(scan_secs);
         }
@@ -107,8 +107,8 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings.scan_secs));
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
         let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
-        let carried = CarriedScanner { profile: name.clone(), scanner };
-        desk.jobs.start_with(HotFolderScanJob { profile: name }, carried, move |CarriedScanner { scanner, .. }| {
+        let carried = CarriedScanner { machine: name.clone(), scanner };
+        desk.jobs.start_with(HotFolderScanJob { machine: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
             let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
             let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
@@ -151,7 +151,7 @@ async fn on_scan_done(desk: &mut Receiving<'_>, name: &str, mut scan: HotFolderS
     tell_of_scan(desk, name, &scan);
     if let Some(machine) = desk.machines.get_mut(name) {
         for file in &scan.refused {
-            warn!(profile = %name, "Refused {} in {name}: {}", file.name, file.reason);
+            warn!(machine = %name, "Refused {} in {name}: {}", file.name, file.reason);
         }
         machine.inbox.unrecorded_refusals.append(&mut scan.refused);
     }

@@ -48,8 +48,8 @@ impl ForgottenFileRecovery<'_> {
                 let (place, told) = (
                     place.display(),
                     match known {
-                        Some(profile) => {
-                            format!("it was refused or cancelled, and lies in the error folder of {profile}")
+                        Some(machine) => {
+                            format!("it was refused or cancelled, and lies in the error folder of {machine}")
                         }
                         None => "look at it, and drop it again with its copies".to_owned(),
                     },
@@ -74,7 +74,7 @@ impl ForgottenFileRecovery<'_> {
     async fn recover_noted_file(&mut self, one: &ForgottenFile, taken: &ClaimNote) -> Result<()> {
         let (part, name) = (&taken.part, one.display_name());
         let id = self.ledger.record_claim(part).await?.id;
-        let lies = self.refused.files_with_content(&part.profile, &one.hash).first().cloned();
+        let lies = self.refused.files_with_content(&part.machine, &one.hash).first().cloned();
         let wanted = match taken.wanted.values().collect::<Vec<_>>()[..] {
             [&wanted] if wanted != part.copies => Some(wanted),
             _ => None,
@@ -98,12 +98,12 @@ impl ForgottenFileRecovery<'_> {
                 let copies = if part.copies == 1 { "1 copy".to_owned() } else { format!("{} copies", part.copies) };
                 self.report.done.push(format!(
                     "part {id} ({name}, {copies}, for {}) was taken after the backup was made; it is taken in and waits",
-                    part.profile
+                    part.machine
                 ));
                 return Ok(());
             }
         };
-        self.ledger.reject_claim(id, cause, &why).await?;
+        self.ledger.refuse_claim(id, cause, &why).await?;
         self.ledger.raise_decision_count(&part.claim, one.decisions).await?;
         let row = self.ledger.find_part(id).await?.context("a part that was recorded has no row")?;
         if !one.is_in_work || lies.is_some() {
@@ -119,14 +119,14 @@ impl ForgottenFileRecovery<'_> {
 
     /// Puts the file of a part that is not printed into the error folder, with a reason that names the part.
     fn show_in_error_folder(&mut self, row: &PartRow, lies: Option<PathBuf>) -> Result<()> {
-        match (lies, self.settings.profiles.get(&row.profile)) {
+        match (lies, self.settings.profiles.get(&row.machine)) {
             (Some(file), _) => {
                 let mut reason = file.into_os_string();
                 reason.push(REASON_SUFFIX);
                 if PathBuf::from(&reason).is_file() {
                     self.report.folder_steps.push(DeferredFolderStep::RewriteReason(
                         reason.into(),
-                        reason_text(row, row.rejection.refusal, &row.rejection.reason),
+                        reason_text(row, row.refused.refusal, &row.refused.reason),
                     ));
                 }
                 Ok(())

@@ -39,7 +39,7 @@ pub fn keep_staged_file(profile: &MachineProfile, staged: &Path, file_name: &str
         intake::archive_file(staged, &profile.folders.archive, intake::KEPT_BUILDS, file_name).map(drop)
     };
     if let Err(error) = copied() {
-        warn!(profile = %profile.name, "No copy of {file_name} is kept in the archive: {error}. The build is published without.");
+        warn!(machine = %profile.name, "No copy of {file_name} is kept in the archive: {error}. The build is published without.");
     }
 }
 

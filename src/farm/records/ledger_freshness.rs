@@ -58,13 +58,13 @@ pub async fn find_unknown_to_ledger(
     let is_shared = ledger.file().is_none();
     files.retain(|file| match &file.note {
         None => true,
-        Some(taken) => match settings.profiles.get(&taken.part.profile) {
+        Some(taken) => match settings.profiles.get(&taken.part.machine) {
             Some(profile) => profile.folders.inbox.join(".claimed").is_dir(),
             None => !is_shared,
         },
     });
     unknown.extend(files.iter().map(|file| match &file.note {
-        Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.profile),
+        Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.machine),
         None => file.display_name(),
     }));
     unknown
@@ -194,16 +194,16 @@ pub enum FolderComparison {
 /// The store compared with the ledger, once for all machines whose folders are compared together.
 #[derive(Debug, Default)]
 pub(crate) struct StoreComparison {
-    /// What the ledger does not know: profile and description.
+    /// What the ledger does not know: machine and description.
     unknown: OnceCell<Vec<(String, String)>>,
 }
 
 impl StoreComparison {
-    /// Descriptions of what the store holds for a profile and the ledger does not know. The first caller walks the
+    /// Descriptions of what the store holds for a machine and the ledger does not know. The first caller walks the
     /// store.
-    async fn unknown_of_profile(&self, settings: &Settings, ledger: &Ledger, profile: &str) -> Result<Vec<String>> {
+    async fn unknown_of_machine(&self, settings: &Settings, ledger: &Ledger, machine: &str) -> Result<Vec<String>> {
         let unknown = self.unknown.get_or_try_init(|| find_unknown_in_store(settings, ledger)).await?;
-        Ok(unknown.iter().filter(|(of, _)| of == profile).map(|(_, what)| what.clone()).collect())
+        Ok(unknown.iter().filter(|(of, _)| of == machine).map(|(_, what)| what.clone()).collect())
     }
 }
 
@@ -211,8 +211,8 @@ async fn find_unknown_in_store(settings: &Settings, ledger: &Ledger) -> Result<V
     let kept = claim_note::list_stored_files(settings)?;
     let files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
     let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
-    let files = files.iter().filter_map(|file| Some((file.note.as_ref()?.part.profile.clone(), file.display_name())));
-    let decided = decided.iter().map(|claim| (claim.profile.clone(), newer_decisions::describe_decision(claim)));
+    let files = files.iter().filter_map(|file| Some((file.note.as_ref()?.part.machine.clone(), file.display_name())));
+    let decided = decided.iter().map(|claim| (claim.machine.clone(), newer_decisions::describe_decision(claim)));
     let ordered = order_notes::find_unknown_lines(ledger, &settings.state_dir).await?;
     Ok(files.chain(decided).chain(ordered).collect())
 }
@@ -234,7 +234,7 @@ pub(crate) async fn compare_machine_folders(
     present.printers.retain(|printer| seen.has_queue(&printer.queue));
     let unknown = async {
         let mut unknown = find_unknown_build_names(settings, ledger, &present).await?;
-        unknown.extend(store.unknown_of_profile(settings, ledger, &profile.name).await?);
+        unknown.extend(store.unknown_of_machine(settings, ledger, &profile.name).await?);
         anyhow::Ok(unknown)
     };
     match unknown.await {

@@ -33,7 +33,7 @@ pub async fn find_newer_decisions(
     let marked = kept.values().flat_map(|kept| &kept.claims).filter(|(_, decisions)| **decisions > 0);
     let marked = marked.map(|(claim, decisions)| (claim.clone(), *decisions)).collect();
     let mut since = ledger.claims_with_more_decisions(&marked).await?;
-    since.retain(|claim| settings.profiles.contains_key(&claim.profile));
+    since.retain(|claim| settings.profiles.contains_key(&claim.machine));
     Ok(since)
 }
 
@@ -42,7 +42,7 @@ pub fn describe_decision(claim: &ClaimDecisions) -> String {
     let order = if claim.order_name.is_empty() { String::new() } else { format!("{}/", claim.order_name) };
     format!(
         "the last decision about {order}{} for {} (refused, cancelled, taken back or changed)",
-        claim.name, claim.profile
+        claim.name, claim.machine
     )
 }
 
@@ -136,7 +136,7 @@ pub(super) fn how_to_take_back(part: PartId, wanted: Option<u32>) -> String {
 fn remedy(part: &PartRow, wanted: Option<u32>) -> String {
     let (id, copies) = (part.id, wanted.map_or_else(|| "N".to_owned(), |copies| copies.to_string()));
     match part.state {
-        PartState::Rejected => how_to_take_back(id, wanted),
+        PartState::Refused => how_to_take_back(id, wanted),
         PartState::Claimed | PartState::Waiting => {
             format!(
                 "`nestd edit {id} --copies {copies}` wants as many, and `nestd cancel {id}` takes it out, where it should be otherwise"

@@ -74,7 +74,7 @@ pub(super) async fn find_unknown_lines(ledger: &Ledger, state_dir: &Path) -> Res
     let mut unknown = Vec::new();
     for note in read_notes(state_dir)?.into_iter().filter_map(|(_, note)| note) {
         let lines = note.unknown_lines(ledger).await?;
-        unknown.extend(lines.iter().map(|line| (line.profile.clone(), describe_line(line))));
+        unknown.extend(lines.iter().map(|line| (line.machine.clone(), describe_line(line))));
     }
     Ok(unknown)
 }
@@ -98,7 +98,7 @@ pub(super) async fn take_in_orders(ledger: &Ledger, state_dir: &Path, found: &mu
             format!(
                 "{} ({copies}, for {}) was taken after the backup was made and was no part yet; it is taken in and arrives",
                 describe_line(line),
-                line.profile
+                line.machine
             )
         }));
         let order = NewOrderRequest { client: note.client, key: note.key, answered: note.answered, lines };

@@ -34,7 +34,7 @@ const NUMBER_GAP: u32 = 1000;
 pub struct UnknownBuild {
     /// Name of its build file.
     pub name: String,
-    profile: String,
+    machine: String,
     record: String,
     /// Path of its record, if it has one.
     record_file: Option<PathBuf>,
@@ -47,7 +47,7 @@ impl UnknownBuild {
         let record: serde_json::Value = serde_json::from_str(&self.record).unwrap_or_default();
         let row = &record["builds"][0];
         let opened_at = row["opened_at"].as_str().and_then(|at| at.parse::<jiff::Timestamp>().ok());
-        self.profile == build.profile && row["id"] == build.id.0 && opened_at == Some(build.times.opened_at.0)
+        self.machine == build.machine && row["id"] == build.id.0 && opened_at == Some(build.times.opened_at.0)
     }
 }
 
@@ -81,7 +81,7 @@ pub async fn reconcile_ledger(
                     true => "was published and taken back out of the queue untouched; its copies wait",
                     false => "was published; its copies are taken in",
                 };
-                found.done.push(format!("build {id} ({} of {}) {what}", build.name, build.profile));
+                found.done.push(format!("build {id} ({} of {}) {what}", build.name, build.machine));
                 found.doubts.extend(doubts);
             }
             Err(error) => {
@@ -99,7 +99,7 @@ pub async fn reconcile_ledger(
     let mut since = NewerDecisions::load_for_reconcile(settings, ledger, &kept, &mut found).await?;
     let context = ReconcileContext { settings, ledger, refused: &refused };
     for profile in settings.profiles.values() {
-        reject_refused_parts(&context, profile, &mut since, &mut found).await?;
+        refuse_parts_again(&context, profile, &mut since, &mut found).await?;
         restore_retried_files(&context, profile, &mut since, &mut found).await?;
     }
     since.apply_to_ledger(ledger, &mut found).await?;
@@ -159,7 +159,7 @@ pub async fn find_unknown_builds(
         let is_published = !folder_builds::is_staged(profile, &name, queue_id.as_deref())?;
         unknown.push(UnknownBuild {
             name,
-            profile: profile.name.clone(),
+            machine: profile.name.clone(),
             record,
             record_file: Some(file),
             is_published,
@@ -212,13 +212,13 @@ async fn record_from_build_file(
     let at = jiff::Timestamp::try_from(fs::metadata(&file)?.modified()?).unwrap_or_default();
     let at = ledger::UtcTimestamp(at).to_string();
     let build = json!({
-        "id": number, "profile": profile.name, "fired_by": "", "attempts": 1, "opened_at": at, "nesting_at": at,
+        "id": number, "machine": profile.name, "fired_by": "", "attempts": 1, "opened_at": at, "nesting_at": at,
         "verified_at": at, "state_at": at, "file_name": name, "file_hash": intake::hash_file(&file)?, "file_bytes": bytes,
         "height_mm": height_mm, "copies": placements.len(), "reason": "taken in from the build file in the queue",
     });
     let record = json!({ "builds": [build], "parts": parts, "placements": placements }).to_string();
-    let (name, profile) = (name.to_owned(), profile.name.clone());
-    Ok(Some(UnknownBuild { name, profile, record, record_file: None, is_published: true }))
+    let (name, machine) = (name.to_owned(), profile.name.clone());
+    Ok(Some(UnknownBuild { name, machine, record, record_file: None, is_published: true }))
 }
 
 /// Gives up the builds that were being nested when the backup was made, since they are outdated: their copies wait
@@ -230,7 +230,7 @@ async fn give_up_nesting_builds(
     found: &mut ReconcileReport,
 ) -> Result<()> {
     for build in ledger.builds_in_state(BuildState::Nesting).await? {
-        if ledger.is_machine_of_sound_node(&build.profile, &settings.node.name).await? {
+        if ledger.is_machine_of_sound_node(&build.machine, &settings.node.name).await? {
             continue;
         }
         if unknown.iter().any(|one| one.is_record_of(&build)) {
@@ -244,9 +244,9 @@ async fn give_up_nesting_builds(
     Ok(())
 }
 
-/// Rejects parts that wait in the ledger but were refused, cancelled or otherwise decided on since, or whose files are
+/// Refuses parts that wait in the ledger but were refused, cancelled or otherwise decided on since, or whose files are
 /// not kept any more.
-async fn reject_refused_parts(
+async fn refuse_parts_again(
     context: &ReconcileContext<'_>,
     profile: &MachineProfile,
     since: &mut NewerDecisions,
@@ -255,7 +255,7 @@ async fn reject_refused_parts(
     let (ledger, settings) = (context.ledger, context.settings);
     let mut live = ledger.parts_in_state(PartState::Waiting).await?;
     live.extend(ledger.parts_in_state(PartState::Claimed).await?);
-    for part in live.into_iter().filter(|part| part.profile == profile.name) {
+    for part in live.into_iter().filter(|part| part.machine == profile.name) {
         let (is_in_work, is_decided) = (is_in_work(profile, &part)?, since.contains_part(&part));
         if is_in_work && !is_decided {
             continue;
@@ -274,7 +274,7 @@ async fn reject_refused_parts(
             () if is_decided => format!("{DECIDED_SINCE}{}", wanted_then(since.wanted_since(&part))),
             () => continue,
         } + ".";
-        if let Err(error) = reject_part(ledger, &part, &why).await {
+        if let Err(error) = refuse_part(ledger, &part, &why).await {
             let LedgerError::BeingBuilt { build, .. } = error else { return Err(error.into()) };
             let doubt = format!(
                 "part {} ({}) has copies in build {build}, which is to be published. {why} `nestd cancel {0}` takes out what \
@@ -302,10 +302,10 @@ async fn reject_refused_parts(
     Ok(())
 }
 
-/// waiting, claimed -> rejected; the other parts of a claimed part's file are rejected with it.
-async fn reject_part(ledger: &Ledger, part: &PartRow, why: &str) -> Result<(), LedgerError> {
+/// waiting, claimed -> refused; the other parts of a claimed part's file are refused with it.
+async fn refuse_part(ledger: &Ledger, part: &PartRow, why: &str) -> Result<(), LedgerError> {
     match ledger.find_part(part.id).await?.map(|now| now.state) {
-        Some(PartState::Claimed) => ledger.reject_claim(part.id, RefusalCause::Other, why).await,
+        Some(PartState::Claimed) => ledger.refuse_claim(part.id, RefusalCause::Other, why).await,
         Some(PartState::Waiting) => ledger.cancel_part(part.id, RefusalCause::Other, why).await,
         _ => Ok(()),
     }
@@ -320,8 +320,8 @@ async fn restore_retried_files(
     since: &mut NewerDecisions,
     found: &mut ReconcileReport,
 ) -> Result<()> {
-    for part in context.ledger.parts_in_state(PartState::Rejected).await? {
-        if part.profile != profile.name || since.is_reported(&part) || is_in_work(profile, &part)? {
+    for part in context.ledger.parts_in_state(PartState::Refused).await? {
+        if part.machine != profile.name || since.is_reported(&part) || is_in_work(profile, &part)? {
             continue;
         }
         if !is_stored(context.settings, &part)? || is_in_error_folder(context.refused, profile, &part)? {

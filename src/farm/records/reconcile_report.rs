@@ -36,7 +36,7 @@ pub(crate) enum DeferredFolderStep {
     RewriteReason(PathBuf, String),
 }
 
-/// Why a part is rejected when its note counts more decisions than the ledger.
+/// Why a part is refused when its note counts more decisions than the ledger.
 pub(super) const DECIDED_SINCE: &str = "It was refused, cancelled, taken back or changed after the backup was made";
 
 impl ReconcileReport {
@@ -61,7 +61,7 @@ impl ReconcileReport {
 /// In the state folder: stored files without a note.
 pub(super) const UNKNOWN_FILES_DIR: &str = "unknown";
 
-/// The files in the error folders, by profile and BLAKE3.
+/// The files in the error folders, by machine and BLAKE3.
 pub(crate) struct ErrorFolderIndex(HashMap<(String, String), Vec<PathBuf>>);
 
 impl ErrorFolderIndex {
@@ -89,17 +89,16 @@ impl ErrorFolderIndex {
         Ok(Self(files))
     }
 
-    /// The paths of a content in the error folder of a profile.
-    pub(super) fn files_with_content(&self, profile: &str, hash: &str) -> &[PathBuf] {
-        self.0.get(&(profile.to_owned(), hash.to_owned())).map_or(&[], Vec::as_slice)
+    /// The paths of a content in the error folder of a machine.
+    pub(super) fn files_with_content(&self, machine: &str, hash: &str) -> &[PathBuf] {
+        self.0.get(&(machine.to_owned(), hash.to_owned())).map_or(&[], Vec::as_slice)
     }
 }
 
 /// Copies a refused part's file from the store into the error folder, with its reason.
 pub(crate) fn copy_to_error_folder(settings: &Settings, profile: &MachineProfile, part: &PartRow) -> Result<()> {
     let stored = ContentStore::from_dir(settings.state_dir.join("store")).file_path(&part.file.content_hash)?;
-    let (folder, text) =
-        (format!("part-{}", part.id), reason_text(part, part.rejection.refusal, &part.rejection.reason));
+    let (folder, text) = (format!("part-{}", part.id), reason_text(part, part.refused.refusal, &part.refused.reason));
     intake::copy_to_error_folder(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
         .with_context(|| format!("copying {} into the error folder", part.name))
 }

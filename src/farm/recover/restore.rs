@@ -196,7 +196,7 @@ async fn reconcile_copy(settings: &Settings, ledger: &Ledger, known: &FolderExpe
 fn doubts_on_printers(settings: &Settings, down: &[DownPrinter]) -> Vec<String> {
     let mut doubts = Vec::new();
     for profile in settings.profiles.values().filter(|profile| profile.has_named_printers()) {
-        let is_down = |name: &str| down.iter().any(|down| down.profile == profile.name && down.printer == name);
+        let is_down = |name: &str| down.iter().any(|down| down.machine == profile.name && down.printer == name);
         let names = profile.printers.iter().map(|printer| printer.name.as_str());
         let up: Vec<&str> = names.filter(|name| !is_down(name)).collect();
         if !up.is_empty() {

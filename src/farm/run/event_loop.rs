@@ -30,6 +30,7 @@ use crate::farm::{
     open_build::{
         batch, nest,
         night_search::{self, NightSearchJob},
+        searches,
     },
     operate::commands,
     process::{
@@ -69,7 +70,7 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
             farm.lifecycle.services.set_phase(ServicePhase::Open);
         }
         systemd::notify_ready(&farm.display.status_line);
-        info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
+        info!(machines = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
         run_event_loop(&mut farm, &mut signals).await;
     }
     systemd::notify_stopping();
@@ -242,7 +243,7 @@ pub(crate) async fn reload_configuration(farm: &mut Farm) {
     let applied = apply_configuration(farm).await;
     farm.alerts.clear(AlertKind::ConfigurationWrong, "", "");
     match applied {
-        Ok(()) => info!(profiles = farm.machines.len(), "The configuration was read again."),
+        Ok(()) => info!(machines = farm.machines.len(), "The configuration was read again."),
         Err(failure) => {
             let detail = format!("{failure:#}").replace('\n', " ");
             farm.alerts.raise(AlertKind::ConfigurationWrong, "", "", &detail);
@@ -331,7 +332,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
 /// Stores what the searches have found that did not end in time.
 async fn leave_searches(farm: &mut Farm) {
     for (build, cut_short) in farm.nesting.searches.cut_short() {
-        if let Err(failure) = nest::leave_search(&farm.ledger, build, &cut_short).await {
+        if let Err(failure) = searches::leave_search(&farm.ledger, build, &cut_short).await {
             warn!(build.id = %build, "What was found for build {build} could not be stored: {failure:#}.");
         }
     }

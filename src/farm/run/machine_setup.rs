@@ -60,7 +60,7 @@ pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
                     desk.shared.alerts.clear(AlertKind::QueueAway, &name, format!("lease {about}").trim_end());
                 }
                 *machine = fresh;
-                info!(profile = %name, "The profile has changed.");
+                info!(machine = %name, "The profile has changed.");
             }
             None => {
                 let row = desk.shared.ledger.open_build(&name).await?;
@@ -87,7 +87,7 @@ fn remove_gone_machines(desk: &mut SettingUp<'_>) {
             machine.open.reset();
             machine.leases.all_leases().into_iter().for_each(FolderLease::release);
             desk.shared.alerts.forget_machine(&name);
-            info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
+            info!(machine = %name, "The machine is no longer configured; its waiting parts stay in the ledger.");
         }
     }
 }
@@ -116,7 +116,7 @@ pub(super) async fn take_free_machines(desk: &mut SettingUp<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Maximum number of searches at once: the threads of the farm divided by the largest number that a profile uses.
+/// Maximum number of searches at once: the threads of the farm divided by the largest number that a machine uses.
 fn search_slots(settings: &Settings) -> usize {
     let all = settings.resources.thread_count();
     let each =

@@ -229,7 +229,7 @@ fn report_not_open(settings: &Settings, alerts: &mut AlertRegistry, does: &str) 
     alerts.write_if_changed(&settings.state_dir);
     for (name, profile) in &settings.profiles {
         let text = format!("{name}: nestd {does}; what is dropped here waits.\n{}", alerts.status_text_for(name));
-        let json = serde_json::json!({ "profile": name, "runs": false, "attention": alerts.status_json_for(name) });
+        let json = serde_json::json!({ "machine": name, "runs": false, "attention": alerts.status_json_for(name) });
         if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
             warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());
         }

@@ -7,7 +7,7 @@ use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
-use ledger::{LedgerError, NodeHeartbeat, ProfileStatus};
+use ledger::{LedgerError, MachineStatus, NodeHeartbeat};
 use serde_json::json;
 
 use super::status_alerts;
@@ -41,7 +41,7 @@ const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
 pub(crate) struct WriteStatusJob {
-    profile: String,
+    machine: String,
 }
 
 impl BackgroundJob<Farm> for WriteStatusJob {
@@ -50,7 +50,7 @@ impl BackgroundJob<Farm> for WriteStatusJob {
     type Desk<'f> = Shared<'f>;
 
     fn subject(&self) -> String {
-        self.profile.clone()
+        self.machine.clone()
     }
 
     async fn on_done(self, _shared: Self::Desk<'_>, (): ()) -> Result<()> {
@@ -65,12 +65,12 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     }
     desk.display.updated_at = Some(desk.shared.now());
     control_files::update_answers(desk.shared.ledger, desk.machines).await?;
-    let rows = desk.shared.ledger.profile_statuses().await?;
+    let rows = desk.shared.ledger.machine_statuses().await?;
     let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
     let now = desk.shared.date();
     for (name, machine) in desk.machines.iter_mut() {
         let printers = printer_views(desk.shared.ledger, &machine.profile, now).await?;
-        if let Some(row) = rows.iter().find(|row| row.profile == *name) {
+        if let Some(row) = rows.iter().find(|row| row.machine == *name) {
             let text = status_text(machine, row, &printers) + &part_questions::questions_text(name, &asked);
             let mut json = status_json(machine, row);
             json["printers"] = json!(printers);
@@ -112,11 +112,11 @@ pub(super) fn publish_alerts(desk: &mut Showing<'_>) {
     }
     desk.display.updated_at = Some(desk.shared.now());
     for (name, machine) in desk.machines.iter() {
-        let (profile, inbox, (text, json)) =
+        let (machine_name, inbox, (text, json)) =
             (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, desk.shared.alerts, true));
-        desk.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
             if let Err(error) = intake::write_status(&inbox, &text, &json) {
-                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+                tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
             }
         });
     }
@@ -156,27 +156,27 @@ pub(super) async fn abandon_replaced_ledger(shared: &mut Shared<'_>, why: &Ledge
 pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
     let rows = match desk.shared.lifecycle.is_halted {
         true => Vec::new(),
-        false => desk.shared.ledger.profile_statuses().await.unwrap_or_default(),
+        false => desk.shared.ledger.machine_statuses().await.unwrap_or_default(),
     };
     for (name, machine) in desk.machines.iter() {
         // A job that did not end hangs in that folder, and this one would hang too.
         if desk.jobs.is_running::<HotFolderScanJob>(name) {
             continue;
         }
-        let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
+        let row = rows.iter().find(|row| row.machine == *name).cloned().unwrap_or_default();
         let (text, json) = match desk.shared.lifecycle.is_halted {
             true => halted_status(machine, desk.shared.alerts, false),
             false => stopped_status(machine, &row),
         };
-        let (profile, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
+        let (machine_name, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
         let mut lease = machine.leases.inbox.clone();
-        desk.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
             // Nothing is written into an empty mount point.
             if lease.held_identity().is_some()
                 && lease.check_usable().is_ok()
                 && let Err(error) = intake::write_status(&inbox, &text, &json)
             {
-                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+                tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
             }
         });
     }
@@ -205,7 +205,7 @@ pub(super) fn describe_node(desk: &Showing<'_>) -> NodeHeartbeat {
 }
 
 /// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.
-fn status_text(machine: &MachineState, row: &ProfileStatus, printers: &[PrinterView]) -> String {
+fn status_text(machine: &MachineState, row: &MachineStatus, printers: &[PrinterView]) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
     let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
     if let Some(paused) = &row.paused {
@@ -259,7 +259,7 @@ fn status_text(machine: &MachineState, row: &ProfileStatus, printers: &[PrinterV
 }
 
 /// The waiting copies and parts, in words.
-fn waiting_text(row: &ProfileStatus) -> String {
+fn waiting_text(row: &MachineStatus) -> String {
     let parts = format_count(row.waiting_parts, "part", "parts");
     format!(
         "{} of {parts} {}",
@@ -269,13 +269,13 @@ fn waiting_text(row: &ProfileStatus) -> String {
 }
 
 /// Whether the open layout belongs to the parts that wait now.
-fn is_layout_current(machine: &MachineState, row: &ProfileStatus) -> bool {
+fn is_layout_current(machine: &MachineState, row: &MachineStatus) -> bool {
     let layout = &machine.open.layout;
     row.waiting_parts > 0 && layout.height_mm > 0.0 && layout.placed.len() <= row.waiting_copies as usize
 }
 
 /// One line on what the machines do.
-pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileStatus>) -> String {
+pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r MachineStatus>) -> String {
     let (mut waiting, mut nesting) = (0, 0);
     for row in rows {
         waiting += row.waiting_copies;
@@ -286,12 +286,12 @@ pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileS
     format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
 }
 
-fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value {
+fn status_json(machine: &MachineState, row: &MachineStatus) -> serde_json::Value {
     let fires = forecast_fire(&machine.profile, row);
     let nothing = BatchLayout::default();
     let open = if is_layout_current(machine, row) { &machine.open.layout } else { &nothing };
     json!({
-        "profile": row.profile,
+        "machine": row.machine,
         "paused": row.paused.is_some(),
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
@@ -318,7 +318,7 @@ fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value
 }
 
 /// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
-fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, String) {
+fn stopped_status(machine: &MachineState, row: &MachineStatus) -> (String, String) {
     let (name, now) = (&machine.profile.name, Timestamp::now());
     let mut text = format!(
         "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
@@ -329,7 +329,7 @@ fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, Strin
         text += &format!("{} until then.\n", waiting_text(row));
     }
     let json = json!({
-        "profile": name,
+        "machine": name,
         "running": false,
         "written_at": floor_to_minute(now).to_string(),
         "waiting_parts": row.waiting_parts,
@@ -350,7 +350,7 @@ fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: boo
         machine.profile.time_zone.format_minute(now)
     );
     let json = json!({
-        "profile": name,
+        "machine": name,
         "running": is_running,
         "written_at": floor_to_minute(now).to_string(),
         "attention": alerts.status_json_for(name),

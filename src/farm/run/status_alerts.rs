@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildState, Ledger, PauseCause, ProfileStatus};
+use ledger::{BuildState, Ledger, MachineStatus, PauseCause};
 
 use crate::farm::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
@@ -22,11 +22,11 @@ pub(super) async fn update_ledger_alerts(
     ledger: &Ledger,
     machines: &MachineStates,
     alerts: &mut AlertRegistry,
-    rows: &[ProfileStatus],
+    rows: &[MachineStatus],
 ) -> Result<()> {
     let names: Vec<String> = machines.keys().cloned().collect();
     for name in &names {
-        let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
+        let paused = rows.iter().find(|row| row.machine == *name).and_then(|row| row.paused.as_ref());
         match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
             Some(paused) => {
                 let failed = ledger.failures_since(name, paused.paused_at).await?;
@@ -42,11 +42,11 @@ pub(super) async fn update_ledger_alerts(
     let nodes = ledger.list_machines().await?;
     // Another node serves them, or this one takes them as soon as it can.
     let has_node =
-        |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.profile == name && !row.node.is_empty());
+        |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.machine == name && !row.node.is_empty());
     let arriving: BTreeMap<String, u32> = ledger.count_arriving_lines().await?.into_iter().collect();
-    let known: BTreeSet<&String> = rows.iter().map(|row| &row.profile).chain(arriving.keys()).collect();
+    let known: BTreeSet<&String> = rows.iter().map(|row| &row.machine).chain(arriving.keys()).collect();
     for name in known.into_iter().filter(|name| !machines.contains_key(*name) && !has_node(name)) {
-        let row = rows.iter().find(|row| row.profile == *name);
+        let row = rows.iter().find(|row| row.machine == *name);
         let parts = row.map_or(0, |row| row.waiting_parts + row.claimed_parts);
         let builds = row.map_or(0, |row| row.nesting.len());
         let lines = arriving.get(name).copied().unwrap_or(0);
@@ -60,18 +60,18 @@ pub(super) async fn update_ledger_alerts(
             gone.push(name.clone());
         }
     }
-    alerts.retain_profiles(AlertKind::MachineGone, &gone);
+    alerts.retain_machines(AlertKind::MachineGone, &gone);
     Ok(())
 }
 
 /// Raises the alerts on failed prints, on words that were dropped and on parts that wait for a yes, one of each kind for each machine.
 async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
     let failed = ledger.unseen_failures().await?;
-    let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
+    let failed = failed.iter().map(|build| (build.machine.as_str(), format!("build {}", build.id)));
     let failed: Vec<(&str, String)> = failed.collect();
     let parts = ledger.parts_in_question().await?;
     let asked = parts.iter().map(|part| {
-        (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
+        (part.machine.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
     });
     let asked: Vec<(&str, String)> = asked.collect();
     let dropped = ledger.dropped_words().await?;
@@ -94,7 +94,7 @@ async fn update_release_alerts(ledger: &Ledger, machines: &MachineStates, alerts
     let verified = ledger.builds_in_state(BuildState::Verified).await?;
     for (name, machine) in machines {
         let mut texts = Vec::new();
-        for build in verified.iter().filter(|build| build.profile == *name && awaits_release(&machine.profile, build)) {
+        for build in verified.iter().filter(|build| build.machine == *name && awaits_release(&machine.profile, build)) {
             let preview = preview_release(ledger, &machine.profile, build, Timestamp::now()).await?;
             texts.push(format!("build {}: {}", build.id, preview.brief_text()));
         }

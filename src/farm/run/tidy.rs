@@ -122,7 +122,7 @@ fn on_misplaced_files(settings: &Settings, alerts: &mut AlertRegistry, found: &[
 async fn sweep_store(desk: &mut Storing<'_>) -> Result<()> {
     let now = desk.shared.date();
     let mut unneeded = Vec::new();
-    for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
+    for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Refused, KEEP_REFUSED_SECS)] {
         let (from, to) = (time_before(now, keep_secs + SWEEP_WITHIN_SECS), time_before(now, keep_secs));
         unneeded.extend(desk.shared.ledger.hashes_in_state_between(state, from, to).await?);
     }

@@ -23,9 +23,9 @@ pub struct ArrivingLines {
 
 impl ArrivingLines {
     /// Those of a machine as the ledger has them now. Where it does not answer, the next scan asks again.
-    pub(crate) async fn read_from(ledger: &Ledger, profile: &str, contents: PutContents) -> Self {
-        let lines = ledger.arriving_lines(profile, LINES_PER_SCAN).await.unwrap_or_else(|failure| {
-            warn!("The lines that were ordered for {profile} are not known just now: {failure}.");
+    pub(crate) async fn read_from(ledger: &Ledger, machine: &str, contents: PutContents) -> Self {
+        let lines = ledger.arriving_lines(machine, LINES_PER_SCAN).await.unwrap_or_else(|failure| {
+            warn!("The lines that were ordered for {machine} are not known just now: {failure}.");
             Vec::new()
         });
         Self { lines, contents }

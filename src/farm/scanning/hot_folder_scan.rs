@@ -84,11 +84,11 @@ pub struct HotFolderScan {
 
 impl HotFolderScan {
     /// Reports what was not taken, and what was not looked at.
-    pub(crate) fn report_faults(&self, profile: &str, alerts: &mut AlertRegistry) {
+    pub(crate) fn report_faults(&self, machine: &str, alerts: &mut AlertRegistry) {
         for (kind, faults) in [(AlertKind::TakingFails, &self.warnings), (AlertKind::FolderUnseen, &self.unseen)] {
             let Some(first) = faults.first() else { continue };
             let more = if faults.len() > 1 { format!(", and {} more", faults.len() - 1) } else { String::new() };
-            alerts.report_failure(kind, profile, "", &format!("{first}{more}"));
+            alerts.report_failure(kind, machine, "", &format!("{first}{more}"));
         }
     }
 }

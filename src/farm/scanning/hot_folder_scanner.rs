@@ -97,8 +97,8 @@ impl HotFolderScanner {
         }
     }
 
-    /// Whether this is still the scanner of this profile's hot folder.
-    pub fn is_for_profile(&self, profile: &MachineProfile) -> bool {
+    /// Whether this is still the scanner of this machine's hot folder.
+    pub fn is_for_machine(&self, profile: &MachineProfile) -> bool {
         self.inbox.path() == profile.folders.inbox
     }
 

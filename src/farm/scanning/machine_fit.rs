@@ -9,7 +9,7 @@ use crate::settings::MachineProfile;
 
 /// Why a build does not fit its machine as it is set now; `None` = it does.
 pub(crate) fn find_misfit(profile: &MachineProfile, build: &BuildRow) -> Option<String> {
-    let was = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), Some(profile));
+    let was = MachineProfile::from_snapshot(&build.machine, build.kept.profile_snapshot.as_deref(), Some(profile));
     let why = profile.to_machine().find_stricter_than(&was.to_machine(), build.measures.height_mm)?;
     Some(format!("the machine has changed since it was proved: {why}"))
 }
@@ -20,6 +20,6 @@ pub(crate) async fn report_changed_machine(ledger: &Ledger, profile: &MachinePro
     let before = ledger.find_build(printed).await?;
     let Some(why) = before.and_then(|before| find_misfit(profile, &before)) else { return Ok(()) };
     let detail = format!("not as build {printed} was, for {why}");
-    warn!(build.id = %build.id, profile = %build.profile, "Build {} is {detail}.", build.id);
-    Ok(ledger.write_event(EventKind::Requeued, &build.profile, None, Some(build.id), &detail).await?)
+    warn!(build.id = %build.id, machine = %build.machine, "Build {} is {detail}.", build.id);
+    Ok(ledger.write_event(EventKind::Requeued, &build.machine, None, Some(build.id), &detail).await?)
 }

@@ -165,7 +165,7 @@ fn starts_as_package(file: &Path) -> io::Result<bool> {
 }
 
 fn read_own_name(file: &Path) -> Option<String> {
-    let HeadingMetadata { created, profile, build_id, .. } =
+    let HeadingMetadata { created, machine, build_id, .. } =
         build_file::read_build_heading(file, &ReadLimits::default()).ok()?;
-    Some(build_file::build_file_name(created?.parse().ok()?, &profile?, build_id?.parse().ok()?))
+    Some(build_file::build_file_name(created?.parse().ok()?, &machine?, build_id?.parse().ok()?))
 }

@@ -65,14 +65,14 @@ impl QueueFileLook<'_> {
         let Some(stamp) = queue.stamp(name) else { return Ok(()) };
         let wrong = match row {
             Some(build) if build.place.is_on_its_way() => None,
-            Some(build) if build.profile != self.profile.name => Some(match build.state {
+            Some(build) if build.machine != self.profile.name => Some(match build.state {
                 BuildState::Published => {
-                    format!("is build {} of {}: take it to a queue of {1}", build.id, build.profile)
+                    format!("is build {} of {}: take it to a queue of {1}", build.id, build.machine)
                 }
                 _ => format!(
                     "is the file of build {} of {} ({}): take it out, or its copies are printed a second time",
                     build.id,
-                    build.profile,
+                    build.machine,
                     build.state_word()
                 ),
             }),
@@ -132,7 +132,7 @@ impl QueueFileLook<'_> {
 
     /// What is wrong with a file that holds the copies of a build under another name.
     fn describe_copy(&self, build: &BuildRow, own: &str) -> String {
-        let is_wanted = build.state == BuildState::Published && build.profile == self.profile.name;
+        let is_wanted = build.state == BuildState::Published && build.machine == self.profile.name;
         let is_alone = self.queues.iter().all(|(_, queue)| queue.stamp(own).is_none());
         let or_rename = if is_wanted && is_alone { ", or give it that name back" } else { "" };
         let (id, state) = (build.id, build.state_word());

@@ -36,7 +36,7 @@ pub enum DuplicatePolicy {
     #[default]
     Warn,
     /// The file is refused.
-    Reject,
+    Refuse,
 }
 
 /// What happens to a mesh that is not closed.
@@ -45,7 +45,7 @@ pub enum DuplicatePolicy {
 pub enum MeshErrorPolicy {
     /// The file is refused.
     #[default]
-    Reject,
+    Refuse,
     /// The file is accepted, with a warning on the part.
     Warn,
 }
@@ -263,7 +263,7 @@ impl MachineProfile {
 }
 
 /// Whether a machine, or a printer, may have this name: its folders have it, too.
-pub fn is_profile_name(name: &str) -> bool {
+pub fn is_machine_name(name: &str) -> bool {
     let known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     (1..=40).contains(&name.len()) && name.chars().all(known)
 }

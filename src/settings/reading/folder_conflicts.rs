@@ -26,12 +26,12 @@ pub(crate) struct FolderClaim {
     pub location: (PathBuf, Option<usize>),
 }
 
-/// Reports folders that are used twice or are inside one another. The state directory may contain folders of profiles,
+/// Reports folders that are used twice or are inside one another. The state directory may contain folders of machines,
 /// as a farm on one disk may need, but must not be inside one of them.
-fn find_conflicts(profiles: &[FolderClaim], state: &FolderClaim) -> Vec<ConfigProblem> {
+fn find_conflicts(machines: &[FolderClaim], state: &FolderClaim) -> Vec<ConfigProblem> {
     let mut problems = Vec::new();
-    for (at, claim) in profiles.iter().enumerate() {
-        problems.extend(profiles[..at].iter().filter_map(|earlier| find_conflict(claim, earlier)));
+    for (at, claim) in machines.iter().enumerate() {
+        problems.extend(machines[..at].iter().filter_map(|earlier| find_conflict(claim, earlier)));
         if state.folder.starts_with(&claim.folder) {
             problems.push(conflict_problem(state, claim, folder_relation(&state.folder, &claim.folder)));
         }
@@ -61,22 +61,22 @@ fn conflict_problem(inner: &FolderClaim, outer: &FolderClaim, relation: &str) ->
 
 /// Reports folders that conflict by their names and, unless they do, through links and mounts.
 pub(crate) fn find_all_conflicts(
-    profiles: Vec<FolderClaim>,
+    machines: Vec<FolderClaim>,
     state: FolderClaim,
     follows_links: bool,
 ) -> Vec<ConfigProblem> {
-    let named = find_conflicts(&profiles, &state);
-    if named.is_empty() && follows_links { find_linked_conflicts(profiles, state) } else { named }
+    let named = find_conflicts(&machines, &state);
+    if named.is_empty() && follows_links { find_linked_conflicts(machines, state) } else { named }
 }
 
 /// Reports folders that are used twice, or are inside one another, through a link or a mount.
-fn find_linked_conflicts(profiles: Vec<FolderClaim>, state: FolderClaim) -> Vec<ConfigProblem> {
+fn find_linked_conflicts(machines: Vec<FolderClaim>, state: FolderClaim) -> Vec<ConfigProblem> {
     let (sender, receiver) = mpsc::channel();
     let look = move || {
-        let real: Vec<FolderClaim> = profiles.iter().map(resolve_claim).collect();
+        let real: Vec<FolderClaim> = machines.iter().map(resolve_claim).collect();
         let mut problems = find_conflicts(&real, &resolve_claim(&state));
         if problems.is_empty() {
-            problems = find_same_directories(&profiles);
+            problems = find_same_directories(&machines);
         }
         drop(sender.send(problems));
     };
@@ -92,12 +92,12 @@ fn find_linked_conflicts(profiles: Vec<FolderClaim>, state: FolderClaim) -> Vec<
 }
 
 /// Reports folders that are one directory, as a mount can make them.
-fn find_same_directories(profiles: &[FolderClaim]) -> Vec<ConfigProblem> {
+fn find_same_directories(machines: &[FolderClaim]) -> Vec<ConfigProblem> {
     let identity = |claim: &FolderClaim| fs::metadata(&claim.folder).ok().map(|meta| (meta.dev(), meta.ino()));
-    let seen: Vec<Option<(u64, u64)>> = profiles.iter().map(identity).collect();
+    let seen: Vec<Option<(u64, u64)>> = machines.iter().map(identity).collect();
     let mut problems = Vec::new();
-    for (at, claim) in profiles.iter().enumerate().filter(|(at, _)| seen[*at].is_some()) {
-        let same = profiles[..at].iter().zip(&seen).find(|(_, id)| **id == seen[at]);
+    for (at, claim) in machines.iter().enumerate().filter(|(at, _)| seen[*at].is_some()) {
+        let same = machines[..at].iter().zip(&seen).find(|(_, id)| **id == seen[at]);
         problems.extend(same.map(|(earlier, _)| conflict_problem(claim, earlier, "is also")));
     }
     problems

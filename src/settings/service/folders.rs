@@ -1,7 +1,7 @@
 //! Resolves the folders of a farm.
 //!
 //! Rules: `root` is relative to the working directory (as `--root` is), every other folder is relative to the root, and
-//! the folder of a profile is the farm's folder plus the profile's name. An absolute path is used as it is.
+//! the folder of a machine is the farm's folder plus the machine's name. An absolute path is used as it is.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -16,8 +16,8 @@ pub(crate) fn farm_root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
     normalize_path(&std::path::absolute(root).unwrap_or_else(|_| root.to_owned()))
 }
 
-/// Returns the folders of a profile.
-pub(crate) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> MachineFolders {
+/// Returns the folders of a machine.
+pub(crate) fn machine_folders(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> MachineFolders {
     let folder = |own: &Option<PathBuf>, farm: &Path| match own {
         Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
         _ => path_below(root, farm).join(name),

@@ -92,7 +92,7 @@ impl Default for NodeInputs {
     }
 }
 
-/// `[folders]` of the farm file: the folders that hold one folder per profile, and the state directory.
+/// `[folders]` of the farm file: the folders that hold one folder per machine, and the state directory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct FarmFolders {

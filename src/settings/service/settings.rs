@@ -27,7 +27,7 @@ pub struct Settings {
     pub time_zone: FarmZone,
     /// This daemon among those that share one ledger.
     pub node: NodeSettings,
-    /// The folder that contains the hot folders, except those that a profile sets itself.
+    /// The folder that contains the hot folders, except those that a machine sets itself.
     pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.
     pub state_dir: PathBuf,
@@ -45,7 +45,7 @@ pub struct Settings {
     pub files: FilePermissions,
     /// What people and other programs see of the daemon.
     pub interfaces: InterfaceSettings,
-    /// Machines by profile name.
+    /// The profiles by the names of their machines.
     pub profiles: BTreeMap<String, MachineProfile>,
 }
 
@@ -82,12 +82,12 @@ pub struct InterfaceSettings {
 }
 
 impl Settings {
-    /// Every folder of the farm: those of all profiles, and the state directory.
+    /// Every folder of the farm: those of all machines, and the state directory.
     pub fn all_folders(&self) -> Vec<PathBuf> {
-        let of_profiles = self.profiles.values().flat_map(|profile| {
+        let of_machines = self.profiles.values().flat_map(|profile| {
             let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
             [inbox, error, archive].map(PathBuf::as_path).into_iter().chain(profile.queue_folders())
         });
-        of_profiles.chain([self.state_dir.as_path()]).map(Path::to_owned).collect()
+        of_machines.chain([self.state_dir.as_path()]).map(Path::to_owned).collect()
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn two_profiles_never_share_a_folder() {
+fn two_machines_never_share_a_folder() {
     let machine = format!("{CUBE}[folders]\ninbox = \"/in\"\n");
     let problems = TestConfig::new("", &[("a.toml", &machine), ("b.toml", &machine)]).problems();
     let expected = "profiles/b.toml:3: the inbox of b (/in) is also the inbox of a; give each a folder of its own";

@@ -186,8 +186,8 @@ fn missing_machine(farm_file: &Path) -> ConfigProblem {
     ConfigProblem {
         file: machine_folder(farm_file),
         line: None,
-        text: "there is no machine profile".into(),
-        remedy: "put one file per machine here, as in profiles/mjf-5200.toml; its name is the profile's name".into(),
+        text: "there is no machine".into(),
+        remedy: "put one file per machine here, as in profiles/mjf-5200.toml; its name is the machine's name".into(),
     }
 }
 
@@ -236,7 +236,7 @@ fn build_profile(
     };
     merge_tables(&mut merged, own.to_table());
     let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
-    let mut folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
+    let mut folders = folders::machine_folders(root, &farm_inputs.folders, &inputs.folders, name);
     let queue = (root, farm_inputs.folders.queue.as_path(), folders.queue.as_path());
     let printers = printer_validation::validate_printers(name, &inputs, queue, validator);
     folders.queue = printers.first().and_then(|first| Some(first.queue.folder()?.to_owned())).unwrap_or_default();

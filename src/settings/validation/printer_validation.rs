@@ -11,7 +11,7 @@ use crate::{
         ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
         machine::{
             printer::PrinterInputs,
-            profile::is_profile_name,
+            profile::is_machine_name,
             profile_inputs::{PrintingInputs, ProfileInputs},
         },
         reading::validator::ConfigValidator,
@@ -37,7 +37,7 @@ pub(super) fn validate_printers(
     }
     let mut printers = Vec::new();
     for (at, printer) in inputs.printer.iter().enumerate() {
-        if !is_profile_name(&printer.name) {
+        if !is_machine_name(&printer.name) {
             let text = format!("\"{}\" cannot be the name of a printer", printer.name.escape_debug());
             validator.report_problem("printer", text, "give 1 to 40 of a-z, 0-9 and -, as in name = \"mjf-left\"");
         }

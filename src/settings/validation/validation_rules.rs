@@ -12,7 +12,7 @@ use crate::settings::{
     TurningRules,
     machine::{
         printer::PrinterRules,
-        profile::is_profile_name,
+        profile::is_machine_name,
         profile_inputs::{
             IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
         },
@@ -130,9 +130,9 @@ pub(super) fn validate_profile(
     printers: Vec<PrinterRules>,
     validator: &mut ConfigValidator,
 ) -> MachineProfile {
-    if !is_profile_name(name) {
+    if !is_machine_name(name) {
         let remedy = "rename the file: 1 to 40 of a-z, 0-9 and -, as in mjf-5200.toml; folders are named after it";
-        validator.report_problem("", format!("\"{}\" cannot be the name of a profile", name.escape_debug()), remedy);
+        validator.report_problem("", format!("\"{}\" cannot be the name of a machine", name.escape_debug()), remedy);
     }
     validate_values(&inputs, validator);
     let volume_mm = validate_volume(&inputs.space, validator);

@@ -11,7 +11,7 @@ use crate::tables::{
 /// Builds that are past nesting.
 pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::new("build", fields::BUILD, |row| row.build.into()),
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
     TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
     TableColumn::for_programs("state", fields::LEDGER_STATE, |row| row.state.into()),
     TableColumn::for_people("state_word", fields::STATE, |row| row.state_word().into()),
@@ -49,7 +49,7 @@ fn file_or_reason(row: &HistoryRow) -> CellValue {
 
 /// The totals of the published builds of a machine.
 pub const HEIGHT_SUM_COLUMNS: &[TableColumn<HeightSummary>] = &[
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
     TableColumn::new("height_mm", fields::HEIGHT, |row| row.height_mm.into()),
     TableColumn::new("builds", fields::BUILDS, |row| row.builds.into()),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),

@@ -14,8 +14,8 @@ const MM3_PER_LITRE: f64 = 1e6;
 /// What a machine made in a span of time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
 pub struct MachineOutput {
-    /// Machine profile; "all machines" for their sum.
-    pub profile: String,
+    /// Machine; "all machines" for their sum.
+    pub machine: String,
     /// Published builds.
     pub builds: u32,
     /// Published builds whose print failed or was interrupted.
@@ -40,7 +40,7 @@ pub struct MachineOutput {
 
 /// The columns of a month.
 pub const MONTH_COLUMNS: &[TableColumn<MachineOutput>] = &[
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
     TableColumn::new("builds", fields::BUILDS, |row| row.builds.into()),
     TableColumn::new("failed_builds", fields::FAILED_BUILDS, |row| row.failed_builds.into()),
     TableColumn::new("height_mm", fields::HEIGHT_SUM, |row| row.height_mm.into()),
@@ -57,12 +57,12 @@ impl MachineOutput {
     /// What each machine made according to the history of a span of time, by name, and their sum if there are several.
     /// `hours_per_mm` says how long a machine prints for a mm of height; machines that it names are there without a build, too.
     pub fn of_history(rows: &[HistoryRow], bad: &[BadCopies], hours_per_mm: &BTreeMap<String, f64>) -> Vec<Self> {
-        let names: BTreeSet<&String> = rows.iter().map(|row| &row.profile).chain(hours_per_mm.keys()).collect();
+        let names: BTreeSet<&String> = rows.iter().map(|row| &row.machine).chain(hours_per_mm.keys()).collect();
         let mut all: Vec<Self> = names
             .into_iter()
             .map(|name| {
-                let own = rows.iter().filter(|row| row.profile == *name && row.is_published());
-                let empty = Self { profile: name.clone(), ..Self::default() };
+                let own = rows.iter().filter(|row| row.machine == *name && row.is_published());
+                let empty = Self { machine: name.clone(), ..Self::default() };
                 own.fold(empty, |sum, row| sum.with_build(row, bad)).with_shares(hours_per_mm.get(name).copied())
             })
             .collect();
@@ -100,7 +100,7 @@ impl MachineOutput {
 
     /// The sum over machines. A machine whose hours are not known counts as none.
     fn total_of(all: &[Self]) -> Self {
-        let empty = Self { profile: "all machines".to_owned(), ..Self::default() };
+        let empty = Self { machine: "all machines".to_owned(), ..Self::default() };
         let sum = all.iter().fold(empty, |sum, one| Self {
             builds: sum.builds + one.builds,
             failed_builds: sum.failed_builds + one.failed_builds,

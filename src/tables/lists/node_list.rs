@@ -49,7 +49,7 @@ pub async fn list_farm_nodes(ledger: &Ledger) -> Result<Vec<FarmNode>, LedgerErr
     let nodes = ledger.list_nodes().await?.into_iter();
     let due = ledger.find_repair_due().await?;
     let with_machines = |node: NodeRow| FarmNode {
-        machines: machines.iter().filter(|row| row.node == node.name).map(|row| row.profile.clone()).collect(),
+        machines: machines.iter().filter(|row| row.node == node.name).map(|row| row.machine.clone()).collect(),
         repair_due: due.contains(&node.name),
         node,
     };

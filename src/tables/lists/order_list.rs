@@ -32,7 +32,7 @@ pub const ORDER_COLUMNS: &[TableColumn<OrderSummary>] = &[
 pub const ORDER_LINE_COLUMNS: &[TableColumn<OrderLine>] = &[
     TableColumn::new("part", fields::PART, |line| line.part.into()),
     TableColumn::new("name", fields::NAME, |line| CellValue::NamedPart(line.part, line.full_name())),
-    TableColumn::new("profile", fields::PROFILE, |line| (&line.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |line| (&line.machine).into()),
     TableColumn::new("state", fields::STATE, |line| line.state.into()),
     TableColumn::new("wanted", fields::COPIES_WANTED, |line| line.copies.wanted.into()),
     TableColumn::new("waiting", fields::COPIES_WAITING, |line| line.copies.waiting.into()),

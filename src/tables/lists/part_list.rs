@@ -36,7 +36,7 @@ pub struct OrderedPart {
 /// Parts with a given state or name.
 pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("part", fields::PART, |part| part.id.into()),
-    TableColumn::new("profile", fields::PROFILE, |part| (&part.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |part| (&part.machine).into()),
     TableColumn::new("state", fields::STATE, |part| part.state.into()),
     TableColumn::new("copies", fields::COPIES, |part| part.owed.copies.into()),
     TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
@@ -71,7 +71,7 @@ pub const WAITING_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
 pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.part.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.part.machine).into()),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::new("wanted", fields::COPIES_WANTED, |row| row.copies.wanted.into()),
     TableColumn::new("waiting", fields::COPIES_WAITING, |row| row.copies.waiting.into()),
@@ -106,8 +106,8 @@ pub const PLACEMENT_COLUMNS: &[TableColumn<PlacementRow>] = &[
 
 /// Why a part was refused; otherwise what it waits for and its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
-    if !part.rejection.reason.is_empty() {
-        return CellValue::Prose(part.rejection.reason.replace('\n', "; "));
+    if !part.refused.reason.is_empty() {
+        return CellValue::Prose(part.refused.reason.replace('\n', "; "));
     }
     let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
     // What is asked was a warning before.
@@ -117,7 +117,7 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
 }
 
 fn where_or_why(row: &OrderedPart) -> CellValue {
-    match row.part.rejection.reason.as_str() {
+    match row.part.refused.reason.as_str() {
         "" => whereabouts(&row.placements).into(),
         reason => CellValue::Prose(reason.to_owned()),
     }

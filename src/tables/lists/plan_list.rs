@@ -77,15 +77,15 @@ pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
             crate::farm::RiskCause::Paused => "it is paused",
             _ => "none of its printers is in use",
         };
-        notes.push(format!("Nothing of {} fires: {why}.", plan.profile));
+        notes.push(format!("Nothing of {} fires: {why}.", plan.machine));
     }
     let last = plan.builds.iter().filter_map(|build| build.ends_at).max();
     notes.push(match (plan.builds.len(), last) {
-        (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.profile),
+        (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.machine),
         (_, Some(last)) => {
-            format!("If nothing more arrives, all of {} is done at {}.", plan.profile, view.time_text(last))
+            format!("If nothing more arrives, all of {} is done at {}.", plan.machine, view.time_text(last))
         }
-        (_, None) => format!("It is not known when the builds of {} are done.", plan.profile),
+        (_, None) => format!("It is not known when the builds of {} are done.", plan.machine),
     });
     if plan.unplanned_parts > 0 {
         notes.push(match plan.unplanned_parts {

@@ -11,7 +11,7 @@ use crate::{
 /// The printers of a farm.
 pub const PRINTER_COLUMNS: &[TableColumn<PrinterView>] = &[
     TableColumn::new("printer", fields::PRINTER, |row| (&row.printer).into()),
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
     TableColumn::for_people("state", fields::STATE, |row| (if row.down.is_some() { "down" } else { "up" }).into()),
     TableColumn::new("builds", fields::BUILDS, |row| row.builds.into()),
     TableColumn::new("free_at", fields::FREE, |row| row.free_at.into()),

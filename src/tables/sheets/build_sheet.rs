@@ -61,7 +61,7 @@ pub fn build_facts(
     let published = row.times.published_at.map(|at| view.time_text(at) + &ago(at));
     let released = row.place.released_at.zip(row.place.released_by.as_ref());
     let released = released.map(|(at, by)| format!("{} by {by}", view.time_text(at)));
-    let printer = row.place.printer.as_ref().filter(|printer| **printer != row.profile);
+    let printer = row.place.printer.as_ref().filter(|printer| **printer != row.machine);
     let printer = printer.map(|printer| match &row.place.move_to {
         Some(to) => format!("{printer}, on its way to {to}"),
         None => printer.clone(),

@@ -2,7 +2,7 @@
 
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp};
+use ledger::{MachineStatus, OpenBuildForecast, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ use crate::{
 pub struct MachineForecast {
     /// Its state in the ledger.
     #[serde(flatten)]
-    pub status: ProfileStatus,
+    pub status: MachineStatus,
     /// When its next build fires if nothing more arrives. It fires earlier if it is full.
     #[schemars(with = "Option<UtcTimestamp>")]
     pub fires_at: Option<Timestamp>,
@@ -52,7 +52,7 @@ pub struct MachineNow {
 
 /// The machines of a farm.
 pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
-    TableColumn::new("profile", fields::PROFILE, |row| (&row.forecast.status.profile).into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.forecast.status.machine).into()),
     TableColumn::new("waiting_parts", fields::WAITING, |row| row.forecast.status.waiting_parts.into()),
     TableColumn::new("waiting_copies", fields::COPIES, |row| row.forecast.status.waiting_copies.into()),
     TableColumn::for_people("oldest", fields::OLDEST, |row| {
@@ -63,7 +63,7 @@ pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
     }),
     TableColumn::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build(&row.view).into()),
     TableColumn::for_people("now", fields::NOW, |row| row.doing().into()),
-    TableColumn::new("rejected_parts", fields::REJECTED, |row| row.forecast.status.rejected_parts.into()),
+    TableColumn::new("refused_parts", fields::REFUSED, |row| row.forecast.status.refused_parts.into()),
     TableColumn::for_people("last_published", fields::LAST_PUBLISHED, |row| {
         row.forecast.last_published(&row.view).into()
     }),
@@ -71,7 +71,7 @@ pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
 
 impl MachineForecast {
     /// Creates the forecast. `profile` is the machine's configuration, if it has one.
-    pub fn new(status: ProfileStatus, profile: Option<&MachineProfile>) -> Self {
+    pub fn new(status: MachineStatus, profile: Option<&MachineProfile>) -> Self {
         let fires = profile.and_then(|profile| forecast_fire(profile, &status));
         Self {
             fires_at: fires.map(|fires| fires.at),

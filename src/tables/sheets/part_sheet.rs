@@ -23,7 +23,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         Some(fields::STATE.fact_of(state)),
-        fields::PROFILE.fact(&row.profile),
+        fields::MACHINE.fact(&row.machine),
         fields::ORDER.fact(&row.terms.order_name),
         Some(fields::COPIES.fact_of(copies)),
         fields::PRIORITY.fact(row.terms.priority),

@@ -31,8 +31,8 @@ pub(crate) async fn find_build(web: &DashboardState, number: i64) -> HandlerResu
     let missing = || HandlerError::NotFound(format!("build {number}"));
     let build = web.ledger.find_build(BuildId(number)).await?.ok_or_else(missing)?;
     let settings = web.current_settings();
-    let now = settings.profiles.get(&build.profile);
-    let profile = MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now);
+    let now = settings.profiles.get(&build.machine);
+    let profile = MachineProfile::from_snapshot(&build.machine, build.kept.profile_snapshot.as_deref(), now);
     Ok((build, profile))
 }
 

@@ -24,7 +24,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 pub(crate) struct CommandForm {
     kind: CommandKind,
     #[serde(default)]
-    profile: String,
+    machine: String,
     part: Option<i64>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn command_button(
     kind: CommandKind,
     label: &str,
     about: &str,
-    profile: &str,
+    machine: &str,
     part: Option<PartId>,
 ) -> Markup {
     html! {
@@ -42,7 +42,7 @@ pub(crate) fn command_button(
             form.order method="post" action="/commands" {
                 (key_field(web))
                 input type="hidden" name="kind" value=(kind);
-                @if !profile.is_empty() { input type="hidden" name="profile" value=(profile); }
+                @if !machine.is_empty() { input type="hidden" name="machine" value=(machine); }
                 @if let Some(part) = part { input type="hidden" name="part" value=(part); }
                 button type="submit" { (label) span.unseen { " " (about) } }
             }
@@ -61,7 +61,7 @@ pub(crate) async fn post_command(
             format!("/parts/{part}")
         }
         (None, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume)
-            if web.current_settings().profiles.contains_key(&order.profile) =>
+            if web.current_settings().profiles.contains_key(&order.machine) =>
         {
             "/".to_owned()
         }
@@ -69,7 +69,7 @@ pub(crate) async fn post_command(
     };
     let command = NewCommand {
         kind: order.kind,
-        profile: order.profile,
+        machine: order.machine,
         part: order.part.map(PartId),
         argument: CommandArgument::default(),
         asked_by,

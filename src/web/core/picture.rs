@@ -10,7 +10,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
-use ledger::{PartId, ProfileStatus};
+use ledger::{MachineStatus, PartId};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -114,7 +114,7 @@ pub(crate) async fn get_part_picture(
 }
 
 /// The picture on a machine's card: the open build, else the build that is being nested, else the last published one.
-pub(crate) async fn profile_picture(web: &DashboardState, status: &ProfileStatus) -> HandlerResult<Markup> {
+pub(crate) async fn machine_picture(web: &DashboardState, status: &MachineStatus) -> HandlerResult<Markup> {
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
     let (id, what) = match (open, status.nesting.first(), &status.last_published) {
         (Some(open), _, _) => (open.build, "so far"),

@@ -79,7 +79,7 @@ impl DashboardState {
         if let Some(halted) = self.farm.halt_reason() {
             return Ok(halted);
         }
-        let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
+        let (status, last) = (self.ledger.machine_statuses().await?, self.ledger.last_event_id().await?);
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
         let picked = self.ledger.last_pick_id().await?;

@@ -7,7 +7,7 @@ use axum::{
     extract::{Path, Query, State},
 };
 use jiff::Timestamp;
-use ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp};
+use ledger::{BuildState, HeightSummary, HistoryRow, MachineStatus, NodeRow, PartId, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ pub(crate) struct FarmResponse {
     /// What a person must see to.
     needs_a_person: Vec<AlertSummary>,
     /// The machines that are configured.
-    profiles: Vec<MachineResource>,
+    machines: Vec<MachineResource>,
 }
 
 /// A machine as it stands.
@@ -57,29 +57,29 @@ struct MachineResource {
 
 /// The current state of the farm.
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
-    let (status, settings) = (web.ledger.profile_statuses().await?, web.current_settings());
+    let (status, settings) = (web.ledger.machine_statuses().await?, web.current_settings());
     let machines = web.ledger.list_machines().await?;
     let mut printers = Vec::new();
     for profile in settings.profiles.values() {
         printers.extend(printer_views(&web.ledger, profile, Timestamp::now()).await?);
     }
     let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
-        let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
-        let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
-        let observed = machines.iter().find(|observed| observed.profile == *name);
+        let nothing = || MachineStatus { machine: name.clone(), ..MachineStatus::default() };
+        let status = status.iter().find(|s| s.machine == *name).cloned().unwrap_or_else(nothing);
+        let observed = machines.iter().find(|observed| observed.machine == *name);
         MachineResource {
             volume_mm: profile.space.volume_mm.to_array(),
             available: observed.map(|observed| observed.trouble.is_empty()),
             trouble: observed.map(|observed| observed.trouble.clone()).filter(|trouble| !trouble.is_empty()),
             trouble_at: observed.and_then(|observed| observed.trouble_at),
-            printers: printers.iter().filter(|printer| printer.profile == *name).cloned().collect(),
+            printers: printers.iter().filter(|printer| printer.machine == *name).cloned().collect(),
             forecast: MachineForecast::new(status, Some(profile)),
         }
     };
-    let profiles = settings.profiles.iter().map(machine).collect();
+    let resources = settings.profiles.iter().map(machine).collect();
     let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
     let daemon = web.ledger.find_node(&settings.node.name).await?;
-    Ok(Json(FarmResponse { daemon, nodes: list_farm_nodes(&web.ledger).await?, needs_a_person, profiles }))
+    Ok(Json(FarmResponse { daemon, nodes: list_farm_nodes(&web.ledger).await?, needs_a_person, machines: resources }))
 }
 
 /// The history, filtered as the page is.

@@ -45,8 +45,8 @@ pub(crate) struct PartResponse {
 pub(crate) struct BuildResource {
     /// Its number.
     build: BuildId,
-    /// Machine profile.
-    profile: String,
+    /// Machine.
+    machine: String,
     /// Its state.
     state: BuildState,
     /// Why it failed, or the note of its outcome.
@@ -68,7 +68,7 @@ pub(crate) struct BuildResource {
     /// Build height over time in the final search; empty until the build file is proved.
     curve: Vec<CurvePoint>,
     #[serde(flatten)]
-    machine: MachineSnapshot,
+    snapshot: MachineSnapshot,
 }
 
 /// The file of a build.
@@ -106,15 +106,15 @@ struct CurvePoint {
 pub(crate) struct PartResource {
     /// Its number.
     part: PartId,
-    /// Machine profile.
-    profile: String,
+    /// Machine.
+    machine: String,
     /// File name as dropped, escaped for display.
     name: String,
     #[serde(flatten)]
     solid: SolidOfFile,
     /// Its state.
     state: PartState,
-    /// Why it was rejected; "" = not rejected.
+    /// Why it was refused; "" = not refused.
     reason: String,
     /// Warnings, one sentence each.
     warnings: Vec<String>,
@@ -147,7 +147,7 @@ struct PartTermsFields {
     /// Directions of its mesh that must stay within an angle of straight up: 'x,y,z:degrees', separated by ';'; empty
     /// = none.
     tilts: String,
-    /// Its own clearance, mm; `None` = the clearance of the profile.
+    /// Its own clearance, mm; `None` = the clearance of the machine.
     clearance_mm: Option<f64>,
     /// Length unit given in the ticket; `None` = not given.
     #[schemars(with = "Option<String>", extend("enum" = words_or_null::<LengthUnit>()))]
@@ -241,13 +241,13 @@ impl From<EventRow> for EventResource {
 }
 
 impl BuildResource {
-    /// Creates the resource from a ledger row and the machine profile of the build.
+    /// Creates the resource from a ledger row and the machine of the build.
     pub(crate) fn new(row: BuildRow, profile: &MachineProfile) -> Self {
         let curve =
             row.height_curve().into_iter().map(|(wall_secs, height_mm)| CurvePoint { wall_secs, height_mm }).collect();
         Self {
             build: row.id,
-            profile: row.profile,
+            machine: row.machine,
             state: row.state,
             reason: row.reason,
             fired_by: row.fired_by,
@@ -262,7 +262,7 @@ impl BuildResource {
             measures: row.measures,
             search: row.search,
             curve,
-            machine: MachineSnapshot {
+            snapshot: MachineSnapshot {
                 volume_mm: profile.space.volume_mm.to_array(),
                 layer_mm: profile.space.layer_mm,
             },
@@ -276,11 +276,11 @@ impl From<PartRow> for PartResource {
         let (terms, measures) = (row.terms, row.measures);
         Self {
             part: row.id,
-            profile: row.profile,
+            machine: row.machine,
             name: row.name,
             solid: row.solid,
             state: row.state,
-            reason: row.rejection.reason,
+            reason: row.refused.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
             copies: row.owed.copies,
             terms: PartTermsFields {

@@ -210,8 +210,8 @@ pub(super) async fn patch_line(
         return Err(refused(StatusCode::CONFLICT, "this line was cancelled before it was taken"));
     }
     require_known(is_arriving, &parts)?;
-    if parts.iter().any(|part| part.state != PartState::Rejected) {
-        parts.retain(|part| part.state != PartState::Rejected);
+    if parts.iter().any(|part| part.state != PartState::Refused) {
+        parts.retain(|part| part.state != PartState::Refused);
     }
     if edit.copies.is_some() && parts.len() > 1 {
         let text = "the file of this line holds several parts, each with its own copies";
@@ -237,7 +237,7 @@ pub(super) async fn delete_line(
 
 fn edit_command(part: PartId, edit: &PartEdit, by: &str) -> NewCommand {
     let argument = CommandArgument { copies: None, edit: Some(edit.clone()) };
-    NewCommand { kind: CommandKind::Edit, profile: String::new(), part: Some(part), argument, asked_by: by.to_owned() }
+    NewCommand { kind: CommandKind::Edit, machine: String::new(), part: Some(part), argument, asked_by: by.to_owned() }
 }
 
 /// Why an order has nothing to change or to cancel.

@@ -112,7 +112,7 @@ pub(super) async fn post_flush(
         return Err(HandlerError::NotFound(format!("machine {machine}")));
     }
     let (kind, argument) = (CommandKind::Flush, CommandArgument::default());
-    send(&web, vec![NewCommand { kind, profile: machine, part: None, argument, asked_by }]).await
+    send(&web, vec![NewCommand { kind, machine, part: None, argument, asked_by }]).await
 }
 
 async fn require_build(web: &DashboardState, number: i64) -> HandlerResult<BuildId> {

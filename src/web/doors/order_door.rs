@@ -315,7 +315,7 @@ fn new_order(
     let to_line = |(at, line): (usize, CheckedLine)| OrderedLine {
         claim: ordered_claim_id(client.key_name(), &key, &fingerprint, at + 1),
         client: client.key_name().to_owned(),
-        profile: order.machine.clone(),
+        machine: order.machine.clone(),
         order_name: line.ticket.order.unwrap_or_default(),
         name: line.name,
         content_hash: line.content,

@@ -18,7 +18,7 @@ pub(crate) const MAX_LINES: usize = 500;
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "OrderRequest")]
 pub(crate) struct OrderRequest {
-    /// The machine that prints it, by the name of its profile.
+    /// The name of the machine that prints it.
     pub machine: String,
     /// Name of the order. Left out where the address names it.
     #[serde(default)]

@@ -32,7 +32,7 @@ pub(crate) fn history_charts(rows: &[HistoryRow], zone: &FarmZone) -> Markup {
         let mut lines = ChartLines::new();
         for row in &published {
             if let (Some(at), Some(value)) = (row.published_at, value(row)) {
-                lines.entry(row.profile.clone()).or_default().push((at.0.as_second() as f64, value));
+                lines.entry(row.machine.clone()).or_default().push((at.0.as_second() as f64, value));
             }
         }
         lines.values_mut().for_each(|line| line.sort_by(|a, b| a.0.total_cmp(&b.0)));
@@ -133,8 +133,8 @@ pub(crate) fn weekly_bars(
         let (Some(at), Some(value)) = (row.published_at, value(row)) else { continue };
         let day = at.0.to_zoned(zone.time_zone().clone()).date();
         let monday = day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());
-        *weeks.entry(monday).or_default().entry(row.profile.as_str()).or_default() += value;
-        machines.insert(row.profile.as_str(), 0);
+        *weeks.entry(monday).or_default().entry(row.machine.as_str()).or_default() += value;
+        machines.insert(row.machine.as_str(), 0);
     }
     machines.values_mut().enumerate().for_each(|(place, number)| *number = place.min(MAX_LINES - 1));
     let most = next_round_number(weeks.values().map(|week| week.values().sum()).fold(1e-9, f64::max));

@@ -99,7 +99,7 @@ pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
 pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
     html! {
         div.failed role="alert" {
-            p { "The print of build " a href=(format!("/builds/{}", build.id)) { (build.id) } " on " (build.profile) " failed"
+            p { "The print of build " a href=(format!("/builds/{}", build.id)) { (build.id) } " on " (build.machine) " failed"
                 @if !build.reason.is_empty() { ": " (build.reason) }
                 ". Nobody has seen to it yet." }
             @if web.orders { (act_form(web, build.id, "seen", "Seen to")) }

@@ -100,7 +100,7 @@ fn cancel_command(part: &PartRow, lines: &[OrderLine], by: &str) -> NewCommand {
     let line = lines.iter().find(|line| line.part == part.id && part.state == PartState::Waiting);
     NewCommand {
         kind: CommandKind::Cancel,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(part.id),
         argument: CommandArgument { copies: line.and_then(waiting_of_several), edit: None },
         asked_by: by.to_owned(),

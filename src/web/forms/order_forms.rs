@@ -41,7 +41,7 @@ const MAX_FORMS: usize = 40;
 #[derive(Debug, Deserialize)]
 pub(crate) struct MoveOrderForm {
     /// The machine that it is moved to.
-    profile: String,
+    machine: String,
 }
 
 /// The button that prints a whole order again.
@@ -77,7 +77,7 @@ pub(crate) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine])
                 details { summary { "Move to another machine" }
                     form.tell method="post" action=(format!("{address}/move")) {
                         (key_field(web))
-                        label { "Machine" select name="profile" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
+                        label { "Machine" select name="machine" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
                         p { "The " (parts) " of this order move, and are read again there." }
                         button type="submit" { "Move the order" }
                     }
@@ -96,7 +96,7 @@ pub(crate) fn line_forms(web: &DashboardState, lines: &[OrderLine], parts: &[Par
                     details { summary { "Part " (line.part) ": " (line.full_name()) " " span.soft { (line.state) } }
                         div.buttons {
                             @if line.state == PartState::Waiting { (command_button(web, CommandKind::Cancel, "Cancel", &line.full_name(), "", Some(line.part))) }
-                            @if line.state == PartState::Rejected { (command_button(web, CommandKind::Retry, "Retry", &line.full_name(), "", Some(line.part))) }
+                            @if line.state == PartState::Refused { (command_button(web, CommandKind::Retry, "Retry", &line.full_name(), "", Some(line.part))) }
                         }
                         (part_forms(web, part, line.copies.printed + line.copies.good))
                     }
@@ -138,7 +138,7 @@ pub(crate) async fn post_edit(
     }
     let command = |line: &OrderLine| NewCommand {
         kind: CommandKind::Edit,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(line.part),
         argument: CommandArgument { copies: None, edit: Some(edit.clone()) },
         asked_by: by.clone(),
@@ -153,12 +153,12 @@ pub(crate) async fn post_move(
     RequestUser(by): RequestUser,
     Form(form): Form<MoveOrderForm>,
 ) -> HandlerResult<FormAnswer> {
-    if !web.current_settings().profiles.contains_key(&form.profile) {
-        return Err(HandlerError::NotFound(format!("machine {}", form.profile)));
+    if !web.current_settings().profiles.contains_key(&form.machine) {
+        return Err(HandlerError::NotFound(format!("machine {}", form.machine)));
     }
     let command = |line: &OrderLine| NewCommand {
         kind: CommandKind::Move,
-        profile: form.profile.clone(),
+        machine: form.machine.clone(),
         part: Some(line.part),
         argument: CommandArgument::default(),
         asked_by: by.clone(),

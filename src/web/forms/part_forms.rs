@@ -109,7 +109,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
 
 fn move_form(web: &DashboardState, part: &PartRow) -> Markup {
     let settings = web.current_settings();
-    let others: Vec<&String> = settings.profiles.keys().filter(|name| **name != part.profile).collect();
+    let others: Vec<&String> = settings.profiles.keys().filter(|name| **name != part.machine).collect();
     html! {
         @if !others.is_empty() {
             details { summary { "Move to another machine" }
@@ -117,7 +117,7 @@ fn move_form(web: &DashboardState, part: &PartRow) -> Markup {
                     (key_field(web))
                     input type="hidden" name="kind" value=(CommandKind::Move);
                     input type="hidden" name="part" value=(part.id);
-                    label { "Machine" select name="profile" { @for name in &others { option value=(name) { (name) } } } }
+                    label { "Machine" select name="machine" { @for name in &others { option value=(name) { (name) } } } }
                     p { "All waiting parts of its file move, and are read again there." }
                     button type="submit" { "Move" }
                 }
@@ -160,7 +160,7 @@ pub(crate) async fn post_edit(
         .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let command = (!edit.is_empty()).then(|| NewCommand {
         kind: CommandKind::Edit,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(part),
         argument: CommandArgument { copies: None, edit: Some(edit) },
         asked_by,

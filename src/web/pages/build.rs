@@ -44,13 +44,13 @@ pub(crate) async fn show_build(
     let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
     let view = web.time_view();
     // What the machine asks for now counts, not what it asked for when the build was made.
-    let machine = web.current_settings().profiles.get(&build.profile).cloned();
+    let machine = web.current_settings().profiles.get(&build.machine).cloned();
     let release = match &machine {
         Some(machine) => release_form(&web, &build, machine).await?,
         None => Markup::default(),
     };
     let content = html! {
-        h1 { "Build " (build.id) " on " (build.profile) ": " (build.state_word()) }
+        h1 { "Build " (build.id) " on " (build.machine) ": " (build.state_word()) }
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
             p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
@@ -88,10 +88,10 @@ async fn fire_forecast(
     if build.state != BuildState::Open {
         return Ok(None);
     }
-    let status = web.ledger.profile_statuses().await?;
+    let status = web.ledger.machine_statuses().await?;
     Ok(status
         .iter()
-        .find(|status| status.profile == build.profile)
+        .find(|status| status.machine == build.machine)
         .and_then(|status| fire_forecast_text(profile, status)))
 }
 

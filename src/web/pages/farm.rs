@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use jiff::{SignedDuration, Timestamp};
-use ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, NodeRow, ProfileStatus};
+use ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
 use super::{
@@ -31,7 +31,7 @@ const USUAL_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// The farm page.
 pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
-    let (status, nodes) = (web.ledger.profile_statuses().await?, list_farm_nodes(&web.ledger).await?);
+    let (status, nodes) = (web.ledger.machine_statuses().await?, list_farm_nodes(&web.ledger).await?);
     let machines = web.ledger.list_machines().await?;
     let (settings, now) = (web.current_settings(), Timestamp::now());
     let daemon = nodes
@@ -39,26 +39,26 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         .map(|listed| &listed.node)
         .find(|node| web.ledger.file().is_some() || node.name == settings.node.name);
     let view = TimeView::at(&settings.time_zone, now);
-    let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
-    let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
+    let nothing = |name: &str| MachineStatus { machine: name.to_owned(), ..MachineStatus::default() };
+    let of = |name: &str| status.iter().find(|s| s.machine == name).cloned().unwrap_or_else(|| nothing(name));
     let builds = MachineBuilds::read_for(&web, now).await?;
     let mut cards = Vec::with_capacity(settings.profiles.len());
     for (name, profile) in &settings.profiles {
         let status = of(name);
-        let picture_html = picture::profile_picture(&web, &status).await?;
+        let picture_html = picture::machine_picture(&web, &status).await?;
         let card = MachineCard {
             profile,
             printers: printer_views(&web.ledger, profile, now).await?,
             status: &status,
-            observed: machines.iter().find(|observed| observed.profile == *name),
+            observed: machines.iter().find(|observed| observed.machine == *name),
             nesting: find_builds(&web, status.nesting.iter().map(|build| build.build)).await?,
             last: find_builds(&web, status.last_published.iter().map(|build| build.build)).await?.pop(),
-            at_risk: builds.at_risk.iter().filter(|part| part.profile == *name).collect(),
-            usual_density: builds.usual.iter().find(|sum| sum.profile == *name).and_then(|sum| sum.mean_density),
+            at_risk: builds.at_risk.iter().filter(|part| part.machine == *name).collect(),
+            usual_density: builds.usual.iter().find(|sum| sum.machine == *name).and_then(|sum| sum.mean_density),
         };
         cards.push(card.draw_card(&web, &picture_html, &view));
     }
-    let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
+    let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.machine));
     let alerts = read_stored_alerts(&settings.state_dir);
     let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
     let content = html! {
@@ -71,8 +71,8 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
             @for card in &cards { (card) }
         }
         @for status in gone {
-            p { "The profile " b { (status.profile) }
-                @match machines.iter().find(|observed| observed.profile == status.profile && !observed.node.is_empty()) {
+            p { "The machine " b { (status.machine) }
+                @match machines.iter().find(|observed| observed.machine == status.machine && !observed.node.is_empty()) {
                     Some(observed) => { " is served by the node " (node_link(&nodes, &observed.node)) ": " }
                     None => { " is no longer configured: " }
                 }
@@ -84,9 +84,9 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
 }
 
 /// A line per machine, for a phone, where the cards come after what needs a person.
-fn machine_strip(settings: &Settings, statuses: &[ProfileStatus], now: Timestamp) -> Markup {
+fn machine_strip(settings: &Settings, statuses: &[MachineStatus], now: Timestamp) -> Markup {
     let line = |(name, profile): (&String, &MachineProfile)| {
-        let status = statuses.iter().find(|status| status.profile == *name);
+        let status = statuses.iter().find(|status| status.machine == *name);
         html! {
             li { a href=(format!("#{name}")) { (name) } " " span.soft { (status.map_or_else(|| "free".to_owned(), |status| brief_state(profile, status, now))) } }
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
-use ledger::{CommandKind, PartQuery, PartRow, PartState, ProfileStatus};
+use ledger::{CommandKind, MachineStatus, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
 
 use crate::{
@@ -17,7 +17,7 @@ use crate::{
             listing::table_of,
             page::html_page,
         },
-        core::{command::command_button, picture::profile_picture, state::DashboardState},
+        core::{command::command_button, picture::machine_picture, state::DashboardState},
     },
 };
 
@@ -31,18 +31,18 @@ pub(crate) async fn show_preview(
 ) -> HandlerResult<Markup> {
     let settings = web.current_settings();
     let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
-    let status = web.ledger.profile_statuses().await?.into_iter().find(|status| status.profile == name);
-    let status = status.unwrap_or_else(|| ProfileStatus { profile: name.clone(), ..ProfileStatus::default() });
+    let status = web.ledger.machine_statuses().await?.into_iter().find(|status| status.machine == name);
+    let status = status.unwrap_or_else(|| MachineStatus { machine: name.clone(), ..MachineStatus::default() });
     let inside = placed_parts(&web, profile, &status).await?;
     let query = PartQuery {
         state: Some(PartState::Waiting),
-        profile: Some(name.clone()),
+        machine: Some(name.clone()),
         limit: MAX_PARTS,
         ..PartQuery::default()
     };
     let mut outside: Vec<PartRow> = web.ledger.list_parts(&query).await?;
     outside.retain(|part| !inside.iter().any(|counted| counted.part.id == part.id));
-    let picture_html = profile_picture(&web, &status).await?;
+    let picture_html = machine_picture(&web, &status).await?;
     let placed: u32 = inside.iter().map(|counted| counted.copies).sum();
     let later = status.waiting_copies.saturating_sub(placed);
     let view = web.time_view();
@@ -68,7 +68,7 @@ pub(crate) async fn show_preview(
 async fn placed_parts(
     web: &DashboardState,
     profile: &MachineProfile,
-    status: &ProfileStatus,
+    status: &MachineStatus,
 ) -> HandlerResult<Vec<CountedPart>> {
     let Some(open) = &status.open else { return Ok(Vec::new()) };
     let Some(build) = web.ledger.find_build(open.build).await? else { return Ok(Vec::new()) };
@@ -77,7 +77,7 @@ async fn placed_parts(
 }
 
 /// What would be built, and how high it stands.
-fn preview_sentence(profile: &MachineProfile, status: &ProfileStatus, placed: u32) -> Markup {
+fn preview_sentence(profile: &MachineProfile, status: &MachineStatus, placed: u32) -> Markup {
     let open = status.open.as_ref().filter(|_| placed > 0);
     let height = open.and_then(|open| height_in_volume(open.height_mm, Some(profile.space.volume_mm.z)));
     let density = open.and_then(|open| fields::DENSITY.with_unit(open.density));

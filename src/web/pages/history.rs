@@ -37,12 +37,12 @@ const MAX_ROWS: u32 = 500;
 
 /// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 #[schemars(inline)]
 pub(crate) struct HistoryFilter {
-    /// Only builds of this machine profile.
+    /// Only builds of this machine.
     #[serde(skip_serializing_if = "String::is_empty")]
-    profile: String,
+    machine: String,
     /// Only builds in this state.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(with = "BuildState")]
@@ -73,7 +73,7 @@ const SORT_COLUMNS: [(&str, HistorySort, FieldDefinition); 4] = [
     ("height", HistorySort::Height, fields::HEIGHT),
     ("density", HistorySort::Density, fields::DENSITY),
     ("copies", HistorySort::Copies, fields::COPIES),
-    ("profile", HistorySort::Profile, fields::PROFILE),
+    ("machine", HistorySort::Machine, fields::MACHINE),
 ];
 
 /// The sorted rows of one page.
@@ -88,7 +88,7 @@ fn ledger_query(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<H
     Ok(HistoryQuery {
         since: parse_day(&filter.since, 0, zone)?,
         until: parse_day(&filter.until, 1, zone)?,
-        profile: some(&filter.profile),
+        machine: some(&filter.machine),
         state: parse_field(&filter.state, "a state of a build")?,
         part: some(&filter.part),
         sort: SORT_COLUMNS
@@ -159,14 +159,14 @@ pub(crate) async fn show_history(
     Ok(html_page("History", "/history", None, &content))
 }
 
-fn filter_form<'a>(filter: &HistoryFilter, today: Date, profiles: impl Iterator<Item = &'a String>) -> Markup {
+fn filter_form<'a>(filter: &HistoryFilter, today: Date, machines: impl Iterator<Item = &'a String>) -> Markup {
     let states: Vec<String> =
         BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
         form.filters method="get" action="/history" {
-            label { (fields::PROFILE.label) select name="profile" {
+            label { (fields::MACHINE.label) select name="machine" {
                 option value="" { "all" }
-                @for name in profiles { option value=(name) selected[*name == filter.profile] { (name) } }
+                @for name in machines { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
             label { "Outcome" select name="state" {
                 option value="" { "all" }

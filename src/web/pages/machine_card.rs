@@ -2,7 +2,7 @@
 
 use jiff::Timestamp;
 use ledger::{
-    BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, NestingBuild, OpenBuildForecast, ProfileStatus,
+    BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast,
     UtcTimestamp,
 };
 use maud::{Markup, html};
@@ -25,7 +25,7 @@ const MAX_AT_RISK: usize = 5;
 pub(crate) struct MachineCard<'a> {
     pub(crate) profile: &'a MachineProfile,
     pub(crate) printers: Vec<PrinterView>,
-    pub(crate) status: &'a ProfileStatus,
+    pub(crate) status: &'a MachineStatus,
     /// As the daemon saw it last.
     pub(crate) observed: Option<&'a MachineRow>,
     /// Its builds that are being made.
@@ -55,8 +55,8 @@ impl MachineCard<'_> {
                 (self.countdown(now))
                 (self.printer_list())
                 (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status), view)))
-                @if status.rejected_parts > 0 {
-                    p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }
+                @if status.refused_parts > 0 {
+                    p { a href=(format!("/parts?state=refused&machine={name}")) { (fields::REFUSED.label) ": " (status.refused_parts) } }
                 }
                 (self.last_outcome(view))
                 div.buttons {
@@ -180,7 +180,7 @@ impl MachineCard<'_> {
 }
 
 /// What a machine does and how full its next build is, in a few words.
-pub(super) fn brief_state(profile: &MachineProfile, status: &ProfileStatus, now: Timestamp) -> String {
+pub(super) fn brief_state(profile: &MachineProfile, status: &MachineStatus, now: Timestamp) -> String {
     let doing = match status {
         status if status.paused.is_some() => "paused",
         status if !status.nesting.is_empty() => "searching",
@@ -194,7 +194,7 @@ pub(super) fn brief_state(profile: &MachineProfile, status: &ProfileStatus, now:
 }
 
 /// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
-fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>, view: &TimeView) -> Vec<String> {
+fn machine_warnings(status: &MachineStatus, observed: Option<&MachineRow>, view: &TimeView) -> Vec<String> {
     let paused = status.paused.as_ref().map(|paused| {
         format!("Paused by {} since {}: nothing is fired.", paused.paused_by, view.time_text(paused.paused_at))
     });
@@ -206,7 +206,7 @@ fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>, view:
 }
 
 /// When the open build of a machine fires, and which trigger fires it.
-pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &ProfileStatus) -> Option<String> {
+pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &MachineStatus) -> Option<String> {
     Some(forecast_fire(profile, status)?.fire_text(profile, status))
 }
 

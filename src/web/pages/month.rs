@@ -155,7 +155,7 @@ fn failed_section(failed: &[HistoryRow], view: &TimeView) -> Markup {
         h2 { "Failed builds" }
         @if failed.is_empty() { p { "None." } }
         @else { ul { @for row in failed { li {
-            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.profile) ": " b { (row.state) }
+            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.machine) ": " b { (row.state) }
             ", " (view.time_text(row.at))
             @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { ", " (height) }
             @if let Some(copies) = row.measures.copies { ", " (count(copies, "copy", "copies")) }
@@ -183,7 +183,7 @@ fn output_table(report: &MonthResponse, before: &str) -> Markup {
                 caption { "Published in this month; in small what it was in " (before) }
                 thead { tr { @for column in MONTH_COLUMNS { (heading(&column.field)) } } }
                 tbody { @for machine in &report.machines {
-                    @let last = report.before.iter().find(|other| other.profile == machine.profile);
+                    @let last = report.before.iter().find(|other| other.machine == machine.machine);
                     tr { @for column in MONTH_COLUMNS {
                         td class=[column.field.is_number().then_some("n")] {
                             (column.field.plain_text(&(column.value)(machine)).unwrap_or_else(|| DASH.to_owned()))
@@ -211,7 +211,7 @@ fn late_section(late: &[LatePart], zone: &FarmZone, view: &TimeView) -> Markup {
             ul { @for (order, parts) in &orders { li {
                 @if order.is_empty() { "Without an order" } @else { a href=(order_address(order)) { (order) } }
                 ul { @for part in parts { li {
-                    a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.profile)
+                    a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.machine)
                     @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (TimeView::kept(zone).due_text(&due)) }
                     @match part.built_at { Some(at) => { ", built " (view.time_text(at)) } None => { ", " b { (part.state) } } }
                 } } }

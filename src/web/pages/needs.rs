@@ -45,8 +45,8 @@ struct NeededFacts {
 /// What needs a person, with buttons; nothing if nothing does.
 pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], now: Timestamp) -> HandlerResult<Markup> {
     let since = now.checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN);
-    let mut refused = web.ledger.parts_in_state_between(PartState::Rejected, since, now, MAX_REFUSED).await?;
-    refused.retain(|part| !matches!(part.rejection.refusal, Some(RefusalCause::Cancelled | RefusalCause::Replaced)));
+    let mut refused = web.ledger.parts_in_state_between(PartState::Refused, since, now, MAX_REFUSED).await?;
+    refused.retain(|part| !matches!(part.refused.refusal, Some(RefusalCause::Cancelled | RefusalCause::Replaced)));
     let facts = NeededFacts {
         failures: web.ledger.unseen_failures().await?,
         questions: web.ledger.parts_with_questions(MAX_NAMED as u32).await?,
@@ -56,7 +56,7 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
     let mut entries: Vec<Markup> = facts.failures.iter().map(|build| unseen_failure(web, build)).collect();
     // A failed print has its own entry.
     let has_entry = |alert: &FarmAlert| {
-        alert.kind == AlertKind::PrintFailed && facts.failures.iter().any(|build| build.profile == alert.profile)
+        alert.kind == AlertKind::PrintFailed && facts.failures.iter().any(|build| build.machine == alert.machine)
     };
     let others = alerts.iter().filter(|alert| !has_entry(alert));
     entries.extend(others.map(|alert| alert_entry(web, alert, &facts, now)));
@@ -90,18 +90,18 @@ fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts, now
 
 /// The buttons and links that end an alert.
 fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> Markup {
-    let profile = alert.profile.as_str();
-    let waiting = format!("/parts?state=waiting&profile={profile}");
+    let machine = alert.machine.as_str();
+    let waiting = format!("/parts?state=waiting&machine={machine}");
     let of_kind = |kind: QuestionKind| {
-        let own = facts.questions.iter().filter(move |asked| asked.kind == kind && asked.part.profile == profile);
+        let own = facts.questions.iter().filter(move |asked| asked.kind == kind && asked.part.machine == machine);
         own.map(|asked| &asked.part).take(MAX_NAMED)
     };
     html! {
         @match alert.kind {
             AlertKind::BuildFailed => {
                 div.buttons {
-                    (command_button(web, CommandKind::Resume, "Resume", profile, profile, None))
-                    a.button href=(format!("/history?profile={profile}&state=failed")) { "Failed builds" }
+                    (command_button(web, CommandKind::Resume, "Resume", machine, machine, None))
+                    a.button href=(format!("/history?machine={machine}&state=failed")) { "Failed builds" }
                 }
             }
             AlertKind::Question => { @for part in of_kind(QuestionKind::Confirmation) {
@@ -113,10 +113,10 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
             AlertKind::FileDamaged => { @for part in of_kind(QuestionKind::Original) {
                 (part_line(part, "", &part_button(web, CommandKind::Cancel, "Cancel", part)))
             } }
-            AlertKind::Refused => { (refused_parts(web, profile, &facts.refused)) }
-            AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{profile}/drop")) { "Add files" } } }
+            AlertKind::Refused => { (refused_parts(web, machine, &facts.refused)) }
+            AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{machine}/drop")) { "Add files" } } }
             AlertKind::ReleaseDue => { div.buttons {
-                @for build in facts.verified.iter().filter(|build| build.profile == profile && awaits_yes(web, build)) {
+                @for build in facts.verified.iter().filter(|build| build.machine == machine && awaits_yes(web, build)) {
                     a.button href=(format!("/builds/{}#release", build.id)) { "Build " (build.id) }
                 }
             } }
@@ -128,7 +128,7 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
 
 /// Whether a proved build waits for a person's yes.
 fn awaits_yes(web: &DashboardState, build: &BuildRow) -> bool {
-    web.current_settings().profiles.get(&build.profile).is_some_and(|profile| awaits_release(profile, build))
+    web.current_settings().profiles.get(&build.machine).is_some_and(|machine| awaits_release(machine, build))
 }
 
 fn part_button(web: &DashboardState, kind: CommandKind, label: &str, part: &PartRow) -> Markup {
@@ -148,11 +148,11 @@ fn part_line(part: &PartRow, text: &str, buttons: &Markup) -> Markup {
 }
 
 /// The refused parts of a machine, newest first.
-fn refused_parts(web: &DashboardState, profile: &str, refused: &[PartRow]) -> Markup {
-    let own: Vec<&PartRow> = refused.iter().filter(|part| part.profile == profile).collect();
+fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Markup {
+    let own: Vec<&PartRow> = refused.iter().filter(|part| part.machine == machine).collect();
     html! {
         @for part in own.iter().take(MAX_NAMED) {
-            @let reason = part.rejection.reason.lines().next().unwrap_or_default();
+            @let reason = part.refused.reason.lines().next().unwrap_or_default();
             // What was found; what to do is on the page of the part.
             @let found = reason.split_once(". ").map_or(reason.to_owned(), |(first, _)| format!("{first}."));
             (part_line(part, &found, &html! {
@@ -160,11 +160,11 @@ fn refused_parts(web: &DashboardState, profile: &str, refused: &[PartRow]) -> Ma
             }))
         }
         div.buttons {
-            a.button href=(format!("/parts?state=rejected&profile={profile}")) { "All refused parts" }
+            a.button href=(format!("/parts?state=refused&machine={machine}")) { "All refused parts" }
             @if web.orders {
-                form.order method="post" action=(format!("/machines/{profile}/dismiss")) {
+                form.order method="post" action=(format!("/machines/{machine}/dismiss")) {
                     (key_field(web))
-                    button type="submit" { "Seen to: leave them there" span.unseen { " (" (profile) ")" } }
+                    button type="submit" { "Seen to: leave them there" span.unseen { " (" (machine) ")" } }
                 }
             }
         }

@@ -29,16 +29,16 @@ const MAX_PARTS: u32 = 500;
 
 /// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 #[schemars(inline)]
 pub(crate) struct PartFilter {
     /// In one state.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(with = "PartState")]
     state: String,
-    /// Of one machine profile.
+    /// Of one machine.
     #[serde(skip_serializing_if = "String::is_empty")]
-    profile: String,
+    machine: String,
     /// Whose file name or order begins so.
     #[serde(skip_serializing_if = "String::is_empty")]
     name: String,
@@ -54,7 +54,7 @@ pub(crate) async fn read_page(web: &DashboardState, filter: &PartFilter) -> Hand
     let query = PartQuery {
         name: some(&filter.name),
         state: parse_field(&filter.state, "a state of a part")?,
-        profile: some(&filter.profile),
+        machine: some(&filter.machine),
         before: parse_field::<i64>(&filter.after, "the number of a part")?.map(PartId),
         limit: MAX_PARTS + 1,
     };
@@ -82,9 +82,9 @@ pub(crate) async fn list_parts(
                 option value="" { "all" }
                 @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
             } }
-            label { (fields::PROFILE.label) select name="profile" {
+            label { (fields::MACHINE.label) select name="machine" {
                 option value="" { "all" }
-                @for name in settings.profiles.keys() { option value=(name) selected[*name == filter.profile] { (name) } }
+                @for name in settings.profiles.keys() { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
             button type="submit" { "Show" }
         }
@@ -124,7 +124,7 @@ pub(crate) async fn show_part(
         @if !part.terms.order_name.is_empty() {
             p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
         }
-        @if !part.rejection.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.rejection.reason)) } }
+        @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.refused.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
@@ -134,7 +134,7 @@ pub(crate) async fn show_part(
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
                 (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))
             }
-            @if part.state == PartState::Rejected { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
+            @if part.state == PartState::Refused { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
             @if part.state == PartState::Waiting { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
         (part_forms(&web, &part, printed))
@@ -161,7 +161,7 @@ async fn find_open_build(web: &DashboardState, part: &PartRow) -> HandlerResult<
         return Ok(None);
     }
     let open = web.ledger.builds_in_state(BuildState::Open).await?;
-    let build = open.into_iter().find(|build| build.profile == part.profile);
+    let build = open.into_iter().find(|build| build.machine == part.machine);
     Ok(build.map(|build| (build.id, count_copies_in_layout(&build, part.id))).filter(|(_, copies)| *copies > 0))
 }
 
@@ -174,7 +174,7 @@ fn copies_section(
     let live = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
     let waiting = part.wanted_copies().saturating_sub(live);
     html! {
-        @if part.state == PartState::Rejected { p { "In no build: the part was refused or cancelled." } }
+        @if part.state == PartState::Refused { p { "In no build: the part was refused or cancelled." } }
         @else if waiting > 0 {
             p { (count(waiting, "copy waits", "copies wait"))
                 @if let Some((build, copies)) = open {

@@ -37,7 +37,7 @@ pub(crate) async fn show_pick_map(
     let CachedPickMap { copies, sheets, .. } = cached_map(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
+        p { (build.machine) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
             @if let Some(at) = build.times.published_at { " " (web.time_view().time_text(at)) }
             @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {

@@ -71,12 +71,12 @@ async fn make_plans(web: &DashboardState, asked: &PlanQuestion) -> HandlerResult
 
 fn plan_section(plan: &MachinePlan, view: &TimeView) -> Markup {
     html! {
-        h2 { (plan.profile) }
+        h2 { (plan.machine) }
         @if !plan.risks.is_empty() {
-            (table_of(&format!("Due dates at risk on {}", plan.profile), Some("Due dates at risk".to_owned()), RISK_COLUMNS, &plan.risks, view))
+            (table_of(&format!("Due dates at risk on {}", plan.machine), Some("Due dates at risk".to_owned()), RISK_COLUMNS, &plan.risks, view))
         }
         @if !plan.builds.is_empty() {
-            (table_of(&format!("Builds of {}", plan.profile), None, PLAN_COLUMNS, &plan.builds, view))
+            (table_of(&format!("Builds of {}", plan.machine), None, PLAN_COLUMNS, &plan.builds, view))
         }
         @for note in plan_notes(plan, view) { p { (note) } }
     }

@@ -114,7 +114,7 @@ impl HtmlReport<'_> {
 
     fn report_title(&self) -> String {
         match self.source {
-            ReportSource::Ledger(build, _) => format!("Build {} on {}", build.id, build.profile),
+            ReportSource::Ledger(build, _) => format!("Build {} on {}", build.id, build.machine),
             ReportSource::File(file, info) => {
                 let name = || file.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 build_file::escape_invisible(&info.heading.title.clone().unwrap_or_else(name))
@@ -180,7 +180,7 @@ fn file_facts(file: &Path, info: &BuildMetadata, cake: &CakeContents) -> Vec<She
         fields::DENSITY.fact(info.density),
         fields::COPIES.fact(cake.copy_count()),
         fields::CLEARANCE.with_unit(info.rules.clearance_mm).map(|asked| fields::CLEARANCE.fact_of(asked + " asked")),
-        fields::MACHINE.fact(shown(&info.heading.profile)),
+        fields::MACHINE.fact(shown(&info.heading.machine)),
         fields::SEARCH.fact(search.into_iter().flatten().collect::<Vec<_>>().join(", ")),
         fields::MADE.fact(shown(&info.heading.created)),
         fields::FILE.fact(build_file::escape_invisible(&name)),

@@ -91,7 +91,7 @@ fn search_address(text: &str) -> String {
 fn build_entry(build: &NamedBuildRow) -> Markup {
     html! {
         a href=(format!("/builds/{}", build.id)) { "Build " (build.id) } " "
-        span.soft { (build.profile) ", " (build.state)
+        span.soft { (build.machine) ", " (build.state)
             @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { ", " (height) }
             @if let Some(copies) = build.copies { ", " (count(copies, "copy", "copies")) } }
     }
@@ -100,7 +100,7 @@ fn build_entry(build: &NamedBuildRow) -> Markup {
 fn part_entry(part: &NamedPartRow) -> Markup {
     html! {
         a href=(format!("/parts/{}", part.id)) { (part.full_name()) } " "
-        span.soft { "part " (part.id) ", " (part.state) " on " (part.profile) }
+        span.soft { "part " (part.id) ", " (part.state) " on " (part.machine) }
         @if !part.order_name.is_empty() { " order " a href=(order_address(&part.order_name)) { (part.order_name) } }
         @if !part.note.is_empty() { " " span.soft { (part.note) } }
     }

@@ -50,7 +50,7 @@ def until(what, is_true):
     raise TimeoutError(what)
 
 
-assert "test" in [machine.profile for machine in patiently(farm).profiles]
+assert "test" in [machine.machine for machine in patiently(farm).machines]
 
 # Order: with its files, twice under the same key.
 asked = models.OrderRequest.from_dict({
@@ -86,7 +86,7 @@ assert in_words(changed, "5"), changed
 assert in_words(patiently(delete_line, "K-4711", str(number["cover.stl"])))
 
 # What is to come.
-assert "test" in [machine.profile for machine in patiently(plan)]
+assert "test" in [machine.machine for machine in patiently(plan)]
 quoted = models.OrderRequest.from_dict({"machine": "test", "due": "2027-03-01", "lines": [{"name": "hinge.stl", "copies": 2}]})
 patiently(post_quote, body=models.PostQuoteFilesBody(quote=quoted, file=[stl("hinge.stl")]))
 

@@ -38,7 +38,7 @@ async function until(what: string, holds: () => Promise<boolean>) {
 }
 
 const seen = await patiently(() => farm.GET("/api/v1/farm"));
-check(seen.profiles.some((machine) => machine.profile === "test"), seen);
+check(seen.machines.some((machine) => machine.machine === "test"), seen);
 
 // Order: with its files, twice under the same key.
 const order: components["schemas"]["OrderRequest"] = {
@@ -85,7 +85,7 @@ check(inWords(copies, "5"), copies);
 check(inWords(await patiently(() => farm.DELETE("/api/v1/orders/{order}/lines/{line}", { params: { path: numbered("cover.stl") } }))), "cancelled");
 
 // What is to come.
-check((await patiently(() => farm.GET("/api/v1/plan"))).some((plan) => plan.profile === "test"), "plan");
+check((await patiently(() => farm.GET("/api/v1/plan"))).some((plan) => plan.machine === "test"), "plan");
 await patiently(() => farm.POST("/api/v1/quote", { body: { machine: "test", due: "2027-03-01", lines: [{ name: "hinge.stl", content: put.content, copies: 2 }] } }));
 
 // Builds and machines.

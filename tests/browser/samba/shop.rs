@@ -17,7 +17,7 @@ use super::{
 };
 
 /// The profile: `unfinished_secs` is long, so that a stalled copy is not refused; a client sends a cut copy again.
-const MACHINE: &str = "volume_mm = [200, 200, 200]\nclearance_mm = 2.0\nsettle_secs = 0.4\nunfinished_secs = 60\nfinal_secs = 0.5\n\
+const PROFILE: &str = "volume_mm = [200, 200, 200]\nclearance_mm = 2.0\nsettle_secs = 0.4\nunfinished_secs = 60\nfinal_secs = 0.5\n\
                        arrival_secs = 0.2\nduplicates = \"accept\"\nmax_attempts = 50\n";
 
 pub struct SambaShop {
@@ -32,7 +32,7 @@ pub struct SambaShop {
 
 impl SambaShop {
     pub fn open() -> Self {
-        let farm = TestFarm::running(MACHINE);
+        let farm = TestFarm::running(PROFILE);
         open_to_its_user(farm.root(), &farm.folder("inbox"));
         let server = SambaServer::start(&farm.folder("inbox"));
         Self { farm, server, wanted: BTreeMap::new(), replaced: BTreeSet::new(), made: 0 }
@@ -110,7 +110,7 @@ impl SambaShop {
             }
             printed() >= least
         });
-        assert_eq!(self.farm.parts(PartState::Rejected), [], "something was refused");
+        assert_eq!(self.farm.parts(PartState::Refused), [], "something was refused");
         let mut printed = self.printed();
         for hash in self.replaced.iter().filter(|hash| !self.wanted.contains_key(*hash)) {
             assert!(printed.remove(hash).unwrap_or(1) == 1, "what the client replaced was printed twice");

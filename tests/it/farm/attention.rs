@@ -6,7 +6,7 @@ use std::{fs, os::unix::fs::FileExt, path::Path};
 use ledger::{BuildState, PartState};
 use nestd::farm::{AlertKind, FarmAlert};
 
-use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
+use super::support::{MACHINE, QUICK, TestFarm, block, wait_until, wait_until_or};
 
 const SECOND: &str = "second";
 
@@ -56,7 +56,7 @@ fn every_kind_is_reported_by_status_with_its_remedy() {
     for kind in AlertKind::ALL {
         let notice = FarmAlert {
             kind,
-            profile: "test".into(),
+            machine: "test".into(),
             detail: "just\u{1b}[2J so".into(),
             since: jiff::Timestamp::now(),
         };
@@ -123,7 +123,7 @@ fn folders_that_are_away_and_refused_and_stray_files_are_reported_until_it_is_ov
 }
 
 #[test]
-fn a_build_that_is_given_up_is_reported_until_its_profile_is_resumed_also_after_a_restart() {
+fn a_build_that_is_given_up_is_reported_until_its_machine_is_resumed_also_after_a_restart() {
     let profile = QUICK.replace("max_attempts = 50", "max_attempts = 1");
     let mut farm = TestFarm::new(&profile.replace("final_secs = 0.5", "final_secs = 60"));
     farm.start();
@@ -135,13 +135,13 @@ fn a_build_that_is_given_up_is_reported_until_its_profile_is_resumed_also_after_
     wait_until("the build is fired", 20.0, is_fired);
     farm.kill();
     // The machine has become too small for the build that is being nested.
-    farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
+    farm.write_profile(MACHINE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
     farm.start();
     is_reported_everywhere(&farm, AlertKind::BuildFailed, "test");
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.stop();
     fs::write(farm.root().join("log"), "").unwrap();
-    farm.write_profile(PROFILE, &profile);
+    farm.write_profile(MACHINE, &profile);
     farm.start();
     is_reported_everywhere(&farm, AlertKind::BuildFailed, "test");
     farm.nestd_ok(&["resume", "test"]);

@@ -15,7 +15,7 @@ fn reason(farm: &TestFarm, name: &str) -> String {
 
 #[test]
 fn what_cannot_be_printed_is_refused_with_a_reason_and_the_rest_goes_on() {
-    let farm = TestFarm::running(&format!("{QUICK}duplicates = \"reject\"\n"));
+    let farm = TestFarm::running(&format!("{QUICK}duplicates = \"refuse\"\n"));
     let cube = stl(&block(10.0, 10.0, 10.0));
     farm.drop_bytes("torn.stl", &cube[..cube.len() - 30]);
     farm.drop_bytes("empty.stl", b"");
@@ -45,7 +45,7 @@ fn a_broken_ticket_refuses_its_part_for_its_copies_are_not_known() {
     farm.drop_bytes("cube.stl.toml", b"copies = \"many\"");
     farm.drop_part("cube.stl", &block(10.0, 10.0, 10.0));
     assert!(reason(&farm, "cube.stl").contains("copies"));
-    let part = farm.parts(PartState::Rejected).remove(0);
+    let part = farm.parts(PartState::Refused).remove(0);
     let retry = farm.nestd(&["retry", &part.id.to_string()]);
     assert_eq!(retry.status.code(), Some(1), "its copies would be guessed");
     assert!(!reason(&farm, "cube.stl").contains("nestd retry"));
@@ -88,7 +88,7 @@ fn a_ticket_says_copies_order_and_rule() {
 fn a_refused_part_is_taken_back_by_retry_once_the_cause_is_gone() {
     let farm = TestFarm::running(QUICK);
     farm.drop_part("large.stl", &block(130.0, 10.0, 125.0));
-    let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0);
+    let part = farm.wait_for_parts(PartState::Refused, 1).remove(0);
     reason(&farm, "large.stl");
     farm.write_profile("test", &QUICK.replace("[120, 120, 120]", "[150, 150, 150]"));
     farm.reload();

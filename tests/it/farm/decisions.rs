@@ -8,7 +8,7 @@ use ledger::{PartId, PartState};
 
 use super::{
     restore::{copy_ledger, hash_of, replace_ledger, text},
-    support::{PROFILE, QUICK, TestFarm, block, stl},
+    support::{MACHINE, QUICK, TestFarm, block, stl},
 };
 
 const NAMED: &str = "the last decision about a.stl";
@@ -51,11 +51,11 @@ fn is_refused_and_mended(farm: &mut TestFarm) {
         "{output_text}"
     );
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
-    assert_eq!(farm.parts(PartState::Rejected).len(), 1);
+    assert_eq!(farm.parts(PartState::Refused).len(), 1);
     let file = farm.folder("error").join("part-1/a.stl");
     assert_eq!(fs::read(file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
     farm.start();
-    let _ = farm.nestd(&["flush", PROFILE]);
+    let _ = farm.nestd(&["flush", MACHINE]);
     std::thread::sleep(Duration::from_secs(2));
     assert!(farm.queued().is_empty(), "it is printed\n{}", farm.log());
     order(farm, "retry", PartId(1), PartState::Waiting);
@@ -71,7 +71,7 @@ fn a_part_that_was_cancelled_is_not_printed_by_an_older_ledger() {
     for is_tidied in [false, true] {
         let (mut farm, part) = farm_with_a_part();
         let copy = copy_ledger(&farm);
-        order(&farm, "cancel", part, PartState::Rejected);
+        order(&farm, "cancel", part, PartState::Refused);
         farm.stop();
         if is_tidied {
             fs::remove_dir_all(farm.folder("error").join("part-1")).unwrap();
@@ -84,7 +84,7 @@ fn a_part_that_was_cancelled_is_not_printed_by_an_older_ledger() {
 #[test]
 fn a_part_that_was_taken_back_is_shown_by_an_older_ledger() {
     let (mut farm, part) = farm_with_a_part();
-    order(&farm, "cancel", part, PartState::Rejected);
+    order(&farm, "cancel", part, PartState::Refused);
     let copy = copy_ledger(&farm);
     order(&farm, "retry", part, PartState::Waiting);
     farm.stop();
@@ -98,7 +98,7 @@ fn a_part_that_was_taken_and_cancelled_is_not_printed_by_a_ledger_that_never_kne
     let copy = copy_ledger(&farm);
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
     let part = farm.wait_for_parts(PartState::Waiting, 1)[0].id;
-    order(&farm, "cancel", part, PartState::Rejected);
+    order(&farm, "cancel", part, PartState::Refused);
     farm.stop();
     fs::remove_dir_all(farm.folder("error").join("part-1")).unwrap();
     replace_ledger(&farm, &copy);
@@ -108,7 +108,7 @@ fn a_part_that_was_taken_and_cancelled_is_not_printed_by_a_ledger_that_never_kne
     farm.start();
     farm.flush();
     std::thread::sleep(Duration::from_secs(2));
-    assert!(farm.queued().is_empty() && farm.parts(PartState::Rejected).len() == 1, "{}", farm.log());
+    assert!(farm.queued().is_empty() && farm.parts(PartState::Refused).len() == 1, "{}", farm.log());
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_build_that_was_being_nested_is_given_up_where_its_part_was_decided_of_since
     farm.wait_for_parts(PartState::Batched, 1);
     let copy = copy_ledger(&farm);
     farm.kill();
-    farm.write_profile(PROFILE, QUICK);
+    farm.write_profile(MACHINE, QUICK);
     // The state after the build failed and the part was cancelled.
     let (path, _) = note(&farm);
     fs::rename(&path, path.with_extension("1.json")).unwrap();
@@ -131,7 +131,7 @@ fn a_build_that_was_being_nested_is_given_up_where_its_part_was_decided_of_since
 #[test]
 fn a_daemon_that_was_killed_before_it_could_mark_starts_as_ever() {
     let (mut farm, part) = farm_with_a_part();
-    for (what, state, count) in [("cancel", PartState::Rejected, 1), ("retry", PartState::Waiting, 2)] {
+    for (what, state, count) in [("cancel", PartState::Refused, 1), ("retry", PartState::Waiting, 2)] {
         let (before, _) = note(&farm);
         let asked = |note: &PathBuf| {
             serde_json::from_str::<serde_json::Value>(&fs::read_to_string(note).unwrap()).unwrap()["part"].clone()

@@ -13,7 +13,7 @@ fn farm_after_work() -> TestFarm {
     farm.drop_part("built_x2.stl", &block(20.0, 20.0, 10.0));
     farm.drop_bytes("refused.stl", b"solid nonsense\nendsolid\n");
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     farm.drop_part("waits.stl", &block(10.0, 20.0, 30.0));
@@ -108,7 +108,7 @@ fn a_cancelled_part_that_is_taken_back_leaves_no_second_copy_in_the_error_folder
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.nestd_ok(&["cancel", "1"]);
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     assert_eq!(farm.broken_invariants(&InvariantExpectations::default()), Vec::<String>::new());
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);

@@ -12,7 +12,7 @@ use ledger::PartState;
 use serde_json::{Value, json};
 
 use super::support::{
-    PROFILE, QUICK, TestFarm, block,
+    MACHINE, QUICK, TestFarm, block,
     http::{HttpAnswer, open_request, read_answer, send_request},
     stl, wait_until_or,
 };
@@ -62,7 +62,7 @@ impl OpenFarm {
     }
 
     pub(super) fn order(&self, key: &str, lines: Value) -> HttpAnswer {
-        let order = json!({ "machine": PROFILE, "order": "K-1", "lines": lines }).to_string();
+        let order = json!({ "machine": MACHINE, "order": "K-1", "lines": lines }).to_string();
         let words = format!("POST /api/v1/orders\ncontent-type: application/json\nidempotency-key: {key}");
         self.send(&words, order.as_bytes())
     }
@@ -83,7 +83,7 @@ fn what_a_program_orders_is_printed_once_and_it_learns_what_became_of_it() {
     let words = format!("PATCH {line}\ncontent-type: application/json");
     let edited = open.send(&words, json!({ "copies": 4, "due": "2027-01-05" }).to_string().as_bytes());
     assert_eq!((edited.status, &edited.json()["done"]), (200, &json!(true)), "{edited:?}");
-    assert_eq!(open.send(&format!("POST /api/v1/machines/{PROFILE}/flush"), b"").status, 200);
+    assert_eq!(open.send(&format!("POST /api/v1/machines/{MACHINE}/flush"), b"").status, 200);
     let build = open.farm.wait_for_queued(1).remove(0);
     assert_eq!(build_file::read_build(&build, &Default::default()).unwrap().len(), 4);
     open.farm.wait_for_parts(PartState::Built, 1);
@@ -115,7 +115,7 @@ fn what_cannot_be_printed_is_refused_at_once_with_the_reason_of_its_file() {
         let first = detail.split(". ").next().unwrap();
         assert!(reason().unwrap().replace('\n', " ").contains(first), "{detail}\n{}", reason().unwrap());
     }
-    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
+    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(MACHINE, 9).await.unwrap()).is_empty());
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn a_line_of_a_machine_that_is_gone_is_told_and_can_be_cancelled() {
     fs::rename(open.farm.folder("inbox"), open.farm.root().join("aside")).unwrap();
     assert_eq!(open.order("k", json!([{ "name": "a.stl", "content": hash }])).status, 202);
     open.farm.write_profile("other", QUICK);
-    fs::remove_file(open.farm.root().join(format!("config/profiles/{PROFILE}.toml"))).unwrap();
+    fs::remove_file(open.farm.root().join(format!("config/profiles/{MACHINE}.toml"))).unwrap();
     open.farm.reload();
     let told = || String::from_utf8_lossy(&open.farm.nestd(&["status"]).stdout).into_owned();
     let is_told = || told().contains("1 line ordered by request");
@@ -235,7 +235,7 @@ fn an_order_that_is_cancelled_at_once_is_not_printed_at_any_step_of_its_lines() 
     for state in [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built] {
         assert!(open.farm.parts(state).is_empty(), "{state}");
     }
-    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
+    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(MACHINE, 9).await.unwrap()).is_empty());
     assert!(open.farm.queued().is_empty());
     assert!(open.farm.broken_invariants(&Default::default()).is_empty());
 }

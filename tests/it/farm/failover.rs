@@ -6,7 +6,7 @@ use std::{fs, path::Path, process::Command};
 use ledger::{CommandKind, NewCommand, PartState};
 use rustix::process::Signal;
 
-use super::support::{PROFILE, QUICK, TestFarm, block, signal, wait_until_or};
+use super::support::{MACHINE, QUICK, TestFarm, block, signal, wait_until_or};
 
 /// The factor by which a lease is shorter than in production.
 const HURRY: &str = "10";
@@ -45,7 +45,7 @@ fn says(farm: &TestFarm, words: &str) {
 fn order_flush(farm: &TestFarm) {
     let command = NewCommand {
         kind: CommandKind::Flush,
-        profile: PROFILE.to_owned(),
+        machine: MACHINE.to_owned(),
         part: None,
         argument: Default::default(),
         asked_by: "a@test".to_owned(),
@@ -166,7 +166,7 @@ fn the_own_farm_is_known_from_a_container_with_another_host_name() {
     start_as_host(&mut farm, "here");
     says(&farm, "The farm is open");
     std::thread::sleep(std::time::Duration::from_secs(1));
-    for args in [&["check"][..], &["adopt", PROFILE]] {
+    for args in [&["check"][..], &["adopt", MACHINE]] {
         let output = as_host(farm.command(args), "0f3a").output().unwrap();
         let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(!said.contains("another nestd"), "{said}");

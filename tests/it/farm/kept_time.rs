@@ -42,7 +42,7 @@ fn the_build_of_an_awkward_part_keeps_its_clock_and_holds_up_no_other_machine() 
     fs::write(&outside, stl(&block(10.0, 12.0, 14.0))).unwrap();
     let other = Instant::now();
     fs::rename(outside, farm.root().join("inbox").join(SECOND).join("other.stl")).unwrap();
-    wait(&farm, "the other one is read", || farm.parts(PartState::Waiting).iter().any(|part| part.profile == SECOND));
+    wait(&farm, "the other one is read", || farm.parts(PartState::Waiting).iter().any(|part| part.machine == SECOND));
     farm.nestd(&["flush", SECOND]);
     let queue = farm.root().join("queue").join(SECOND);
     let is_printed = || fs::read_dir(&queue).into_iter().flatten().flatten().any(|file| is_build(&file.file_name()));
@@ -71,7 +71,7 @@ fn wait(farm: &TestFarm, what: &str, mut holds: impl FnMut() -> bool) {
         || {
             std::thread::sleep(Duration::from_millis(20));
             assert!(
-                farm.parts(PartState::Rejected).is_empty() || began.elapsed() < Duration::ZERO,
+                farm.parts(PartState::Refused).is_empty() || began.elapsed() < Duration::ZERO,
                 "refused: {}",
                 farm.log()
             );

@@ -56,8 +56,8 @@ fn the_same_part_of_two_orders_stands_together_for_each() {
 #[test]
 fn a_stop_in_the_middle_of_a_final_search_publishes_nothing_and_the_next_start_goes_on_with_the_time_that_is_left() {
     const FINAL_SECS: f64 = 12.0;
-    let profile = QUICK.replace("final_secs = 0.5", &format!("final_secs = {FINAL_SECS}"));
-    let mut farm = TestFarm::running(&profile);
+    let machine = QUICK.replace("final_secs = 0.5", &format!("final_secs = {FINAL_SECS}"));
+    let mut farm = TestFarm::running(&machine);
     farm.drop_part("a_x6.stl", &sample_parts::all_samples()[0].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
@@ -95,14 +95,14 @@ fn a_second_daemon_on_the_same_ledger_is_refused() {
 }
 
 #[test]
-fn a_reload_adds_changes_and_removes_profiles_without_a_restart() {
+fn a_reload_adds_changes_and_removes_machines_without_a_restart() {
     let farm = TestFarm::running(QUICK);
     farm.write_profile("second", QUICK);
     farm.reload();
     let inbox = farm.root().join("inbox/second");
-    wait_until("the new profile has its hot folder", 5.0, || inbox.is_dir());
+    wait_until("the new machine has its hot folder", 5.0, || inbox.is_dir());
     fs::write(inbox.join("cube.stl"), stl(&block(10.0, 10.0, 10.0))).unwrap();
-    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].profile, "second");
+    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].machine, "second");
     farm.write_profile("second", "volume_mm = \"wrong\"");
     farm.reload();
     std::thread::sleep(Duration::from_millis(500));
@@ -110,7 +110,7 @@ fn a_reload_adds_changes_and_removes_profiles_without_a_restart() {
 }
 
 impl TestFarm {
-    /// Asserts that a wrong configuration leaves the old one in force: the profile still publishes.
+    /// Asserts that a wrong configuration leaves the old one in force: the machine still publishes.
     fn nestd_ok_with_old_profile(&self, name: &str) {
         self.write_profile(name, QUICK);
         self.flush_machine(name);

@@ -41,8 +41,8 @@ fn print_all(serving: &TestNode, folders: &TestNode, parts: usize) {
     let logs = || format!("{}\n-- {} --\n{}", serving.farm.log(), folders.name, folders.farm.log());
     let known = |state| serving.farm.parts(state).len();
     wait_until_or(&format!("{parts} parts are printed"), 120.0, logs, || {
-        let refused = serving.farm.parts(PartState::Rejected);
-        assert!(refused.is_empty(), "refused: {:?}\n{}", refused[0].rejection, logs());
+        let refused = serving.farm.parts(PartState::Refused);
+        assert!(refused.is_empty(), "refused: {:?}\n{}", refused[0].refused, logs());
         serving.farm.nestd(&["flush", MACHINE]);
         known(PartState::Built) == parts
     });

@@ -134,7 +134,7 @@ fn reasons_quote_no_escape_of_a_broken_ticket_or_package() {
     let wrong = named_package("x").windows(1).map(|w| w[0]).collect::<Vec<u8>>();
     farm.drop_bytes("b.3mf", &wrong[..wrong.len() / 2]);
     farm.drop_bytes("c\x1b[2J.stl", b"solid x\nfacet normal 0 0 0\nouter loop\nvertex \x1b[31m 0 0\nendsolid");
-    farm.wait_for_parts(PartState::Rejected, 3);
+    farm.wait_for_parts(PartState::Refused, 3);
     // The ledger knows of a refusal before its reason is written.
     let mut reasons = Vec::new();
     wait_until_or(
@@ -170,7 +170,7 @@ fn pipes_sockets_links_and_devices_under_the_names_of_our_own_files_stop_nobody(
     // The refused files are now in the error folder, where reasons of other files are read and written.
     farm.drop_bytes("good.stl", b"solid good\nnothing\nendsolid");
     farm.drop_bytes("pipe.stl", b"solid pipe\nnothing\nendsolid");
-    farm.wait_for_parts(PartState::Rejected, 2);
+    farm.wait_for_parts(PartState::Refused, 2);
     farm.drop_part("cube.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     assert!(fs::symlink_metadata("/etc/shadow").unwrap().is_file(), "the link was moved, not what it leads to");

@@ -24,7 +24,7 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
     for node in &nodes {
         let told = node.command(&["check"]).output().unwrap();
         let told = String::from_utf8_lossy(&told.stdout).into_owned();
-        assert!(!told.contains("cancel the parts") && !told.contains("no file in profiles"), "{}: {told}", node.name);
+        assert!(!told.contains("cancel the parts") && !told.contains("no file in machines"), "{}: {told}", node.name);
     }
     let told = nodes[1].farm.nestd_ok(&["nodes"]);
     for number in 1..=3 {

@@ -6,7 +6,7 @@ use ledger::PartState;
 
 use super::{
     postgres_cluster::PostgresCluster,
-    support::{PROFILE, QUICK, TestFarm, block, wait_until_or},
+    support::{MACHINE, QUICK, TestFarm, block, wait_until_or},
 };
 
 /// The factor by which a lease is shorter than in production.
@@ -51,7 +51,7 @@ fn a_farm_on_a_server_takes_prints_and_tells() {
     farm.wait_for_parts(PartState::Built, 1);
     for (args, words) in [
         (&["status"][..], "The daemon"),
-        (&["history"], PROFILE),
+        (&["history"], MACHINE),
         (&["show", "b1"], "bracket_x2.stl"),
         (&["check"], "rows hold together"),
         (&["check", "--deep"], "I1 to I5 hold"),

@@ -54,7 +54,7 @@ fn a_large_file_is_copied_beside_the_loop_when_its_part_is_cancelled() {
     let mut cancel = farm.command(&["cancel", &part.id.to_string()]).spawn().unwrap();
     super::support::wait_until_or("a thread of its own copies", 20.0, || farm.log(), copies_soon(&copies));
     cancel.wait().unwrap();
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     let copy = farm.folder("error").join(format!("part-{}", part.id)).join("a.3mf");
     assert!(std::fs::read(copy).unwrap() == large, "the original is given back whole");
 }

@@ -56,7 +56,7 @@ fn builds_go_to_the_printer_that_is_free_and_from_one_that_is_down() {
     wait_until_or("it is recorded where the build is", 20.0, || json().to_string(), || json()[1]["builds"] == 2);
     assert!(farm.nestd_ok(&["status"]).contains("the laser"));
     let metrics = farm.nestd_ok(&["metrics"]);
-    assert!(metrics.contains("nestd_printer_up{profile=\"test\",printer=\"left\"} 0"), "{metrics}");
+    assert!(metrics.contains("nestd_printer_up{machine=\"test\",printer=\"left\"} 0"), "{metrics}");
     let history = || farm.nestd_ok(&["history", "--format", "json"]);
     wait_until_or("the history names the printer", 20.0, history, || history().matches("\"right\"").count() == 2);
     let checked = farm.nestd_ok(&["check", "--deep"]);
@@ -166,7 +166,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
             }
         }
         let is_queued = || {
-            farm.query_ledger(async |ledger| ledger.resume_profile("test", "a@test").await.unwrap());
+            farm.query_ledger(async |ledger| ledger.resume_machine("test", "a@test").await.unwrap());
             !list_build_files(&queue(&farm, "test")).is_empty()
         };
         wait_until_or("a build is in the queue", 180.0, || log_text(&farm), is_queued);
@@ -181,7 +181,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
         }
         let until = Instant::now() + Duration::from_millis(random.random_range(0..1200));
         // Each withdrawal by a person pauses the machine.
-        farm.query_ledger(async |ledger| ledger.resume_profile("test", "a@test").await.unwrap());
+        farm.query_ledger(async |ledger| ledger.resume_machine("test", "a@test").await.unwrap());
         while Instant::now() < until {
             if random.random_bool(0.002) {
                 take_one(&farm, &taken, "test");
@@ -194,7 +194,7 @@ fn builds_that_are_taken_back_under_kills_are_printed_exactly_once() {
         }
     }
     let all_is_built = || {
-        farm.query_ledger(async |ledger| ledger.resume_profile("test", "a@test").await.unwrap());
+        farm.query_ledger(async |ledger| ledger.resume_machine("test", "a@test").await.unwrap());
         farm.parts(PartState::Built).len() == parts
     };
     wait_until_or("all is built", 90.0, || log_text(&farm), all_is_built);

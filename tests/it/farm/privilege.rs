@@ -13,7 +13,7 @@ use std::{
 
 use ledger::PartState;
 
-use super::support::{PROFILE, QUICK, TestFarm, stl, wait_until};
+use super::support::{MACHINE, QUICK, TestFarm, stl, wait_until};
 
 const NOBODY: u32 = 65534;
 
@@ -146,6 +146,6 @@ fn what_the_daemon_makes_has_the_mode_and_group_of_the_configuration_under_any_u
         assert!(wrong.is_empty(), "umask {umask}: {wrong:#?}");
         let state = fs::metadata(farm.root().join("state")).unwrap().mode() & 0o777;
         assert_eq!(state & 0o027, 0, "others may look into the state folder: {state:o}");
-        assert!(farm.root().join("inbox").join(PROFILE).is_dir());
+        assert!(farm.root().join("inbox").join(MACHINE).is_dir());
     }
 }

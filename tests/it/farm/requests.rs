@@ -110,7 +110,7 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     farm.drop_part("brandt/hinge.stl", &block(10.0, 12.0, 14.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.drop_part("brandt/hinge.stl", &block(10.0, 12.0, 16.0));
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     await_that(&farm, "the revision waits", || waiting(&farm, "hinge.stl").is_some());
     farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
@@ -124,7 +124,7 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     farm.drop_part("cube_x8.stl", &block(55.0, 55.0, 55.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     await_that(&farm, "the cubes stand in the open build", || {
-        let statuses = farm.query_ledger(async |ledger| ledger.profile_statuses().await.unwrap());
+        let statuses = farm.query_ledger(async |ledger| ledger.machine_statuses().await.unwrap());
         statuses[0].open.as_ref().is_some_and(|open| open.copies == Some(8))
     });
     farm.drop_bytes("urgent.stl.toml", b"priority = 100\n");

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fs, path::PathBuf, process::Output};
 
 use ledger::PartState;
 
-use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until};
+use super::support::{MACHINE, QUICK, TestFarm, block, stl, wait_until};
 
 pub fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
@@ -166,7 +166,7 @@ fn a_part_that_was_cancelled_after_the_backup_is_not_printed() {
     farm.stop();
     let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
     assert!(output_text.contains("LOOK AT: part") && output_text.contains("refused or cancelled"), "{output_text}");
-    assert_eq!(farm.parts(PartState::Rejected).len(), 1);
+    assert_eq!(farm.parts(PartState::Refused).len(), 1);
     farm.start();
     farm.nestd_ok(&["retry", &part.to_string()]);
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -325,7 +325,7 @@ fn a_part_that_was_taken_back_after_the_backup_is_refused_where_people_see_it() 
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
     let part = farm.wait_for_parts(PartState::Waiting, 1)[0].id;
     farm.nestd_ok(&["cancel", &part.to_string()]);
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
     farm.nestd_ok(&["retry", &part.to_string()]);
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -382,7 +382,7 @@ fn what_a_returning_machine_shows_is_compared_with_the_ledger_at_a_reload() {
     farm.reload();
     let backup = publish_after_backup(&mut farm);
     // Its machine is not configured while the ledger is restored, and comes back by a reload.
-    let profile = farm.root().join(format!("config/profiles/{PROFILE}.toml"));
+    let profile = farm.root().join(format!("config/profiles/{MACHINE}.toml"));
     fs::rename(&profile, farm.root().join("kept.toml")).unwrap();
     farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
     farm.start();
@@ -390,7 +390,7 @@ fn what_a_returning_machine_shows_is_compared_with_the_ledger_at_a_reload() {
     fs::rename(farm.root().join("kept.toml"), &profile).unwrap();
     farm.reload();
     wait_until("it is told", 10.0, || farm.nestd_ok(&["status"]).contains("older than the folders"));
-    let _ = farm.nestd(&["flush", PROFILE]);
+    let _ = farm.nestd(&["flush", MACHINE]);
     std::thread::sleep(std::time::Duration::from_millis(3000));
     assert_eq!(farm.queued().len(), 1, "printed twice\n{}", farm.log());
     farm.stop();

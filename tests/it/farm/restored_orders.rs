@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{
     door::OpenFarm,
-    support::{PROFILE, block, stl},
+    support::{MACHINE, block, stl},
 };
 
 #[test]
@@ -38,7 +38,7 @@ fn a_restored_ledger_that_has_forgotten_an_order_does_not_print_it_twice() {
     std::thread::sleep(Duration::from_secs(2));
     let numbers = [PartState::Claimed, PartState::Waiting, PartState::Built].map(|state| open.farm.parts(state).len());
     assert_eq!(numbers, [0, 1, 1], "{}", open.farm.log());
-    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(PROFILE, 9).await.unwrap()).is_empty());
+    assert!(open.farm.query_ledger(async |ledger| ledger.arriving_lines(MACHINE, 9).await.unwrap()).is_empty());
     open.farm.flush();
     open.farm.wait_for_parts(PartState::Built, 2);
     open.farm.assert_nothing_lost_or_doubled();

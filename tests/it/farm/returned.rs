@@ -7,7 +7,7 @@ use ledger::PartState;
 
 use super::{
     restore::{copy_ledger, hash_of, printed_copies, replace_ledger, text},
-    support::{PROFILE, QUICK, TestFarm, block, wait_until_or},
+    support::{MACHINE, QUICK, TestFarm, block, wait_until_or},
 };
 
 #[test]
@@ -34,7 +34,7 @@ fn the_same_content_under_another_name_is_printed_beside_the_first_after_a_resto
             let began = std::time::Instant::now();
             let mut count = 0;
             while began.elapsed() < Duration::from_secs(12) && (count < 5 || is_published) {
-                let _ = farm.nestd(&["flush", PROFILE]);
+                let _ = farm.nestd(&["flush", MACHINE]);
                 std::thread::sleep(Duration::from_millis(500));
                 count = farm.queued().iter().map(|file| printed_copies(file)[&hash]).sum();
                 if is_published && began.elapsed() > Duration::from_secs(4) {
@@ -72,7 +72,7 @@ fn a_folder_that_was_away_is_held_against_the_ledger_when_it_comes_back() {
         replace_ledger(&farm, &copy);
         copy_tree(&kept, &store);
         farm.start();
-        let _ = farm.nestd(&["flush", PROFILE]);
+        let _ = farm.nestd(&["flush", MACHINE]);
         let is_reported = |words: &str| farm.nestd_ok(&["status"]).contains(words);
         let missing = || is_reported("The archive cannot be used");
         wait_until_or("it is told", 10.0, || farm.nestd_ok(&["status"]) + &farm.log(), missing);
@@ -82,7 +82,7 @@ fn a_folder_that_was_away_is_held_against_the_ledger_when_it_comes_back() {
         fs::rename(&away, &archive).unwrap();
         let is_behind = || is_reported("older than the folders");
         wait_until_or("it is behind", 10.0, || farm.nestd_ok(&["status"]) + &farm.log(), is_behind);
-        let _ = farm.nestd(&["flush", PROFILE]);
+        let _ = farm.nestd(&["flush", MACHINE]);
         std::thread::sleep(Duration::from_secs(2));
         assert!(farm.queued().is_empty(), "{leaves_empty}: printed twice\n{}", farm.log());
         farm.stop();

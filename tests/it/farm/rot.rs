@@ -7,7 +7,7 @@ use std::{
 
 use ledger::{BuildRow, BuildState, PartState};
 
-use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
+use super::support::{MACHINE, QUICK, TestFarm, block, wait_until, wait_until_or};
 
 /// The one build in a state.
 fn build_in(farm: &TestFarm, state: BuildState) -> Option<BuildRow> {
@@ -23,7 +23,7 @@ fn farm_with_held_publishing() -> (TestFarm, PathBuf, PathBuf) {
     farm.flush();
     wait_until_or("a build is nested", 30.0, || farm.log(), || build_in(&farm, BuildState::Nesting).is_some());
     let build = build_in(&farm, BuildState::Nesting).unwrap();
-    let name = build_file::build_file_name(build.times.nesting_at.unwrap().0, PROFILE, build.id.0.unsigned_abs());
+    let name = build_file::build_file_name(build.times.nesting_at.unwrap().0, MACHINE, build.id.0.unsigned_abs());
     let record = farm.folder("archive").join(name.strip_suffix(".build.3mf").unwrap()).join(".nestd-build.json");
     fs::create_dir_all(&record).unwrap();
     wait_until_or("it is proved", 30.0, || farm.log(), || build_in(&farm, BuildState::Verified).is_some());

@@ -83,7 +83,7 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     says(&farm, "Resolved: test: The hot folder is unavailable");
     farm.drop_part("c.stl", &block(20.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
-    assert!(farm.parts(PartState::Rejected).is_empty());
+    assert!(farm.parts(PartState::Refused).is_empty());
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn an_archive_or_error_folder_that_is_away_is_never_taken_for_an_empty_one() {
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.drop_bytes("bad.stl", b"solid nonsense\nendsolid\n");
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.flush();
     std::thread::sleep(Duration::from_secs(3));
     assert!(farm.queued().is_empty(), "a build was published beside its archive");

@@ -4,7 +4,7 @@ use std::fs;
 
 use ledger::PartState;
 
-use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until_or};
+use super::support::{MACHINE, QUICK, TestFarm, block, stl, wait_until_or};
 
 fn read_status(farm: &TestFarm) -> (String, serde_json::Value) {
     let read = |name: &str| fs::read_to_string(farm.folder("inbox").join(name)).unwrap_or_default();
@@ -66,7 +66,7 @@ fn a_refused_file_needs_a_person_until_one_has_seen_it() {
     status_says(&farm, "Refused files lie in the error folder: 1 file in", true);
     let reason = fs::read_to_string(farm.folder("error").join("order-7/drawing.pdf.reason.txt")).unwrap();
     assert!(reason.contains("It holds no shape to print: drop the part as STL or 3MF."), "{reason}");
-    farm.nestd_ok(&["dismiss", PROFILE]);
+    farm.nestd_ok(&["dismiss", MACHINE]);
     status_says(&farm, "Refused files", false);
     assert!(farm.folder("error").join("order-7/drawing.pdf").exists());
     farm.drop_bytes("b.stl", b"");

@@ -59,7 +59,7 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     wait_until_or("the webhook has its place", 20.0, || farm.log(), knows_receiver);
     farm.drop_bytes("<b>torn.stl", b"solid no");
     let refused = hook.wait_for_delivered(1);
-    assert_eq!((refused[0]["kind"].as_str(), refused[0]["profile"].as_str()), (Some("refused"), Some("test")));
+    assert_eq!((refused[0]["kind"].as_str(), refused[0]["machine"].as_str()), (Some("refused"), Some("test")));
     assert_eq!(refused[0]["part"]["name"], "<b>torn.stl");
     farm.drop_part("block_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(ledger::PartState::Waiting, 1);
@@ -72,12 +72,12 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     let file = farm.root().join("nestd.prom");
     let is_written = || {
         let text = fs::read_to_string(&file).unwrap_or_default();
-        ["nestd_daemon_up 1.0", "nestd_queue_writable{profile=\"test\"} 1.0", "nestd_available{profile=\"test\"} 1.0"]
+        ["nestd_daemon_up 1.0", "nestd_queue_writable{machine=\"test\"} 1.0", "nestd_available{machine=\"test\"} 1.0"]
             .iter()
             .all(|line| text.contains(line))
     };
     wait_until_or("the metrics are written", 30.0, || fs::read_to_string(&file).unwrap_or_default(), is_written);
-    assert!(farm.nestd_ok(&["metrics"]).contains("nestd_files_ingested_total{profile=\"test\"} 2"));
+    assert!(farm.nestd_ok(&["metrics"]).contains("nestd_files_ingested_total{machine=\"test\"} 2"));
     let is_delivered = || farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped");
     wait_until_or("the ledger knows that all is delivered", 10.0, || farm.nestd_ok(&["notify"]), is_delivered);
     assert!(farm.nestd_ok(&["notify", "--test"]).contains("The webhook has the message trial@"));

@@ -11,7 +11,7 @@ use super::{
 };
 
 /// The file of a machine.
-pub const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+pub const PROFILE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 12\n";
 const FARM: &str = "scan_secs = 0.3\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
 /// The factor by which a lease is shorter than in production.
@@ -77,7 +77,7 @@ pub fn machine_name(number: usize) -> String {
 
 /// A node with its own machine.
 pub fn configured_node(number: usize, server: &PostgresCluster, database: &str) -> FarmNode {
-    let farm = TestFarm::with_machine(&machine_name(number), MACHINE);
+    let farm = TestFarm::with_machine(&machine_name(number), PROFILE);
     let clock_error = if number == 2 { Some("+7h") } else { None };
     FarmNode { clock_error, ..configure_node(farm, format!("node-{number}"), server, database) }
 }

@@ -67,7 +67,7 @@ pub enum Asked {
 pub struct TakenBuild {
     /// Where the printer keeps it.
     pub file: PathBuf,
-    pub profile: String,
+    pub machine: String,
     pub copies: CopiesByFile,
 }
 

@@ -13,7 +13,7 @@ use super::{
     OTHER, OrdersFarm,
     asked::{Asked, DroppedLine, worker},
 };
-use crate::support::{PROFILE, block, farm_files::drop_file, stl};
+use crate::support::{MACHINE, block, farm_files::drop_file, stl};
 
 /// Commands that run at the same time, at most.
 const COMMANDS_AT_ONCE: usize = 6;
@@ -138,7 +138,7 @@ impl OrdersFarm {
         let copies = self.rng.random_range(1..7);
         let number = self.operations.len();
         let Some(line) = self.lines.get_mut(&part.file.content_hash) else { return };
-        if line.late_ticket.is_some() || line.is_revised || part.profile != PROFILE {
+        if line.late_ticket.is_some() || line.is_revised || part.machine != MACHINE {
             return;
         }
         line.late_ticket = Some(number);
@@ -199,7 +199,7 @@ impl OrdersFarm {
     }
 
     fn retry_part(&mut self) {
-        let Some(part) = self.pick_part(|part| part.state == PartState::Rejected) else { return };
+        let Some(part) = self.pick_part(|part| part.state == PartState::Refused) else { return };
         self.submit(Asked::Retry { part: part.id.0 }, &["retry", &part.id.to_string()]);
     }
 
@@ -210,13 +210,13 @@ impl OrdersFarm {
 
     fn move_part(&mut self) {
         let Some(part) = self.pick_part(|part| part.state == PartState::Waiting) else { return };
-        let to = if part.profile == PROFILE { OTHER } else { PROFILE };
+        let to = if part.machine == MACHINE { OTHER } else { MACHINE };
         self.submit(Asked::Other, &["move", &part.id.to_string(), "--to", to]);
     }
 
     fn flush(&mut self) {
-        let profile = *[PROFILE, PROFILE, OTHER].choose(&mut self.rng).unwrap();
-        self.submit(Asked::Other, &["flush", profile]);
+        let machine = *[MACHINE, MACHINE, OTHER].choose(&mut self.rng).unwrap();
+        self.submit(Asked::Other, &["flush", machine]);
     }
 
     fn drop_control_file(&mut self) {
@@ -227,10 +227,10 @@ impl OrdersFarm {
 
     /// Somebody tidies up: the originals of a build are removed.
     fn empty_archive_folder(&mut self) {
-        let builds: Vec<_> = self.taken.values().map(|build| (build.profile.clone(), build.file.clone())).collect();
-        let Some((profile, file)) = builds.choose(&mut self.rng).cloned() else { return };
+        let builds: Vec<_> = self.taken.values().map(|build| (build.machine.clone(), build.file.clone())).collect();
+        let Some((machine, file)) = builds.choose(&mut self.rng).cloned() else { return };
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
-        let folder = self.farm.root().join("archive").join(profile).join(name.trim_end_matches(".build.3mf"));
+        let folder = self.farm.root().join("archive").join(machine).join(name.trim_end_matches(".build.3mf"));
         let originals = intake::files_below(&folder).unwrap_or_default();
         for original in originals.iter().filter(|file| file.extension().is_some_and(|end| end == "stl")) {
             let _ = fs::remove_file(original);
@@ -245,7 +245,7 @@ impl OrdersFarm {
         let damaged = self.farm.query_ledger(async |ledger| ledger.damaged_parts().await.unwrap());
         for part in damaged {
             let Some(line) = self.lines.get(&part.file.content_hash) else { continue };
-            let target = self.farm.root().join("inbox").join(&part.profile).join(&line.name);
+            let target = self.farm.root().join("inbox").join(&part.machine).join(&line.name);
             if !target.exists() && self.dropped_again.insert(part.id.0) {
                 drop_file(self.farm.root(), &target, &line.bytes);
                 self.story.push(format!("drop {} again", line.name));

@@ -101,7 +101,7 @@ impl<'a> OperationReplay<'a> {
                 (!self.operations.iter().any(returns)).then(|| "nobody corrected that outcome".to_owned())
             }
             EventKind::Revised => self.apply_revision(event, account),
-            EventKind::Rejected => {
+            EventKind::Refused => {
                 account.refused = Some(event.detail.clone());
                 if event.detail.starts_with("A newer revision") {
                     // The newer one has taken over what was asked.
@@ -250,9 +250,9 @@ impl<'a> OperationReplay<'a> {
             let (Some(account), Some(line)) = (self.accounts.get(&id.0), self.lines.get(hash)) else { continue };
             let printed: u32 = self.taken.values().filter_map(|build| build.copies.get(hash)).sum();
             let is_printed_well = printed > told_bad.get(hash).copied().unwrap_or_default();
-            let is_rejected = part.state == PartState::Rejected;
+            let is_refused = part.state == PartState::Refused;
             let was_replaced = account.refused.as_ref().is_some_and(|reason| reason.starts_with("A newer revision"));
-            let fault = if is_rejected != account.refused.is_some() {
+            let fault = if is_refused != account.refused.is_some() {
                 format!("it is {}, and was refused last: {:?}", part.state, account.refused)
             } else if line.is_speck && !account.is_confirmed && !self.was_enlarged(&part.name) && printed > 0 {
                 format!("{printed} copies were printed, and nobody said yes")

@@ -40,8 +40,8 @@ pub struct BuildFileHeading {
     pub application: String,
     /// RFC 3339, e.g. `2026-11-20T04:49:00Z`; the only clock in the file.
     pub created: String,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// The ledger's number of the build, as in the file's name. UUIDs are derived from it.
     pub build_id: String,
     /// Seed of the search.
@@ -167,8 +167,8 @@ pub struct HeadingMetadata {
     pub application: Option<String>,
     /// Creation time.
     pub created: Option<String>,
-    /// Machine profile.
-    pub profile: Option<String>,
+    /// Machine.
+    pub machine: Option<String>,
     /// The ledger's number of the build.
     pub build_id: Option<String>,
     /// Seed of the search.

@@ -62,7 +62,8 @@ fn heading_metadata(metadata: &ModelMetadata) -> HeadingMetadata {
         title: metadata.standard_value("Title"),
         application: metadata.standard_value("Application"),
         created: metadata.standard_value("CreationDate"),
-        profile: metadata.nestd_value("profile"),
+        // Earlier versions called a machine by its profile.
+        machine: metadata.nestd_value("machine").or_else(|| metadata.nestd_value("profile")),
         build_id: metadata.nestd_value("build"),
         seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
     }

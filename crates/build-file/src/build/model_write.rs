@@ -92,7 +92,7 @@ fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result
     write_metadata(out, "Title", &heading.title)?;
     write_metadata(out, "Application", &heading.application)?;
     write_metadata(out, "CreationDate", &heading.created)?;
-    write_metadata(out, "nestd:profile", &heading.profile)?;
+    write_metadata(out, "nestd:machine", &heading.machine)?;
     write_metadata(out, "nestd:build", &heading.build_id)?;
     write_metadata(out, "nestd:seed", &heading.seed.to_string())?;
     write_metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;

@@ -54,7 +54,7 @@ pub(super) fn sample(instances: InstanceSharing, arrangement: Arrangement) -> Bu
             title: "mjf-5200 42".to_owned(),
             application: "nestd 0.1.0".to_owned(),
             created: "2026-11-20T04:49:00Z".to_owned(),
-            profile: "mjf-5200".to_owned(),
+            machine: "mjf-5200".to_owned(),
             build_id: "42".to_owned(),
             seed: 7,
         },
@@ -129,7 +129,7 @@ fn what_is_written_is_read_back_exactly() {
         }
         let shared = Arc::ptr_eq(&placed[0].mesh, &placed[2].mesh);
         assert_eq!(shared, instances == InstanceSharing::Shared);
-        assert_eq!(info.heading.profile.as_deref(), Some("mjf-5200"));
+        assert_eq!(info.heading.machine.as_deref(), Some("mjf-5200"));
         assert_eq!((info.heading.seed, info.rules.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
         assert_eq!((info.rules.volume_mm, info.density), (Some(build.rules.volume_mm), Some(0.123)));
         assert_eq!(info.rules.keep_out, build.rules.keep_out);

@@ -29,7 +29,7 @@ use crate::{
 pub enum UnlistedPolicy {
     /// The part is refused.
     #[default]
-    Reject,
+    Refuse,
     /// The part is taken as one copy, with a warning.
     Warn,
 }
@@ -363,7 +363,7 @@ fn with_order_prefix(seen: &InboxEntry, what: &str) -> String {
 /// What the policy says about a part that waited long enough for a list that names it.
 fn unlisted_lookup(what: &str, rules: OrderListRules) -> ListLookup {
     match rules.unlisted {
-        UnlistedPolicy::Reject => {
+        UnlistedPolicy::Refuse => {
             let problem = Some(format!("{what}, and that did not change for {:.0} s", rules.incomplete_secs));
             ListLookup { problem, is_unlisted: true, ..ListLookup::default() }
         }

@@ -216,12 +216,12 @@ pub enum LedgerError {
         build: BuildId,
     },
     /// The part is for another machine.
-    #[error("part {part} is for {profile}, build {build} is not")]
-    WrongProfile {
+    #[error("part {part} is for {machine}, build {build} is not")]
+    WrongMachine {
         /// The part.
         part: PartId,
-        /// Its profile.
-        profile: String,
+        /// Its machine.
+        machine: String,
         /// The build.
         build: BuildId,
     },
@@ -256,13 +256,13 @@ pub enum LedgerError {
     },
     /// The part is already refused or cancelled.
     #[error("part {0} is refused or cancelled already; `nestd show p{0}` says why")]
-    AlreadyRejected(PartId),
+    AlreadyRefused(PartId),
     /// All copies of the part are already in published builds.
     #[error("part {0} is built already: all its copies are in published builds")]
     AlreadyBuilt(PartId),
     /// Only a refused or cancelled part can be retried.
     #[error("part {part} is {state}; only a part that is refused or cancelled can be retried")]
-    NotRejected {
+    NotRefused {
         /// The part.
         part: PartId,
         /// Its state.
@@ -373,7 +373,7 @@ fn copies_text(copies: u32) -> String {
 }
 
 fn edit_remedy(part: PartId, state: crate::PartState) -> String {
-    if state == crate::PartState::Rejected {
+    if state == crate::PartState::Refused {
         return format!("`nestd retry {part}` takes it back first");
     }
     format!("`nestd edit {part} --copies N` orders more of it")

@@ -18,7 +18,7 @@ pub enum RefusalCause {
     Limit,
     /// The ticket or list is invalid, or matches no part.
     Ticket,
-    /// The profile rejects files that were dropped before.
+    /// The machine refuses files that were dropped before.
     Duplicate,
     /// nestd may not read it, or it is not a file.
     Unreadable,

@@ -46,7 +46,7 @@ pub enum ServerError {
          reload it; if it has ended, its right ends within 30 s"
     )]
     NodeAlive {
-        /// Machine profile.
+        /// Machine.
         machine: String,
         /// Name of the node.
         node: String,

@@ -20,14 +20,14 @@ pub enum PartState {
     /// Every copy is in a published build.
     Built,
     /// Refused or cancelled, with a reason. It can be retried.
-    Rejected,
+    Refused,
 }
 
 /// State of a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum BuildState {
-    /// Collects the waiting parts of its profile. Its layout is a forecast and reserves no copy.
+    /// Collects the waiting parts of its machine. Its layout is a forecast and reserves no copy.
     Open,
     /// Its copies are taken; the final search runs.
     Nesting,
@@ -59,20 +59,20 @@ pub struct IllegalMove {
 
 impl PartState {
     /// All states, in the order of a part's life.
-    pub const ALL: [Self; 5] = [Self::Claimed, Self::Waiting, Self::Batched, Self::Built, Self::Rejected];
+    pub const ALL: [Self; 5] = [Self::Claimed, Self::Waiting, Self::Batched, Self::Built, Self::Refused];
 
     /// The only function that changes the state of a part.
     pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {
         use PartState::*;
         match (self, next) {
-            (Claimed, Waiting | Rejected) => Ok(next),
-            (Waiting, Batched | Rejected) => Ok(next),
+            (Claimed, Waiting | Refused) => Ok(next),
+            (Waiting, Batched | Refused) => Ok(next),
             // A unit that was said later, or another machine, has it read again.
             (Waiting, Claimed) => Ok(next),
             (Batched, Waiting | Built) => Ok(next),
             // Copies of it were printed badly, or more are wanted.
             (Built, Waiting) => Ok(next),
-            (Rejected, Claimed) => Ok(next),
+            (Refused, Claimed) => Ok(next),
             _ => Err(IllegalMove { thing: "part", from: self.to_string(), to: next.to_string() }),
         }
     }

@@ -1,4 +1,4 @@
-//! Builds: parts of one machine profile that are printed together, with one build file and one height.
+//! Builds: parts of one machine that are printed together, with one build file and one height.
 
 use crate::{
     BuildId, BuildState, Ledger, UtcTimestamp,
@@ -7,43 +7,43 @@ use crate::{
 };
 
 impl Ledger {
-    /// Returns the open build of a profile, and creates it if there is none.
-    pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
-        let open = "FROM build WHERE profile = $1 AND state = 'open'";
-        if let Some(build) = sql::select_as(open).bind(profile).fetch_optional(self.reader()?).await? {
+    /// Returns the open build of a machine, and creates it if there is none.
+    pub async fn open_build(&self, machine: &str) -> Result<BuildRow> {
+        let open = "FROM build WHERE machine = $1 AND state = 'open'";
+        if let Some(build) = sql::select_as(open).bind(machine).fetch_optional(self.reader()?).await? {
             return Ok(build);
         }
         let mut change = self.begin_change().await?;
         let now = change.now;
         sql::query(
-            "INSERT INTO build (profile, state, opened_at, state_at) VALUES ($1, 'open', $2, $3) \
-             ON CONFLICT (profile) WHERE state = 'open' DO NOTHING",
+            "INSERT INTO build (machine, state, opened_at, state_at) VALUES ($1, 'open', $2, $3) \
+             ON CONFLICT (machine) WHERE state = 'open' DO NOTHING",
         )
-        .bind(profile)
+        .bind(machine)
         .bind(now)
         .bind(now)
         .execute(change.db())
         .await?;
-        let build = sql::select_as(open).bind(profile).fetch_one(change.db()).await?;
+        let build = sql::select_as(open).bind(machine).fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(build)
     }
 
-    /// Deletes the open build of a profile that does not exist any more; it holds no copy. Its events are kept without
+    /// Deletes the open build of a machine that does not exist any more; it holds no copy. Its events are kept without
     /// the build number.
-    pub async fn delete_open_build(&self, profile: &str) -> Result<()> {
+    pub async fn delete_open_build(&self, machine: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         sql::query(
             "UPDATE event SET build_id = NULL WHERE build_id IN \
-             (SELECT id FROM build WHERE profile = $1 AND state = 'open')",
+             (SELECT id FROM build WHERE machine = $1 AND state = 'open')",
         )
-        .bind(profile)
+        .bind(machine)
         .execute(change.db())
         .await?;
         let searched =
-            "DELETE FROM night_search WHERE build_id IN (SELECT id FROM build WHERE profile = $1 AND state = 'open')";
-        sql::query(searched).bind(profile).execute(change.db()).await?;
-        let drop = sql::query("DELETE FROM build WHERE profile = $1 AND state = 'open'").bind(profile);
+            "DELETE FROM night_search WHERE build_id IN (SELECT id FROM build WHERE machine = $1 AND state = 'open')";
+        sql::query(searched).bind(machine).execute(change.db()).await?;
+        let drop = sql::query("DELETE FROM build WHERE machine = $1 AND state = 'open'").bind(machine);
         drop.execute(change.db()).await?;
         change.commit().await
     }
@@ -67,10 +67,10 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Forgets the layouts of the open build of a profile, in which nothing stands any more.
-    pub async fn forget_layout(&self, profile: &str) -> Result<()> {
-        let laid_out = "SELECT id FROM build WHERE profile = $1 AND state = 'open' AND layout IS NOT NULL";
-        let query = sql::query_scalar(laid_out).bind(profile);
+    /// Forgets the layouts of the open build of a machine, in which nothing stands any more.
+    pub async fn forget_layout(&self, machine: &str) -> Result<()> {
+        let laid_out = "SELECT id FROM build WHERE machine = $1 AND state = 'open' AND layout IS NOT NULL";
+        let query = sql::query_scalar(laid_out).bind(machine);
         let build: Option<BuildId> = query.fetch_optional(self.reader()?).await?;
         let Some(build) = build else { return Ok(()) };
         let mut change = self.begin_change().await?;
@@ -101,13 +101,13 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The builds of a profile that have failed since then before they were published, and why; the oldest first.
-    pub async fn failures_since(&self, profile: &str, since: UtcTimestamp) -> Result<Vec<(BuildId, String)>> {
+    /// The builds of a machine that have failed since then before they were published, and why; the oldest first.
+    pub async fn failures_since(&self, machine: &str, since: UtcTimestamp) -> Result<Vec<(BuildId, String)>> {
         let query = sql::query_as(
-            "SELECT id, reason FROM build WHERE state = 'failed' AND profile = $1 AND published_at IS NULL \
+            "SELECT id, reason FROM build WHERE state = 'failed' AND machine = $1 AND published_at IS NULL \
              AND state_at >= $2 ORDER BY id",
         );
-        Ok(query.bind(profile).bind(since).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).bind(since).fetch_all(self.reader()?).await?)
     }
 
     /// Finds a build by its number.

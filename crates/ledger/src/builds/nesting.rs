@@ -16,7 +16,7 @@ impl Ledger {
             return Err(LedgerError::NothingToNest(build));
         }
         let mut change = self.begin_change().await?;
-        let profile = change.move_build(build, BuildState::Nesting, fired_by).await?;
+        let machine = change.move_build(build, BuildState::Nesting, fired_by).await?;
         sql::query("UPDATE build SET attempts = 1, fired_by = $1, copies = $2 WHERE id = $3")
             .bind(fired_by)
             .bind(copies.len() as i64)
@@ -24,7 +24,7 @@ impl Ledger {
             .execute(change.db())
             .await?;
         for (part, copies) in group_by_part(copies) {
-            insert_placements(&mut change, build, &profile, part, &copies).await?;
+            insert_placements(&mut change, build, &machine, part, &copies).await?;
         }
         change.commit().await
     }
@@ -112,13 +112,13 @@ pub(crate) fn group_by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u3
 async fn insert_placements(
     change: &mut LedgerChange,
     build: BuildId,
-    profile: &str,
+    machine: &str,
     id: PartId,
     copies: &[u32],
 ) -> Result<()> {
     let part = change.require_part(id).await?;
-    if part.profile != profile {
-        return Err(LedgerError::WrongProfile { part: id, profile: part.profile, build });
+    if part.machine != machine {
+        return Err(LedgerError::WrongMachine { part: id, machine: part.machine, build });
     }
     if part.state != PartState::Waiting {
         return Err(LedgerError::NotWaiting { part: id, state: part.state });

@@ -19,18 +19,18 @@ use crate::{
 /// The builds of a machine whose files are taken back for a word, those that go to another printer, and those that lie in the queue of a
 /// printer that is down. No build is two of these.
 const TAKEN_BACK: [&str; 3] = [
-    "FROM build WHERE withdraw_by IS NOT NULL AND profile = $1 ORDER BY id",
-    "FROM build WHERE move_to IS NOT NULL AND profile = $1 ORDER BY id",
-    "FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
-     AND move_to IS NULL AND withdraw_by IS NULL AND printer IN (SELECT printer FROM printer_down WHERE profile = $1) ORDER BY id",
+    "FROM build WHERE withdraw_by IS NOT NULL AND machine = $1 ORDER BY id",
+    "FROM build WHERE move_to IS NOT NULL AND machine = $1 ORDER BY id",
+    "FROM build WHERE machine = $1 AND state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
+     AND move_to IS NULL AND withdraw_by IS NULL AND printer IN (SELECT printer FROM printer_down WHERE machine = $1) ORDER BY id",
 ];
 
 impl Ledger {
     /// The builds whose files are being taken back, or lie in the queue of a printer that is down.
-    pub async fn builds_to_take_back(&self, profile: &str) -> Result<Vec<BuildRow>> {
+    pub async fn builds_to_take_back(&self, machine: &str) -> Result<Vec<BuildRow>> {
         let mut builds = Vec::new();
         for query in TAKEN_BACK {
-            builds.extend(sql::select_as(query).bind(profile).fetch_all(self.reader()?).await?);
+            builds.extend(sql::select_as(query).bind(machine).fetch_all(self.reader()?).await?);
         }
         Ok(builds)
     }
@@ -61,14 +61,14 @@ impl Ledger {
     /// build was told meanwhile: then the file is not wanted there.
     pub async fn finish_move(&self, build: BuildId) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let (profile, from, to) = printers_of(&mut change, build).await?;
+        let (machine, from, to) = printers_of(&mut change, build).await?;
         let set = "UPDATE build SET printer = move_to, queue_id = move_queue_id, move_to = NULL, move_queue_id = NULL \
             WHERE id = $1 AND move_queue_id IS NOT NULL AND state = 'published'";
         if sql::query(set).bind(build).execute(change.db()).await? == 0 {
             return Ok(false);
         }
         let detail = format!("from {} to {}", from.unwrap_or_default(), to.unwrap_or_default());
-        change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+        change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
         change.commit().await?;
         Ok(true)
     }
@@ -77,7 +77,7 @@ impl Ledger {
     pub async fn end_take_back(&self, build: BuildId, end: TakeBackEnd) -> Result<()> {
         let mut change = self.begin_change().await?;
         let (now, state) = (change.now, change.require_build(build).await?.1);
-        let (profile, from, to) = printers_of(&mut change, build).await?;
+        let (machine, from, to) = printers_of(&mut change, build).await?;
         let (is_word, from, to) = (to.is_none(), from.unwrap_or_default(), to.unwrap_or_default());
         let set = match end {
             TakeBackEnd::Taken => "UPDATE build SET taken_at = coalesce(taken_at, $1) WHERE id = $2",
@@ -105,7 +105,7 @@ impl Ledger {
             _ => None,
         };
         if let Some((kind, detail)) = told {
-            change.write_event(kind, &profile, None, Some(build), &detail).await?;
+            change.write_event(kind, &machine, None, Some(build), &detail).await?;
         }
         clear_way(&mut change, build).await?;
         change.commit().await
@@ -115,7 +115,7 @@ impl Ledger {
     /// Nothing is recorded if the build moves, or is no longer where the ledger had it.
     pub async fn correct_place(&self, build: BuildId, found: &FoundPlace) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let (profile, from, _) = printers_of(&mut change, build).await?;
+        let (machine, from, _) = printers_of(&mut change, build).await?;
         // A file that was taken back is brought to a printer, beginning with the one where it is.
         let move_to = found.is_taken_back.then(|| found.printer.clone());
         let set = sql::query(
@@ -129,7 +129,7 @@ impl Ledger {
         }
         let what = if found.is_taken_back { "found taken back at" } else { "found at" };
         let detail = format!("{what} {} instead of {}", found.printer, from.unwrap_or_default());
-        change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+        change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
         change.commit().await
     }
 }
@@ -164,7 +164,7 @@ pub struct FoundPlace {
 
 /// The machine of a build, its printer, and the one that it is moved to.
 async fn printers_of(change: &mut LedgerChange, build: BuildId) -> Result<(String, Option<String>, Option<String>)> {
-    let query = sql::query_as("SELECT profile, printer, move_to FROM build WHERE id = $1").bind(build);
+    let query = sql::query_as("SELECT machine, printer, move_to FROM build WHERE id = $1").bind(build);
     Ok(query.fetch_one(change.db()).await?)
 }
 

@@ -10,6 +10,7 @@ use build_file::format_count;
 use serde_json::{Map, Value};
 use sqlx::AssertSqlSafe;
 
+use super::former_words::{JsonRow, with_words_of_now};
 use crate::{
     BuildId, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, WITHDRAWN_BY_NESTD,
     base::{
@@ -19,9 +20,6 @@ use crate::{
     store::change::LedgerChange,
     words::withdrawal::{TAKEN_BACK_SINCE, put_withdrawn_back},
 };
-
-/// A row as JSON: values by column name.
-type JsonRow = Map<String, Value>;
 
 /// Result of importing a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,7 +62,7 @@ impl Ledger {
         let record = parse_json(record)?;
         let rows = |name: &str| -> Vec<JsonRow> {
             let rows = record.get(name).and_then(Value::as_array).cloned().unwrap_or_default();
-            rows.into_iter().filter_map(|row| row.as_object().cloned()).collect()
+            rows.into_iter().filter_map(|row| row.as_object().cloned()).map(with_words_of_now).collect()
         };
         let (builds, parts, placements) = (rows("builds"), rows("parts"), rows("placements"));
         let [build] = &builds[..] else { return Err(invalid_record("it holds no build")) };
@@ -207,11 +205,11 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
     let at = build.get("verified_at").cloned().unwrap_or_default();
     row.insert("published_at".to_owned(), if is_published { at } else { Value::Null });
     let id = number_column(build, "id")?;
-    let same = "SELECT id FROM build WHERE id = $1 AND profile = $2 AND opened_at = $3 AND state IN ('open', 'nesting') \
+    let same = "SELECT id FROM build WHERE id = $1 AND machine = $2 AND opened_at = $3 AND state IN ('open', 'nesting') \
                 AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.build_id = build.id)";
     let same: Option<i64> = sql::query_scalar(same)
         .bind(id)
-        .bind(text_column(build, "profile"))
+        .bind(text_column(build, "machine"))
         .bind(text_column(build, "opened_at"))
         .fetch_optional(change.db())
         .await?;
@@ -230,7 +228,7 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
     };
     let detail = "imported from its record in the archive";
     change
-        .write_event(EventKind::from_word(state), text_column(build, "profile"), None, Some(BuildId(id)), detail)
+        .write_event(EventKind::from_word(state), text_column(build, "machine"), None, Some(BuildId(id)), detail)
         .await?;
     Ok(BuildId(id))
 }
@@ -261,7 +259,7 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
         }
         None => {
             let mut row = part.clone();
-            if text_column(part, "state") != "rejected" {
+            if text_column(part, "state") != "refused" {
                 row.insert("state".to_owned(), "waiting".into());
                 row.insert("refusal".to_owned(), Value::Null);
             }
@@ -271,11 +269,11 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
             let id = PartId(insert_row(change, "part", &row).await?);
             change.open_order(text_column(part, "order_name")).await?;
             let detail = "imported from the record of a build";
-            change.write_event(EventKind::Claimed, text_column(part, "profile"), Some(id), None, detail).await?;
+            change.write_event(EventKind::Claimed, text_column(part, "machine"), Some(id), None, detail).await?;
             change
                 .write_event(
                     EventKind::from_word(text_column(&row, "state")),
-                    text_column(part, "profile"),
+                    text_column(part, "machine"),
                     Some(id),
                     None,
                     detail,
@@ -363,7 +361,7 @@ async fn take_over_copies(change: &mut LedgerChange, part: PartId, record: &Json
         false => (EventKind::CopiesCancelled, "fewer"),
     };
     let detail = format!("{} {what} wanted, according to the record of a build", more.abs());
-    change.write_event(kind, &row.profile, Some(part), None, &detail).await?;
+    change.write_event(kind, &row.machine, Some(part), None, &detail).await?;
     change.note_wanted_change(more).await
 }
 
@@ -381,7 +379,7 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
     let state = match (placed == row.wanted_copies(), open) {
         (true, 0) => PartState::Built,
         (true, _) => PartState::Batched,
-        (false, _) if row.state == PartState::Rejected => PartState::Rejected,
+        (false, _) if row.state == PartState::Refused => PartState::Refused,
         (false, _) => PartState::Waiting,
     };
     if state == row.state && !matches!(state, PartState::Waiting) {
@@ -389,12 +387,12 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
     }
     let now = change.now;
     let set = sql::query(
-        "UPDATE part SET state = $1, state_at = $2, reason = CASE $1 WHEN 'rejected' THEN reason ELSE '' END, \
-         refusal = CASE $1 WHEN 'rejected' THEN refusal END, \
+        "UPDATE part SET state = $1, state_at = $2, reason = CASE $1 WHEN 'refused' THEN reason ELSE '' END, \
+         refusal = CASE $1 WHEN 'refused' THEN refusal END, \
          put_back_at = CASE $1 WHEN 'built' THEN NULL ELSE put_back_at END, \
          fetch_at = CASE $1 WHEN 'built' THEN NULL ELSE fetch_at END WHERE id = $3",
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
     let detail = "according to the record of a build";
-    change.write_event(state, &row.profile, Some(part), Some(build), detail).await
+    change.write_event(state, &row.machine, Some(part), Some(build), detail).await
 }

@@ -11,18 +11,18 @@ impl Ledger {
     pub async fn mark_damaged(&self, hash: &str, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let parts: Vec<(PartId, String)> = sql::query_as(
-            "SELECT id, profile FROM part WHERE content_hash = $1 AND state IN ('claimed', 'waiting') AND damaged_at IS NULL \
-             AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2)))",
+            "SELECT id, machine FROM part WHERE content_hash = $1 AND state IN ('claimed', 'waiting') AND damaged_at IS NULL \
+             AND ($2 = '' OR machine NOT IN (SELECT machine FROM station WHERE node NOT IN ('', $2)))",
         )
         .bind(hash)
         .bind(self.node())
         .fetch_all(change.db())
         .await?;
         let now = change.now;
-        for (part, profile) in parts {
+        for (part, machine) in parts {
             let mark = sql::query("UPDATE part SET damaged_at = $1 WHERE id = $2").bind(now).bind(part);
             mark.execute(change.db()).await?;
-            change.write_event(EventKind::Damaged, &profile, Some(part), None, why).await?;
+            change.write_event(EventKind::Damaged, &machine, Some(part), None, why).await?;
         }
         change.commit().await
     }
@@ -37,19 +37,19 @@ impl Ledger {
     /// Takes a claim whose file is in the store as the replacement for the damaged file of a part of the same machine.
     /// All parts of that file continue. Returns the part; `None` if no part was waiting for this file, so the claim is
     /// a new order. Safe to repeat.
-    pub async fn take_replacement(&self, claim: &str, profile: &str, hash: &str) -> Result<Option<PartId>> {
+    pub async fn take_replacement(&self, claim: &str, machine: &str, hash: &str) -> Result<Option<PartId>> {
         let mut change = self.begin_change().await?;
         let known = sql::query_scalar("SELECT part_id FROM replacement WHERE claim = $1").bind(claim);
         if let Some(part) = known.fetch_optional(change.db()).await? {
             return Ok(Some(part));
         }
         let asked: Option<PartId> = sql::query_scalar(
-            "SELECT id FROM part WHERE content_hash = $1 AND profile = $2 AND damaged_at IS NOT NULL \
+            "SELECT id FROM part WHERE content_hash = $1 AND machine = $2 AND damaged_at IS NOT NULL \
              AND state IN ('claimed', 'waiting', 'batched') \
              AND NOT EXISTS (SELECT 1 FROM part WHERE claim = $3) ORDER BY id LIMIT 1",
         )
         .bind(hash)
-        .bind(profile)
+        .bind(machine)
         .bind(claim)
         .fetch_optional(change.db())
         .await?;
@@ -68,7 +68,7 @@ impl Ledger {
             .bind(now)
             .execute(change.db())
             .await?;
-        change.write_event(EventKind::Healed, profile, Some(part), None, "the same file was dropped again").await?;
+        change.write_event(EventKind::Healed, machine, Some(part), None, "the same file was dropped again").await?;
         change.commit().await?;
         Ok(Some(part))
     }
@@ -87,7 +87,7 @@ impl Ledger {
 async fn clear_damage(change: &mut LedgerChange, hash: &str, node: &str) -> Result<bool> {
     let clear = sql::query_scalar(
         "UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL \
-         AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2))) RETURNING id",
+         AND ($2 = '' OR machine NOT IN (SELECT machine FROM station WHERE node NOT IN ('', $2))) RETURNING id",
     );
     let parts: Vec<PartId> = clear.bind(hash).bind(node).fetch_all(change.db()).await?;
     change.begin_to_wait_again(&parts).await?;
@@ -103,17 +103,17 @@ mod tests {
         let ledger = fresh().await;
         let id = waiting(&ledger, "a", 2).await;
         let part = ledger.find_part(id).await.unwrap().unwrap();
-        let (profile, hash) = (part.profile.as_str(), part.file.content_hash.as_str());
-        assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), None, "nobody asked for it again");
+        let (machine, hash) = (part.machine.as_str(), part.file.content_hash.as_str());
+        assert_eq!(ledger.take_replacement("b", machine, hash).await.unwrap(), None, "nobody asked for it again");
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
-        assert!(ledger.waiting_copies(profile).await.unwrap().is_empty());
+        assert!(ledger.waiting_copies(machine).await.unwrap().is_empty());
         assert_eq!(ledger.damaged_parts().await.unwrap().len(), 1);
         for _ in 0..2 {
-            assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), Some(id));
+            assert_eq!(ledger.take_replacement("b", machine, hash).await.unwrap(), Some(id));
         }
-        assert_eq!(ledger.take_replacement("c", profile, hash).await.unwrap(), None, "it was asked for once");
-        assert_eq!(ledger.waiting_copies(profile).await.unwrap()[0].copies, [0, 1]);
+        assert_eq!(ledger.take_replacement("c", machine, hash).await.unwrap(), None, "it was asked for once");
+        assert_eq!(ledger.waiting_copies(machine).await.unwrap()[0].copies, [0, 1]);
         assert_eq!(ledger.drop_counts_by_hash().await.unwrap(), [(hash.to_owned(), 2)]);
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
         assert_eq!(ledger.take_replacement("d", "another machine", hash).await.unwrap(), None, "it is an order there");

@@ -17,8 +17,8 @@ use crate::{
 pub struct ClaimDecisions {
     /// The claim.
     pub claim: String,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped, escaped for display.
     pub name: String,
     /// Order or kit, "" = none.
@@ -27,7 +27,7 @@ pub struct ClaimDecisions {
     pub decisions: u32,
 }
 
-sql_row!(ClaimDecisions { claim, profile, name, order_name, decisions });
+sql_row!(ClaimDecisions { claim, machine, name, order_name, decisions });
 
 impl Ledger {
     /// Number of decisions about the parts of a claim.
@@ -43,7 +43,7 @@ impl Ledger {
             return Ok(Vec::new());
         }
         let query = sql::query_as(
-            "SELECT p.claim, p.profile, p.name, p.order_name, CAST(n.value AS BIGINT) AS decisions \
+            "SELECT p.claim, p.machine, p.name, p.order_name, CAST(n.value AS BIGINT) AS decisions \
              FROM json_each($1) n JOIN part p ON p.claim = n.key AND p.object_index = 0 \
              WHERE (SELECT sum(s.decisions) FROM part s WHERE s.claim = n.key) < CAST(n.value AS BIGINT) ORDER BY p.id",
         );

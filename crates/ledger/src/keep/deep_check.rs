@@ -18,8 +18,8 @@ pub struct PartFileRow {
     pub id: PartId,
     /// Name of its claim.
     pub claim: String,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped, escaped for display.
     pub name: String,
     /// BLAKE3 of the file.
@@ -34,15 +34,15 @@ pub struct PartFileRow {
     pub fetch_at: Option<UtcTimestamp>,
 }
 
-sql_row!(PartFileRow { id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at });
+sql_row!(PartFileRow { id, claim, machine, name, content_hash, bytes, state, state_at, fetch_at });
 
 /// A part with a copy in a published build.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BuiltPartRow {
     /// The build.
     pub build: BuildId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// Name of the build file.
     pub file_name: String,
     /// The part.
@@ -53,7 +53,7 @@ pub struct BuiltPartRow {
     pub content_hash: String,
 }
 
-sql_row!(BuiltPartRow { build, profile, file_name, part, name, content_hash });
+sql_row!(BuiltPartRow { build, machine, file_name, part, name, content_hash });
 
 impl Ledger {
     /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
@@ -75,7 +75,7 @@ impl Ledger {
     /// All parts that are not built, oldest first.
     pub async fn unbuilt_part_files(&self) -> Result<Vec<PartFileRow>> {
         let query = sql::query_as(
-            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
+            "SELECT id, claim, machine, name, content_hash, bytes, state, state_at, fetch_at FROM part \
              WHERE state <> 'built' ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
@@ -84,7 +84,7 @@ impl Ledger {
     /// The parts of all builds published since a time, by build and part.
     pub async fn built_parts_since(&self, since: Timestamp) -> Result<Vec<BuiltPartRow>> {
         let query = sql::query_as(
-            "SELECT DISTINCT b.id AS build, b.profile, b.file_name, p.id AS part, p.name, p.content_hash FROM build b \
+            "SELECT DISTINCT b.id AS build, b.machine, b.file_name, p.id AS part, p.name, p.content_hash FROM build b \
              JOIN build_copy l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
              WHERE b.published_at >= $1 AND b.file_name IS NOT NULL ORDER BY b.id, p.id",
         );
@@ -92,9 +92,9 @@ impl Ledger {
     }
 
     /// Whether a part was ever refused or cancelled.
-    pub async fn was_rejected(&self, part: PartId) -> Result<bool> {
-        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = $1 AND kind = 'rejected')")
-            .bind(part);
+    pub async fn was_refused(&self, part: PartId) -> Result<bool> {
+        let query =
+            sql::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = $1 AND kind = 'refused')").bind(part);
         Ok(query.fetch_one(self.reader()?).await?)
     }
 
@@ -107,12 +107,12 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The newest part of a profile with this content.
-    pub async fn find_part_with_content(&self, profile: &str, hash: &str) -> Result<Option<PartFileRow>> {
+    /// The newest part of a machine with this content.
+    pub async fn find_part_with_content(&self, machine: &str, hash: &str) -> Result<Option<PartFileRow>> {
         let query = sql::query_as(
-            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
-             WHERE profile = $1 AND content_hash = $2 ORDER BY id DESC LIMIT 1",
+            "SELECT id, claim, machine, name, content_hash, bytes, state, state_at, fetch_at FROM part \
+             WHERE machine = $1 AND content_hash = $2 ORDER BY id DESC LIMIT 1",
         );
-        Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)
+        Ok(query.bind(machine).bind(hash).fetch_optional(self.reader()?).await?)
     }
 }

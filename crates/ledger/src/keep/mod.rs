@@ -6,5 +6,6 @@ pub(super) mod copy;
 pub(super) mod damaged;
 pub(super) mod decisions;
 pub(super) mod deep_check;
+mod former_words;
 pub(super) mod replace;
 pub(super) mod unknown;

@@ -57,8 +57,8 @@ impl OrderRow {
 pub struct OrderLine {
     /// Number of the part.
     pub part: PartId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped.
     pub name: String,
     /// Name of the solid inside a 3MF, "" otherwise.
@@ -74,7 +74,7 @@ pub struct OrderLine {
     pub copies: LineCopies,
 }
 
-sql_row!(OrderLine { part, profile, name, object_name, state, due_at, due_text; copies });
+sql_row!(OrderLine { part, machine, name, object_name, state, due_at, due_text; copies });
 
 /// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `printed` + `good` + `refused`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
@@ -260,9 +260,9 @@ impl LedgerChange {
             ),
             _ => format!("order {name}: {} good of {} wanted", sum.good, sum.wanted),
         };
-        let last = lines.last().map(|line| (line.part, line.profile.clone()));
-        let (part, profile) = last.map_or((None, String::new()), |(part, profile)| (Some(part), profile));
-        self.write_event(kind, &profile, part, None, &detail).await
+        let last = lines.last().map(|line| (line.part, line.machine.clone()));
+        let (part, machine) = last.map_or((None, String::new()), |(part, machine)| (Some(part), machine));
+        self.write_event(kind, &machine, part, None, &detail).await
     }
 
     /// Updates the orders of these parts.

@@ -41,8 +41,8 @@ impl NamePattern {
 pub struct NamedPartRow {
     /// Its number.
     pub id: PartId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped.
     pub name: String,
     /// Name of the solid inside a 3MF, "" otherwise.
@@ -55,7 +55,7 @@ pub struct NamedPartRow {
     pub state: PartState,
 }
 
-sql_row!(NamedPartRow { id, profile, name, object_name, order_name, note, state });
+sql_row!(NamedPartRow { id, machine, name, object_name, order_name, note, state });
 
 impl NamedPartRow {
     /// Name of the part together with the name of its solid.
@@ -69,8 +69,8 @@ impl NamedPartRow {
 pub struct NamedBuildRow {
     /// Its number.
     pub id: BuildId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// Its state.
     pub state: BuildState,
     /// When it entered its state.
@@ -83,7 +83,7 @@ pub struct NamedBuildRow {
     pub copies: Option<u32>,
 }
 
-sql_row!(NamedBuildRow { id, profile, state, state_at, file_name, height_mm, copies });
+sql_row!(NamedBuildRow { id, machine, state, state_at, file_name, height_mm, copies });
 
 impl Ledger {
     /// Hands the parts whose file, solid, order or note can match to `take`, newest first, until that returns `false`. It looks at

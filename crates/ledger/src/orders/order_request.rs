@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AnsweredRequest, EventKind, Ledger, RefusalCause, UtcTimestamp,
+    AnsweredRequest, Ledger, RefusalCause, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -21,8 +21,9 @@ pub struct OrderedLine {
     pub claim: String,
     /// Who ordered it.
     pub client: String,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine. Notes of orders call it `profile` where an earlier version wrote them.
+    #[serde(alias = "profile")]
+    pub machine: String,
     /// The order that it belongs to.
     pub order_name: String,
     /// File name.
@@ -39,7 +40,7 @@ pub struct OrderedLine {
     pub read_unit: Option<LengthUnit>,
 }
 
-sql_row!(OrderedLine { claim, client, profile, order_name, name, content_hash, copies, ticket, read_unit });
+sql_row!(OrderedLine { claim, client, machine, order_name, name, content_hash, copies, ticket, read_unit });
 
 /// An order as it is to be recorded.
 #[derive(Debug, Clone)]
@@ -99,17 +100,17 @@ impl Ledger {
     }
 
     /// The lines for a machine of which the ledger has no part, oldest first, at most `most`.
-    pub async fn arriving_lines(&self, profile: &str, most: u32) -> Result<Vec<OrderedLine>> {
-        let query = sql::select_as(&format!("{ARRIVING} AND profile = $1 ORDER BY ordered_at, claim LIMIT $2"));
-        Ok(query.bind(profile).bind(most).fetch_all(self.reader()?).await?)
+    pub async fn arriving_lines(&self, machine: &str, most: u32) -> Result<Vec<OrderedLine>> {
+        let query = sql::select_as(&format!("{ARRIVING} AND machine = $1 ORDER BY ordered_at, claim LIMIT $2"));
+        Ok(query.bind(machine).bind(most).fetch_all(self.reader()?).await?)
     }
 
     /// The claim of the newest line for a machine of which the ledger has no part.
-    pub async fn newest_arriving_line(&self, profile: &str) -> Result<Option<String>> {
+    pub async fn newest_arriving_line(&self, machine: &str) -> Result<Option<String>> {
         let newest = sql::query_scalar(
-            "SELECT claim FROM ordered_line WHERE taken_at IS NULL AND profile = $1 ORDER BY ordered_at DESC, claim DESC LIMIT 1",
+            "SELECT claim FROM ordered_line WHERE taken_at IS NULL AND machine = $1 ORDER BY ordered_at DESC, claim DESC LIMIT 1",
         );
-        Ok(newest.bind(profile).fetch_optional(self.reader()?).await?)
+        Ok(newest.bind(machine).fetch_optional(self.reader()?).await?)
     }
 
     /// The lines of an order of which the ledger has no part.
@@ -132,7 +133,7 @@ impl Ledger {
 
     /// How many lines arrive for each machine for which any do.
     pub async fn count_arriving_lines(&self) -> Result<Vec<(String, u32)>> {
-        let query = format!("SELECT profile, count(*) {ARRIVING} GROUP BY profile ORDER BY profile");
+        let query = format!("SELECT machine, count(*) {ARRIVING} GROUP BY machine ORDER BY machine");
         Ok(sql::query_as(sqlx::AssertSqlSafe(query)).fetch_all(self.reader()?).await?)
     }
 
@@ -167,7 +168,7 @@ impl Ledger {
             return Ok(false);
         }
         let detail = format!("{} of order {}, ordered by {}: {reason}", line.name, line.order_name, line.client);
-        change.write_refusal_event(EventKind::Refused, &line.profile, None, RefusalCause::Cancelled, &detail).await?;
+        change.write_refusal_event(&line.machine, None, RefusalCause::Cancelled, &detail).await?;
         change.commit().await?;
         Ok(true)
     }
@@ -195,13 +196,13 @@ impl Ledger {
 async fn insert_line(change: &mut LedgerChange, line: &OrderedLine) -> Result<bool> {
     let now = change.now;
     let is_new: Option<bool> = sql::query_scalar(
-        "INSERT INTO ordered_line (claim, client, profile, order_name, name, content_hash, copies, ticket, ordered_at, read_unit, taken_at) \
+        "INSERT INTO ordered_line (claim, client, machine, order_name, name, content_hash, copies, ticket, ordered_at, read_unit, taken_at) \
          VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, (SELECT max(p.claimed_at) FROM part p WHERE p.claim = $1)) \
          ON CONFLICT (claim) DO NOTHING RETURNING taken_at IS NULL",
     )
     .bind(&line.claim)
     .bind(&line.client)
-    .bind(&line.profile)
+    .bind(&line.machine)
     .bind(&line.order_name)
     .bind(&line.name)
     .bind(&line.content_hash)

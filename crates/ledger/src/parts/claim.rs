@@ -95,13 +95,13 @@ impl Ledger {
         Ok(waiting)
     }
 
-    /// claimed -> rejected, together with all claimed solids of the same claim.
-    pub async fn reject_claim(&self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+    /// claimed -> refused, together with all claimed solids of the same claim.
+    pub async fn refuse_claim(&self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let claimed = change.require_part(id).await?;
         if claimed.state != PartState::Claimed {
-            // A waiting part may be rejected too, but only by `cancel`, which checks its copies.
-            let (from, to) = (claimed.state.to_string(), PartState::Rejected.to_string());
+            // A waiting part may be refused too, but only by `cancel`, which checks its copies.
+            let (from, to) = (claimed.state.to_string(), PartState::Refused.to_string());
             return Err(IllegalMove { thing: "part", from, to }.into());
         }
         let siblings: Vec<PartId> =
@@ -110,7 +110,7 @@ impl Ledger {
                 .fetch_all(change.db())
                 .await?;
         for sibling in siblings {
-            change.reject_part(sibling, cause, reason).await?;
+            change.refuse_part(sibling, cause, reason).await?;
         }
         change.commit().await
     }
@@ -121,12 +121,12 @@ impl Ledger {
         ensure_part_cancellable(&mut change, id).await
     }
 
-    /// waiting -> rejected: by an operator, or because the profile changed. Published copies stay published. Fails
+    /// waiting -> refused: by an operator, or because the machine changed. Published copies stay published. Fails
     /// while a copy is being nested.
     pub async fn cancel_part(&self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         ensure_part_cancellable(&mut change, id).await?;
-        change.reject_part(id, cause, reason).await?;
+        change.refuse_part(id, cause, reason).await?;
         change.commit().await
     }
 
@@ -139,7 +139,7 @@ impl Ledger {
         Ok(query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?)
     }
 
-    /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were rejected
+    /// claimed, waiting -> refused: another farm has taken these claims over. Returns the parts that were refused
     /// now.
     pub async fn give_up_claims(&self, claims: &[String], reason: &str) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
@@ -152,18 +152,18 @@ impl Ledger {
         }
         let mut change = self.begin_change().await?;
         for part in &parts {
-            change.reject_part(part.id, RefusalCause::Cancelled, reason).await?;
+            change.refuse_part(part.id, RefusalCause::Cancelled, reason).await?;
         }
         change.commit().await?;
         Ok(parts)
     }
 
-    /// rejected -> claimed: the part is read again.
+    /// refused -> claimed: the part is read again.
     pub async fn retry_part(&self, id: PartId) -> Result<()> {
         let mut change = self.begin_change().await?;
         let state = change.require_part(id).await?.state;
-        if state != PartState::Rejected {
-            return Err(LedgerError::NotRejected { part: id, state });
+        if state != PartState::Refused {
+            return Err(LedgerError::NotRefused { part: id, state });
         }
         let wanted_again = copies_lost_by_refusal(&mut change, id).await?;
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
@@ -188,7 +188,7 @@ impl Ledger {
 /// By how many the copies wanted of a part fell when it was last refused, or replaced after that.
 async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
     let last = sql::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('rejected', 'revised') ORDER BY id DESC LIMIT 1",
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('refused', 'revised') ORDER BY id DESC LIMIT 1",
     );
     Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
@@ -196,7 +196,7 @@ async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result
 async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Result<()> {
     change.ensure_not_being_built(id).await?;
     match change.require_part(id).await?.state {
-        PartState::Rejected => Err(LedgerError::AlreadyRejected(id)),
+        PartState::Refused => Err(LedgerError::AlreadyRefused(id)),
         PartState::Built => Err(LedgerError::AlreadyBuilt(id)),
         _ => Ok(()),
     }
@@ -218,10 +218,10 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
         Some(line) => format!("{}, ordered by {}", part.name, line.client),
         None => part.name.clone(),
     };
-    change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &detail).await?;
+    change.write_event(EventKind::Claimed, &part.machine, Some(id), None, &detail).await?;
     change.open_order(&part.terms.order_name).await?;
     if line.is_some_and(|line| line.is_cancelled) {
-        change.reject_part(id, RefusalCause::Cancelled, "Its line was cancelled before it was taken.").await?;
+        change.refuse_part(id, RefusalCause::Cancelled, "Its line was cancelled before it was taken.").await?;
     }
     Ok(RecordedPart { id, is_new: true })
 }
@@ -230,14 +230,14 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
 async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Option<PartId>> {
     let now = change.now;
     let id = sql::query_scalar(
-        "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
+        "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
          read_unit) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
          coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21)) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
-    .bind(&part.profile)
+    .bind(&part.machine)
     .bind(&part.name)
     .bind(&part.terms.order_name)
     .bind(&part.content_hash)
@@ -295,9 +295,9 @@ async fn find_or_insert_solid(
     }
     let now = change.now;
     let id = sql::query_scalar(
-        "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
+        "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
          priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
-         SELECT claim, $1, profile, name, order_name, content_hash, bytes, 'claimed', '', \
+         SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
          priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
@@ -305,7 +305,7 @@ async fn find_or_insert_solid(
     .bind(file.id)
     .fetch_one(change.db())
     .await?;
-    change.write_event(EventKind::Claimed, &file.profile, Some(id), None, &solid.object_name).await?;
+    change.write_event(EventKind::Claimed, &file.machine, Some(id), None, &solid.object_name).await?;
     Ok(Some(change.require_part(id).await?))
 }
 

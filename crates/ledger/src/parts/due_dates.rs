@@ -15,8 +15,8 @@ use crate::{
 pub struct DuePartRow {
     /// Number of the part.
     pub id: PartId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped.
     pub name: String,
     /// Order, "" = none.
@@ -29,13 +29,13 @@ pub struct DuePartRow {
     pub height_mm: Option<f64>,
 }
 
-sql_row!(DuePartRow { id, profile, name, order_name, due_at, due_text, height_mm });
+sql_row!(DuePartRow { id, machine, name, order_name, due_at, due_text, height_mm });
 
 impl Ledger {
     /// The parts that are due until a time, by due date.
     pub async fn due_parts(&self, until: Timestamp) -> Result<Vec<DuePartRow>> {
         let query = sql::query_as(
-            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, p.due_text, \
+            "SELECT p.id, p.machine, p.name, p.order_name, p.due_at, p.due_text, \
              (SELECT max(b.height_mm) FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = p.id AND b.published_at IS NULL) AS height_mm \
              FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NULL \
@@ -47,7 +47,7 @@ impl Ledger {
     /// The parts that are not printed yet and whose due date was reported as at risk, by due date.
     pub async fn parts_at_risk(&self) -> Result<Vec<DuePartRow>> {
         let query = sql::query_as(
-            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, p.due_text, CAST(NULL AS DOUBLE PRECISION) AS height_mm \
+            "SELECT p.id, p.machine, p.name, p.order_name, p.due_at, p.due_text, CAST(NULL AS DOUBLE PRECISION) AS height_mm \
              FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NOT NULL \
              AND p.state IN ('claimed', 'waiting', 'batched') ORDER BY p.due_at, p.id",
         );
@@ -56,14 +56,14 @@ impl Ledger {
 
     /// Records that the due date of these parts of one order is at risk. Writes one event, which refers to the first
     /// part.
-    pub async fn record_at_risk(&self, profile: &str, parts: &[PartId], detail: &str) -> Result<()> {
+    pub async fn record_at_risk(&self, machine: &str, parts: &[PartId], detail: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
         for part in parts {
             let update = sql::query("UPDATE part SET at_risk_at = $1 WHERE id = $2").bind(now).bind(part);
             update.execute(change.db()).await?;
         }
-        change.write_event(EventKind::AtRisk, profile, parts.first().copied(), None, detail).await?;
+        change.write_event(EventKind::AtRisk, machine, parts.first().copied(), None, detail).await?;
         change.commit().await
     }
 }

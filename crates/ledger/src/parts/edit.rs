@@ -29,7 +29,7 @@ pub struct PartEdit {
     pub orientation: Option<OrientationRule>,
     /// Directions that must point nearly straight up.
     pub tilts: Option<RequiredTilts>,
-    /// Its own clearance, mm; the inner `None` = the profile's.
+    /// Its own clearance, mm; the inner `None` = the machine's.
     pub clearance_mm: Option<Option<f64>>,
     /// Unit of the file: the part is read again.
     pub unit: Option<LengthUnit>,
@@ -104,7 +104,7 @@ impl Ledger {
     pub async fn move_to_machine(
         &self,
         id: PartId,
-        profile: &str,
+        machine: &str,
         is_elsewhere: bool,
         by: &str,
     ) -> Result<Vec<PartId>> {
@@ -119,11 +119,11 @@ impl Ledger {
         for part in parts.iter().filter(|part| matches!(part.state, PartState::Waiting | PartState::Claimed)) {
             ensure_terms_editable(&mut change, part).await?;
             let set = sql::query(
-                "UPDATE part SET profile = $1, at_risk_at = NULL, fetch_at = coalesce($3, fetch_at) WHERE id = $2",
+                "UPDATE part SET machine = $1, at_risk_at = NULL, fetch_at = coalesce($3, fetch_at) WHERE id = $2",
             );
-            set.bind(profile).bind(part.id).bind(fetch_at).execute(change.db()).await?;
-            let detail = format!("{by}: from {} to {profile}", part.profile);
-            change.write_event(EventKind::Moved, profile, Some(part.id), None, &detail).await?;
+            set.bind(machine).bind(part.id).bind(fetch_at).execute(change.db()).await?;
+            let detail = format!("{by}: from {} to {machine}", part.machine);
+            change.write_event(EventKind::Moved, machine, Some(part.id), None, &detail).await?;
             change.count_decision(part.id).await?;
             if part.state == PartState::Waiting {
                 change.read_again(part.id, &detail).await?;
@@ -150,7 +150,7 @@ impl Ledger {
             }
             change.end_copies_question(&part).await?;
             let detail = format!("{by}: {}", as_it_was_taken(part.wanted_copies()));
-            change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
+            change.write_event(EventKind::Confirmed, &part.machine, Some(id), None, &detail).await?;
             change.count_decision(id).await?;
             change.commit().await?;
             return Ok(true);
@@ -162,7 +162,7 @@ impl Ledger {
         }
         change.begin_to_wait_again(&[id]).await?;
         let detail = format!("{by}: {}", part.owed.question);
-        change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
+        change.write_event(EventKind::Confirmed, &part.machine, Some(id), None, &detail).await?;
         change.count_decision(id).await?;
         if part.owed.size_differs {
             change.read_anew(id, &detail).await?;
@@ -200,7 +200,7 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         return Ok(EditedPart { changes });
     }
     let detail = format!("{by}: {}", changes.join(", "));
-    change.write_event(EventKind::Edited, &part.profile, Some(id), None, &detail).await?;
+    change.write_event(EventKind::Edited, &part.machine, Some(id), None, &detail).await?;
     change.count_decision(id).await?;
     if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) {
         change.read_anew(id, &detail).await?;
@@ -317,7 +317,7 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
         }
         return take_back(change, part, wanted - copies, by).await;
     }
-    if matches!(part.state, PartState::Rejected | PartState::Claimed) {
+    if matches!(part.state, PartState::Refused | PartState::Claimed) {
         return Err(LedgerError::NotEditable { part: part.id, state: part.state });
     }
     let (more, now) = (copies - wanted, change.now);
@@ -337,7 +337,7 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
     .execute(change.db())
     .await?;
     let detail = format!("{more} more wanted by {by}");
-    change.write_event(EventKind::CopiesWanted, &part.profile, Some(part.id), None, &detail).await?;
+    change.write_event(EventKind::CopiesWanted, &part.machine, Some(part.id), None, &detail).await?;
     change.note_wanted_change(i64::from(more)).await?;
     match part.state {
         PartState::Built | PartState::Batched => change.move_part(part.id, PartState::Waiting, None, &detail).await,
@@ -349,10 +349,10 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
 async fn take_back(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &str) -> Result<()> {
     change.change_cancelled(part.id, i64::from(copies)).await?;
     let detail = format!("{copies} fewer wanted by {by}");
-    change.write_event(EventKind::CopiesCancelled, &part.profile, Some(part.id), None, &detail).await?;
+    change.write_event(EventKind::CopiesCancelled, &part.machine, Some(part.id), None, &detail).await?;
     change.note_wanted_change(-i64::from(copies)).await?;
     if part.wanted_copies() == copies {
-        return change.reject_part(part.id, RefusalCause::Cancelled, &format!("Cancelled by {by}.")).await;
+        return change.refuse_part(part.id, RefusalCause::Cancelled, &format!("Cancelled by {by}.")).await;
     }
     change.end_waiting(part.id, None).await
 }

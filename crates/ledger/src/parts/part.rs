@@ -57,13 +57,13 @@ impl Ledger {
             .await?)
     }
 
-    /// The claimed parts of a profile that must be read next, in order, at most `most` of them.
-    pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
+    /// The claimed parts of a machine that must be read next, in order, at most `most` of them.
+    pub async fn claimed_parts(&self, machine: &str, most: usize) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
-            "FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL AND fetch_at IS NULL \
+            "FROM part WHERE state = 'claimed' AND machine = $1 AND damaged_at IS NULL AND fetch_at IS NULL \
              ORDER BY id LIMIT $2",
         );
-        Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).bind(most as i64).fetch_all(self.reader()?).await?)
     }
 
     /// File hashes of all parts that entered a state between two times.
@@ -97,18 +97,18 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The parts of a profile that are not built or rejected, and those built or rejected since a time, oldest first.
-    pub async fn recent_parts(&self, profile: &str, since: Timestamp) -> Result<Vec<PartRow>> {
+    /// The parts of a machine that are not built or refused, and those built or refused since a time, oldest first.
+    pub async fn recent_parts(&self, machine: &str, since: Timestamp) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
             "FROM part WHERE id IN (\
-             SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND profile = $1 \
-             UNION ALL SELECT id FROM part WHERE state IN ('built', 'rejected') AND state_at >= $2 AND profile || '' = $1) \
+             SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND machine = $1 \
+             UNION ALL SELECT id FROM part WHERE state IN ('built', 'refused') AND state_at >= $2 AND machine || '' = $1) \
              ORDER BY id",
         );
-        Ok(query.bind(profile).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
     }
 
-    /// The parts that are not built or rejected and whose order or file name matches a pattern with `*` and `?`, oldest
+    /// The parts that are not built or refused and whose order or file name matches a pattern with `*` and `?`, oldest
     /// first.
     pub async fn unbuilt_parts_matching(&self, pattern: &str) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
@@ -132,35 +132,35 @@ impl Ledger {
         Ok(parts)
     }
 
-    /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
-    pub async fn find_earlier_part(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
+    /// The latest part of an earlier claim, not refused, with the same content for the same machine.
+    pub async fn find_earlier_part(&self, machine: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
         let query = sql::query_scalar(
-            "SELECT id FROM part WHERE content_hash = $1 AND profile = $2 AND id < $3 AND state <> 'rejected' \
+            "SELECT id FROM part WHERE content_hash = $1 AND machine = $2 AND id < $3 AND state <> 'refused' \
              AND claim <> (SELECT claim FROM part WHERE id = $3) ORDER BY id DESC LIMIT 1",
         );
-        Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()?).await?)
+        Ok(query.bind(hash).bind(machine).bind(before).fetch_optional(self.reader()?).await?)
     }
 
-    /// The latest part of an earlier claim, not rejected, whose file had the same folder, name, content and modification time: perhaps a
+    /// The latest part of an earlier claim, not refused, whose file had the same folder, name, content and modification time: perhaps a
     /// sync program has put that file back.
     pub async fn find_put_back_part(&self, part: PartId) -> Result<Option<PartId>> {
         let query = sql::query_scalar(
-            "SELECT p.id FROM part n JOIN part p ON p.content_hash = n.content_hash WHERE n.id = $1 AND p.profile = n.profile \
+            "SELECT p.id FROM part n JOIN part p ON p.content_hash = n.content_hash WHERE n.id = $1 AND p.machine = n.machine \
              AND p.name = n.name AND p.file_folder = n.file_folder AND p.file_mtime_ns = n.file_mtime_ns AND p.id < n.id \
-             AND p.claim <> n.claim AND p.state <> 'rejected' ORDER BY p.id DESC LIMIT 1",
+             AND p.claim <> n.claim AND p.state <> 'refused' ORDER BY p.id DESC LIMIT 1",
         );
         Ok(query.bind(part).fetch_optional(self.reader()?).await?)
     }
 
-    /// The parts of other claims that have one of these names in the order of a part, oldest first: not rejected, and not built
+    /// The parts of other claims that have one of these names in the order of a part, oldest first: not refused, and not built
     /// before `since`.
     pub async fn namesakes_of_part(&self, part: &PartRow, names: &[String], since: Timestamp) -> Result<Vec<Namesake>> {
         let query = sql::query_as(
             "SELECT id, name, EXISTS (SELECT 1 FROM ticket t WHERE t.part_id = part.id AND t.source <> 'name') AS has_ticket \
-             FROM part WHERE name IN (SELECT value FROM json_each($1)) AND profile = $2 AND order_name = $3 AND claim <> $4 \
-             AND object_index = 0 AND state <> 'rejected' AND (state <> 'built' OR state_at >= $5) ORDER BY id",
+             FROM part WHERE name IN (SELECT value FROM json_each($1)) AND machine = $2 AND order_name = $3 AND claim <> $4 \
+             AND object_index = 0 AND state <> 'refused' AND (state <> 'built' OR state_at >= $5) ORDER BY id",
         );
-        let query = query.bind(serde_json::json!(names).to_string()).bind(&part.profile).bind(&part.terms.order_name);
+        let query = query.bind(serde_json::json!(names).to_string()).bind(&part.machine).bind(&part.terms.order_name);
         Ok(query.bind(&part.file.claim).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
     }
 
@@ -170,13 +170,13 @@ impl Ledger {
         Ok(query.bind(part).fetch_one(self.reader()?).await?)
     }
 
-    /// Whether the stored file is needed by a part that is claimed, waiting or batched, or by one that was rejected
-    /// after `rejected_since` and may be retried.
-    pub async fn is_hash_in_use(&self, hash: &str, rejected_since: Timestamp) -> Result<bool> {
+    /// Whether the stored file is needed by a part that is claimed, waiting or batched, or by one that was refused
+    /// after `refused_since` and may be retried.
+    pub async fn is_hash_in_use(&self, hash: &str, refused_since: Timestamp) -> Result<bool> {
         let query = sql::query_scalar(
             "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = $1 AND (state IN ('claimed', 'waiting', 'batched') \
-             OR (state = 'rejected' AND state_at >= $2)))",
+             OR (state = 'refused' AND state_at >= $2)))",
         );
-        Ok(query.bind(hash).bind(UtcTimestamp(rejected_since)).fetch_one(self.reader()?).await?)
+        Ok(query.bind(hash).bind(UtcTimestamp(refused_since)).fetch_one(self.reader()?).await?)
     }
 }

@@ -13,8 +13,8 @@ pub struct PartQuery {
     /// Only parts in this state. `None` = any state; but if no name is given either, only parts that are not built, and
     /// refused parts only while they can be retried.
     pub state: Option<PartState>,
-    /// Only parts of this machine profile.
-    pub profile: Option<String>,
+    /// Only parts of this machine.
+    pub machine: Option<String>,
     /// Only parts that came before this one.
     pub before: Option<PartId>,
     /// Maximum number of parts.
@@ -26,7 +26,7 @@ impl Ledger {
     pub async fn list_parts(&self, query: &PartQuery) -> Result<Vec<PartRow>> {
         let rows = sql::select_as(&part_list_sql(query))
             .bind(&query.name)
-            .bind(&query.profile)
+            .bind(&query.machine)
             .bind(query.before)
             .bind(query.limit)
             .bind(self.refused_since())
@@ -42,13 +42,13 @@ pub(crate) fn part_list_sql(query: &PartQuery) -> String {
     let wanted = match (&query.name, query.state) {
         (Some(_), None) => vec![NAME_FILTER.to_owned()],
         (Some(_), Some(state)) => vec![format!("{NAME_FILTER} AND state || '' = '{state}'")],
-        (None, Some(PartState::Built)) if query.profile.is_none() => vec!["state || '' = 'built'".to_owned()],
+        (None, Some(PartState::Built)) if query.machine.is_none() => vec!["state || '' = 'built'".to_owned()],
         (None, Some(state)) => vec![format!("state = '{state}'")],
         (None, None) => UNBUILT.map(str::to_owned).to_vec(),
     };
-    let profile = query.profile.as_ref().map_or("", |_| " AND profile = $2");
+    let machine = query.machine.as_ref().map_or("", |_| " AND machine = $2");
     let before = query.before.map_or("", |_| " AND id < $3");
-    let numbers = wanted.iter().map(|wanted| format!("SELECT id FROM part WHERE {wanted}{profile}{before}"));
+    let numbers = wanted.iter().map(|wanted| format!("SELECT id FROM part WHERE {wanted}{machine}{before}"));
     let numbers = numbers.collect::<Vec<_>>().join(" UNION ALL ");
     format!("FROM part WHERE id IN ({numbers} ORDER BY id DESC LIMIT $4) ORDER BY id DESC")
 }
@@ -58,4 +58,4 @@ const NAME_FILTER: &str = "id IN (SELECT id FROM part WHERE name >= $1 AND name 
     UNION SELECT id FROM part WHERE order_name >= $1 AND order_name < $6 AND order_name <> '')";
 
 /// Conditions for parts that are not built; refused parts only while they can be retried.
-const UNBUILT: [&str; 2] = ["state IN ('claimed', 'waiting', 'batched')", "state = 'rejected' AND state_at >= $5"];
+const UNBUILT: [&str; 2] = ["state IN ('claimed', 'waiting', 'batched')", "state = 'refused' AND state_at >= $5"];

@@ -50,23 +50,23 @@ pub struct QuestionedPart {
     pub part: PartRow,
     /// What is asked first.
     pub kind: QuestionKind,
-    /// Number of such parts of the profile.
+    /// Number of such parts of the machine.
     pub total: u32,
 }
 
 sql_row!(QuestionedPart { kind, total; part });
 
 impl Ledger {
-    /// The first `most` waiting parts of each profile and kind with an open question, oldest first. A part whose number of
+    /// The first `most` waiting parts of each machine and kind with an open question, oldest first. A part whose number of
     /// copies is asked for waits as one copy with a warning that contains [`COPIES_QUESTION`].
     pub async fn parts_with_questions(&self, most: u32) -> Result<Vec<QuestionedPart>> {
         // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
         let query = sql::select_as(
-            "FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
-             ROW_NUMBER() OVER (PARTITION BY profile, kind ORDER BY id) AS at FROM (\
+            "FROM (SELECT *, COUNT(*) OVER (PARTITION BY machine, kind) AS total, \
+             ROW_NUMBER() OVER (PARTITION BY machine, kind ORDER BY id) AS at FROM (\
              SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
              WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
-             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY profile, id",
+             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY machine, id",
         );
         Ok(query.bind(COPIES_QUESTION).bind(most).fetch_all(self.reader()?).await?)
     }

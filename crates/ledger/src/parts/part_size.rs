@@ -51,7 +51,7 @@ impl LedgerChange {
             "UPDATE part SET question = $1, size_differs = TRUE, read_unit = coalesce(read_unit, $2) WHERE id = $3",
         );
         hold.bind(&question).bind(unit).bind(part.id).execute(self.db()).await?;
-        self.write_event(EventKind::SizeDiffers, &part.profile, Some(part.id), None, &question).await
+        self.write_event(EventKind::SizeDiffers, &part.machine, Some(part.id), None, &question).await
     }
 }
 

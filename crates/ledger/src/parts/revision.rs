@@ -65,7 +65,7 @@ impl LedgerChange {
     pub(super) async fn replace_revised_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<()> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile \
+             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
              AND p.id < n.id AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
              AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
         );
@@ -116,7 +116,7 @@ impl LedgerChange {
             TakenOver::All => ", with all that was asked with it",
         };
         let detail = format!("it replaces part {old}, an earlier revision{asked}");
-        self.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await
+        self.write_event(EventKind::Revised, &earlier.machine, Some(new), None, &detail).await
     }
 
     /// A part that was just claimed takes the place of refused ones of the same name in the same named order: their copies are not
@@ -124,8 +124,8 @@ impl LedgerChange {
     pub(super) async fn replace_refused_parts(&mut self, new: PartId) -> Result<()> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile \
-             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'rejected' AND p.replaced_by IS NULL) ORDER BY id",
+             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
+             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'refused' AND p.replaced_by IS NULL) ORDER BY id",
         );
         let refused: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
         for part in refused {
@@ -134,7 +134,7 @@ impl LedgerChange {
             replace.execute(self.db()).await?;
             self.change_cancelled(part.id, unwanted).await?;
             let detail = format!("part {new} of the same name took its place");
-            self.write_event(EventKind::Revised, &part.profile, Some(part.id), None, &detail).await?;
+            self.write_event(EventKind::Revised, &part.machine, Some(part.id), None, &detail).await?;
             self.note_wanted_change(-unwanted).await?;
         }
         Ok(())

@@ -18,22 +18,22 @@ pub struct WaitingPart {
 }
 
 impl Ledger {
-    /// The waiting copies of a profile, without parts whose file is damaged, in order of precedence.
-    pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
+    /// The waiting copies of a machine, without parts whose file is damaged, in order of precedence.
+    pub async fn waiting_copies(&self, machine: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.begin_snapshot().await?;
         let mut parts: Vec<PartRow> = sql::select_as(
-            "FROM part WHERE profile = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
+            "FROM part WHERE machine = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
              AND question = '' AND replaced_by IS NULL",
         )
-        .bind(profile)
+        .bind(machine)
         .fetch_all(&mut snapshot)
         .await?;
         sort_by_precedence(&mut parts);
         let taken: Vec<(PartId, u32)> = sql::query_as(
             "SELECT l.part_id, l.copy FROM placement l JOIN part p ON p.id = l.part_id \
-             WHERE p.profile = $1 AND p.state = 'waiting'",
+             WHERE p.machine = $1 AND p.state = 'waiting'",
         )
-        .bind(profile)
+        .bind(machine)
         .fetch_all(&mut snapshot)
         .await?;
         let mut taken_copies: HashMap<PartId, HashSet<u32>> = HashMap::new();

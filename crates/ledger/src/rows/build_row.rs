@@ -13,8 +13,8 @@ const MAX_POINTS: usize = 300;
 pub struct BuildRow {
     /// Its number.
     pub id: BuildId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// Current state.
     pub state: BuildState,
     /// Why it failed, or the note of its outcome.
@@ -45,7 +45,7 @@ pub struct BuildRow {
     pub kept: BuildDocuments,
 }
 
-sql_row!(BuildRow { id, profile, state, reason, fired_by, attempts, searches; times, staged, place, measures, search, kept });
+sql_row!(BuildRow { id, machine, state, reason, fired_by, attempts, searches; times, staged, place, measures, search, kept });
 
 /// Times at which a build entered its states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

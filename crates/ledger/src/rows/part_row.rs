@@ -19,8 +19,9 @@ use crate::{
 pub struct NewPartRow {
     /// Name of the claim, unique per dropped file. Recording it twice returns the same part.
     pub claim: String,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine. Notes of claims call it `profile` where an earlier version wrote them.
+    #[serde(alias = "profile")]
+    pub machine: String,
     /// File name as dropped, escaped for display.
     pub name: String,
     /// BLAKE3 of the file, 64 hex digits.
@@ -69,9 +70,9 @@ pub struct NewTerms {
     pub orientation: OrientationRule,
     /// Directions that must point nearly straight up.
     pub tilts: RequiredTilts,
-    /// Its own clearance, mm; `None` = the profile's.
+    /// Its own clearance, mm; `None` = the machine's.
     pub clearance_mm: Option<f64>,
-    /// Unit from the ticket; `None` = that of the file or the profile.
+    /// Unit from the ticket; `None` = that of the file or the machine.
     pub unit: Option<LengthUnit>,
     /// Unit of a file that states none: its machine's when it was claimed.
     #[serde(default)]
@@ -122,7 +123,7 @@ pub enum TicketSource {
     Name,
     /// A sidecar file of the part.
     Sidecar,
-    /// A line of an order list.
+    /// A row of an order list.
     OrderList,
 }
 
@@ -173,13 +174,13 @@ impl SolidFacts {
     }
 }
 
-/// A part: one solid of one dropped file, for one machine profile, with its copies.
+/// A part: one solid of one dropped file, for one machine, with its copies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartRow {
     /// Its number.
     pub id: PartId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped, escaped for display.
     pub name: String,
     /// Which solid of the file it is.
@@ -190,9 +191,9 @@ pub struct PartRow {
     pub file: ClaimedFile,
     /// Current state.
     pub state: PartState,
-    /// Why it was rejected, if it was.
+    /// Why it was refused, if it was.
     #[serde(flatten)]
-    pub rejection: PartRejection,
+    pub refused: PartRefusal,
     /// Warnings, one per line.
     pub warnings: String,
     /// Its copies, and what the part waits for.
@@ -209,7 +210,7 @@ pub struct PartRow {
     pub times: PartTimes,
 }
 
-sql_row!(PartRow { id, profile, name, state, warnings; solid, file, rejection, owed, terms, measures, times });
+sql_row!(PartRow { id, machine, name, state, warnings; solid, file, refused, owed, terms, measures, times });
 
 /// Which solid of a file a part is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
@@ -237,16 +238,16 @@ pub struct ClaimedFile {
 
 sql_row!(ClaimedFile { claim, content_hash, bytes, reads });
 
-/// Why a part was rejected.
+/// Why a part was refused.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct PartRejection {
-    /// The reason in words, "" if it was not rejected.
+pub struct PartRefusal {
+    /// The reason in words, "" if it was not refused.
     pub reason: String,
-    /// The cause; `None` = it was not rejected, or it was rejected before causes were recorded.
+    /// The cause; `None` = it was not refused, or it was refused before causes were recorded.
     pub refusal: Option<RefusalCause>,
 }
 
-sql_row!(PartRejection { reason, refusal });
+sql_row!(PartRefusal { reason, refusal });
 
 /// The copies of a part, and what it waits for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -291,7 +292,7 @@ pub struct PartTerms {
     pub orientation: OrientationRule,
     /// Directions that must point nearly straight up.
     pub tilts: RequiredTilts,
-    /// Its own clearance, mm; `None` = the profile's.
+    /// Its own clearance, mm; `None` = the machine's.
     pub clearance_mm: Option<f64>,
     /// Unit from the ticket.
     pub unit: Option<LengthUnit>,
@@ -338,7 +339,7 @@ impl PartTerms {
 impl PartRow {
     /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
     pub fn has_unknown_copies(&self) -> bool {
-        self.rejection.refusal == Some(RefusalCause::Ticket)
+        self.refused.refusal == Some(RefusalCause::Ticket)
     }
 }
 

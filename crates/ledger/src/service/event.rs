@@ -20,8 +20,8 @@ pub struct EventRow {
     pub at: UtcTimestamp,
     /// Kind: the state that was entered, or a word for other events.
     pub kind: EventKind,
-    /// Machine profile, "" = none.
-    pub profile: String,
+    /// Machine, "" = none.
+    pub machine: String,
     /// The part concerned.
     pub part_id: Option<PartId>,
     /// The build concerned.
@@ -32,27 +32,27 @@ pub struct EventRow {
     pub cause: String,
 }
 
-sql_row!(EventRow { id, at, kind, profile, part_id, build_id, detail, cause });
+sql_row!(EventRow { id, at, kind, machine, part_id, build_id, detail, cause });
 
 impl Ledger {
     /// Writes an event.
     pub async fn write_event(
         &self,
         kind: EventKind,
-        profile: &str,
+        machine: &str,
         part: Option<PartId>,
         build: Option<BuildId>,
         detail: &str,
     ) -> Result<()> {
         let mut change = self.begin_change().await?;
-        change.write_event(kind, profile, part, build, detail).await?;
+        change.write_event(kind, machine, part, build, detail).await?;
         change.commit().await
     }
 
     /// Records that a file was refused before it became a part.
-    pub async fn record_file_refusal(&self, profile: &str, cause: RefusalCause, detail: &str) -> Result<()> {
+    pub async fn record_file_refusal(&self, machine: &str, cause: RefusalCause, detail: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        change.write_refusal_event(EventKind::Refused, profile, None, cause, detail).await?;
+        change.write_refusal_event(machine, None, cause, detail).await?;
         change.commit().await
     }
 
@@ -82,7 +82,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let parts: Vec<TimesOfPart> = sql::query_as(
             "SELECT id, claimed_at, state_at, put_back_at, waits_since FROM part WHERE state IN ('claimed', 'waiting', 'batched') \
-             AND ($1 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $1)))",
+             AND ($1 = '' OR machine NOT IN (SELECT machine FROM station WHERE node NOT IN ('', $1)))",
         )
         .bind(self.node())
         .fetch_all(change.db())

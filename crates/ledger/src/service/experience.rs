@@ -35,24 +35,24 @@ sql_row!(PublishedExperience { build, state, height_mm, part_volume_mm3, copies,
 
 impl Ledger {
     /// The last published builds of a machine that were not taken back out of the queue, the newest first.
-    pub async fn published_experience(&self, profile: &str, limit: u32) -> Result<Vec<PublishedExperience>> {
+    pub async fn published_experience(&self, machine: &str, limit: u32) -> Result<Vec<PublishedExperience>> {
         let query = sql::query_as(
             "SELECT id AS build, state, height_mm, part_volume_mm3, coalesce(copies, 0) AS copies, \
              (SELECT count(*) FROM bad_placement l WHERE l.build_id = build.id) AS bad_copies, published_at, state_at FROM build \
-             WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND published_at IS NOT NULL AND height_mm IS NOT NULL \
+             WHERE machine = $1 AND state NOT IN ('open', 'nesting') AND published_at IS NOT NULL AND height_mm IS NOT NULL \
              AND part_volume_mm3 IS NOT NULL AND withdrawn_at IS NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2",
         );
-        Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).bind(limit).fetch_all(self.reader()?).await?)
     }
 
     /// The parts of a machine that are wanted and cannot be in a build yet: they are not read, wait for an answer, or their file is
     /// damaged or being fetched; in order of precedence.
-    pub async fn unplanned_parts(&self, profile: &str) -> Result<Vec<PartRow>> {
+    pub async fn unplanned_parts(&self, machine: &str) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
-            "FROM part WHERE profile = $1 AND state IN ('claimed', 'waiting') AND replaced_by IS NULL \
+            "FROM part WHERE machine = $1 AND state IN ('claimed', 'waiting') AND replaced_by IS NULL \
              AND (state = 'claimed' OR damaged_at IS NOT NULL OR fetch_at IS NOT NULL OR question <> '')",
         );
-        let mut parts: Vec<PartRow> = query.bind(profile).fetch_all(self.reader()?).await?;
+        let mut parts: Vec<PartRow> = query.bind(machine).fetch_all(self.reader()?).await?;
         sort_by_precedence(&mut parts);
         Ok(parts)
     }

@@ -23,8 +23,8 @@ pub struct HistoryQuery {
     pub since: Option<Timestamp>,
     /// Latest time, exclusive.
     pub until: Option<Timestamp>,
-    /// Only builds of this machine profile.
-    pub profile: Option<String>,
+    /// Only builds of this machine.
+    pub machine: Option<String>,
     /// Only builds in this state.
     pub state: Option<BuildState>,
     /// Only builds with a copy of a part of this file name or order.
@@ -49,8 +49,8 @@ pub enum HistorySort {
     Density,
     /// The most copies first.
     Copies,
-    /// By machine profile, alphabetically.
-    Profile,
+    /// By machine, alphabetically.
+    Machine,
 }
 
 /// A build that has been nested.
@@ -58,8 +58,8 @@ pub enum HistorySort {
 pub struct HistoryRow {
     /// Its number.
     pub build: BuildId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// The printer in whose queue folder its file is, or was; `None` = its machine has only one.
     pub printer: Option<String>,
     /// Current state.
@@ -91,7 +91,7 @@ impl FromSqlRow for HistoryRow {
     fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
         Ok(Self {
             build: row.column("build")?,
-            profile: row.column("profile")?,
+            machine: row.column("machine")?,
             printer: row.column("printer")?,
             state: row.column("state")?,
             at: row.column("at")?,
@@ -109,8 +109,8 @@ impl FromSqlRow for HistoryRow {
 
 /// Height of the machine's volume according to the profile at the time of a build, mm.
 fn volume_height(profile_snapshot: &str) -> Option<f64> {
-    let profile: serde_json::Value = serde_json::from_str(profile_snapshot).ok()?;
-    profile.get("volume_mm")?.get(2)?.as_f64()
+    let machine: serde_json::Value = serde_json::from_str(profile_snapshot).ok()?;
+    machine.get("volume_mm")?.get(2)?.as_f64()
 }
 
 /// What came of a build.
@@ -129,8 +129,8 @@ sql_row!(BuildResult { file_name, reason, note });
 /// Totals of the published builds of a machine. The cost of a powder-bed machine is determined by the height.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct HeightSummary {
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// Number of published builds.
     pub builds: u32,
     /// Copies in them.
@@ -141,7 +141,7 @@ pub struct HeightSummary {
     pub mean_density: Option<f64>,
 }
 
-sql_row!(HeightSummary { profile, builds, copies, height_mm, mean_density });
+sql_row!(HeightSummary { machine, builds, copies, height_mm, mean_density });
 
 impl HeightSummary {
     /// Adds a row with the total of all machines if there are several.
@@ -151,7 +151,7 @@ impl HeightSummary {
             let known = sums.iter().filter_map(|sum| Some((sum.mean_density?, sum.builds)));
             let (density, of) = known.fold((0.0, 0), |(sum, of), (mean, n)| (sum + mean * f64::from(n), of + n));
             sums.push(Self {
-                profile: "all machines".to_owned(),
+                machine: "all machines".to_owned(),
                 builds,
                 copies: sums.iter().map(|sum| sum.copies).sum(),
                 height_mm: sums.iter().map(|sum| sum.height_mm).sum(),
@@ -163,7 +163,7 @@ impl HeightSummary {
 }
 
 /// Columns of the history query.
-const COLUMNS: &str = "b.id AS build, b.profile, nullif(b.printer, b.profile) AS printer, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
+const COLUMNS: &str = "b.id AS build, b.machine, nullif(b.printer, b.machine) AS printer, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
     b.withdrawn_at, b.height_mm, \
     b.profile_snapshot, \
     b.density, b.lower_bound_mm, b.layers, \
@@ -196,7 +196,7 @@ impl Ledger {
         let rows = sql::query_as(AssertSqlSafe(history_sql(query)))
             .bind(query.since.map(UtcTimestamp))
             .bind(query.until.map(UtcTimestamp))
-            .bind(&query.profile)
+            .bind(&query.machine)
             .bind(query.state)
             .bind(&query.part)
             .bind(query.limit.map_or(i64::MAX, i64::from))
@@ -209,7 +209,7 @@ impl Ledger {
         let rows = sql::query_as(AssertSqlSafe(summary_sql(query)))
             .bind(query.since.map(UtcTimestamp))
             .bind(query.until.map(UtcTimestamp))
-            .bind(&query.profile)
+            .bind(&query.machine)
             .bind(query.state)
             .bind(&query.part);
         Ok(rows.fetch_all(self.reader()?).await?)
@@ -267,8 +267,8 @@ fn time_key(query: &HistoryQuery) -> &'static str {
 /// The conditions besides the time.
 fn filter_clause(query: &HistoryQuery) -> String {
     let mut given = String::new();
-    if query.profile.is_some() {
-        given += if query.part.is_some() { " AND b.profile || '' = $3" } else { " AND b.profile = $3" };
+    if query.machine.is_some() {
+        given += if query.part.is_some() { " AND b.machine || '' = $3" } else { " AND b.machine = $3" };
     }
     if query.state.is_some() {
         given += " AND b.state = $4";
@@ -282,10 +282,10 @@ fn filter_clause(query: &HistoryQuery) -> String {
 /// Builds the SQL query for the totals of published builds.
 fn summary_sql(query: &HistoryQuery) -> String {
     format!(
-        "SELECT b.profile, count(*) AS builds, CAST(coalesce(sum(b.copies), 0) AS BIGINT) AS copies, \
+        "SELECT b.machine, count(*) AS builds, CAST(coalesce(sum(b.copies), 0) AS BIGINT) AS copies, \
          coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM build b \
          WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
-         AND b.withdrawn_at IS NULL AND {time} >= coalesce($1, '') AND {time} < coalesce($2, ':'){} GROUP BY b.profile ORDER BY b.profile",
+         AND b.withdrawn_at IS NULL AND {time} >= coalesce($1, '') AND {time} < coalesce($2, ':'){} GROUP BY b.machine ORDER BY b.machine",
         filter_clause(query),
         time = time_key(query),
     )
@@ -304,7 +304,7 @@ impl HistorySort {
             Self::Height => Some(("coalesce(b.height_mm, 1e300)", false)),
             Self::Density => Some(("coalesce(b.density, -1)", true)),
             Self::Copies => Some(("coalesce(b.copies, -1)", true)),
-            Self::Profile => Some(("b.profile", false)),
+            Self::Machine => Some(("b.machine", false)),
         }
     }
 }

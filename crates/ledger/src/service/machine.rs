@@ -17,8 +17,8 @@ use crate::{
 /// State of a machine as observed by the daemon.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObservedMachine {
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// When its hot folder was last scanned; `None` = not since the daemon started.
     pub scanned_at: Option<UtcTimestamp>,
     /// Whether its hot folder can be used.
@@ -32,8 +32,8 @@ pub struct ObservedMachine {
 /// Last observed state of a machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct MachineRow {
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// When its hot folder was last scanned.
     pub scanned_at: Option<UtcTimestamp>,
     /// Whether its hot folder can be used.
@@ -48,68 +48,68 @@ pub struct MachineRow {
     pub node: String,
 }
 
-sql_row!(MachineRow { profile, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node });
+sql_row!(MachineRow { machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node });
 
 impl Ledger {
     /// The last observed states of all machines, by name.
     pub async fn list_machines(&self) -> Result<Vec<MachineRow>> {
-        Ok(sql::select_as("FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
+        Ok(sql::select_as("FROM station ORDER BY machine").fetch_all(self.reader()?).await?)
     }
 
     /// Makes a node the one that serves machines, except those that another node serves. Returns these, each with its node. The files of
     /// parts that a machine brings along are on the node that served it: they are fetched. The one node of a file serves all its
     /// machines, and nothing is written.
-    pub async fn claim_machines(&self, node: &str, profiles: &[String]) -> Result<BTreeMap<String, String>> {
+    pub async fn claim_machines(&self, node: &str, machines: &[String]) -> Result<BTreeMap<String, String>> {
         if self.file().is_some() {
             return Ok(BTreeMap::new());
         }
         let mut others = BTreeMap::new();
         let mut change = self.begin_change().await?;
-        for profile in profiles {
+        for machine in machines {
             // A node that is not known any more serves nothing.
             let before =
-                sql::query_scalar("SELECT s.node FROM station s JOIN node n ON n.name = s.node WHERE s.profile = $1");
-            let before: Option<String> = before.bind(profile).fetch_optional(change.db()).await?;
+                sql::query_scalar("SELECT s.node FROM station s JOIN node n ON n.name = s.node WHERE s.machine = $1");
+            let before: Option<String> = before.bind(machine).fetch_optional(change.db()).await?;
             match before {
                 Some(before) if before == node => continue,
                 Some(other) => {
-                    others.insert(profile.clone(), other);
+                    others.insert(machine.clone(), other);
                     continue;
                 }
                 None => {}
             }
             let claim = sql::query(
-                "INSERT INTO station (profile, is_inbox_there, is_queue_writable, node) VALUES ($1, FALSE, FALSE, $2) \
-                 ON CONFLICT (profile) DO UPDATE SET node = excluded.node",
+                "INSERT INTO station (machine, is_inbox_there, is_queue_writable, node) VALUES ($1, FALSE, FALSE, $2) \
+                 ON CONFLICT (machine) DO UPDATE SET node = excluded.node",
             );
-            claim.bind(profile).bind(node).execute(change.db()).await?;
-            fetch_files_of(&mut change, profile).await?;
+            claim.bind(machine).bind(node).execute(change.db()).await?;
+            fetch_files_of(&mut change, machine).await?;
         }
         change.commit().await?;
         Ok(others)
     }
 
     /// The machines that another node serves, each with its node.
-    pub async fn machines_of_others(&self, node: &str, profiles: &[String]) -> Result<BTreeMap<String, String>> {
+    pub async fn machines_of_others(&self, node: &str, machines: &[String]) -> Result<BTreeMap<String, String>> {
         if self.file().is_some() {
             return Ok(BTreeMap::new());
         }
         let query =
-            sql::query_as("SELECT s.profile, s.node FROM station s JOIN node n ON n.name = s.node WHERE s.node <> $1");
+            sql::query_as("SELECT s.machine, s.node FROM station s JOIN node n ON n.name = s.node WHERE s.node <> $1");
         let rows: Vec<(String, String)> = query.bind(node).fetch_all(self.reader()?).await?;
-        Ok(rows.into_iter().filter(|(profile, _)| profiles.contains(profile)).collect())
+        Ok(rows.into_iter().filter(|(machine, _)| machines.contains(machine)).collect())
     }
 
     /// The node that serves a machine; `None` = none does.
-    pub async fn node_of_machine(&self, profile: &str) -> Result<Option<String>> {
-        let query = sql::query_scalar("SELECT node FROM station WHERE profile = $1").bind(profile);
+    pub async fn node_of_machine(&self, machine: &str) -> Result<Option<String>> {
+        let query = sql::query_scalar("SELECT node FROM station WHERE machine = $1").bind(machine);
         let node: Option<String> = query.fetch_optional(self.reader()?).await?;
         Ok(node.filter(|node| !node.is_empty()))
     }
 
     /// Whether another node than `node` serves a machine, and the ledger has lost no changes of it.
-    pub async fn is_machine_of_sound_node(&self, profile: &str, node: &str) -> Result<bool> {
-        let Some(serving) = self.node_of_machine(profile).await?.filter(|serving| serving != node) else {
+    pub async fn is_machine_of_sound_node(&self, machine: &str, node: &str) -> Result<bool> {
+        let Some(serving) = self.node_of_machine(machine).await?.filter(|serving| serving != node) else {
             return Ok(false);
         };
         Ok(self.file().is_none() && !self.find_repair_due().await?.contains(&serving))
@@ -118,7 +118,7 @@ impl Ledger {
     /// The contents of all live parts, each with the node that serves its machine; "" = none does.
     pub async fn live_contents(&self) -> Result<Vec<(String, String)>> {
         let query = sql::query_as(
-            "SELECT DISTINCT p.content_hash, coalesce(s.node, '') FROM part p LEFT JOIN station s ON s.profile = p.profile \
+            "SELECT DISTINCT p.content_hash, coalesce(s.node, '') FROM part p LEFT JOIN station s ON s.machine = p.machine \
              WHERE p.state IN ('claimed', 'waiting', 'batched')",
         );
         Ok(query.fetch_all(self.reader()?).await?)
@@ -128,33 +128,33 @@ impl Ledger {
     /// that node; `None` = no other node served it.
     ///
     /// `NodeAlive` if that node serves it still.
-    pub async fn adopt_machine(&self, profile: &str, node: &str, told_by: &str) -> Result<Option<String>> {
+    pub async fn adopt_machine(&self, name: &str, node: &str, told_by: &str) -> Result<Option<String>> {
         let mut change = self.begin_change().await?;
-        let query = sql::query_scalar("SELECT node FROM station WHERE profile = $1").bind(profile);
+        let query = sql::query_scalar("SELECT node FROM station WHERE machine = $1").bind(name);
         let before: Option<String> = query.fetch_optional(change.db()).await?;
         let Some(before) = before.filter(|before| !before.is_empty() && before != node) else { return Ok(None) };
         if let Some(owner) = self.revoke_lapsed(change.db(), &before).await? {
-            let (machine, node) = (profile.to_owned(), before);
+            let (machine, node) = (name.to_owned(), before);
             return Err(ServerError::NodeAlive { machine, node, owner }.into());
         }
-        let adopt = sql::query("UPDATE station SET node = $1 WHERE profile = $2").bind(node).bind(profile);
+        let adopt = sql::query("UPDATE station SET node = $1 WHERE machine = $2").bind(node).bind(name);
         adopt.execute(change.db()).await?;
-        fetch_files_of(&mut change, profile).await?;
+        fetch_files_of(&mut change, name).await?;
         let detail = format!("by node {node} from node {before}, as {told_by} said");
-        change.write_event(EventKind::Adopted, profile, None, None, &detail).await?;
+        change.write_event(EventKind::Adopted, name, None, None, &detail).await?;
         change.commit().await?;
         Ok(Some(before))
     }
 }
 
 /// Has the files of all live parts of a machine fetched from where they are.
-async fn fetch_files_of(change: &mut LedgerChange, profile: &str) -> Result<()> {
+async fn fetch_files_of(change: &mut LedgerChange, machine: &str) -> Result<()> {
     let now = change.now;
     let fetch = sql::query(
-        "UPDATE part SET fetch_at = coalesce(fetch_at, $1) WHERE profile = $2 AND state IN ('claimed', 'waiting', 'batched') \
+        "UPDATE part SET fetch_at = coalesce(fetch_at, $1) WHERE machine = $2 AND state IN ('claimed', 'waiting', 'batched') \
          AND damaged_at IS NULL",
     );
-    fetch.bind(now).bind(profile).execute(change.db()).await?;
+    fetch.bind(now).bind(machine).execute(change.db()).await?;
     Ok(())
 }
 
@@ -162,11 +162,11 @@ async fn fetch_files_of(change: &mut LedgerChange, profile: &str) -> Result<()> 
 pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen: &[ObservedMachine]) -> Result<()> {
     let known = sql::select_as("FROM station WHERE node IN ('', $1)").bind(node);
     let known: Vec<MachineRow> = known.fetch_all(change.db()).await?;
-    for gone in known.iter().filter(|row| !seen.iter().any(|s| s.profile == row.profile)) {
-        sql::query("DELETE FROM station WHERE profile = $1").bind(&gone.profile).execute(change.db()).await?;
+    for gone in known.iter().filter(|row| !seen.iter().any(|s| s.machine == row.machine)) {
+        sql::query("DELETE FROM station WHERE machine = $1").bind(&gone.machine).execute(change.db()).await?;
     }
     for seen in seen {
-        let known = known.iter().find(|row| row.profile == seen.profile);
+        let known = known.iter().find(|row| row.machine == seen.machine);
         let was = known.map_or("", |row| &row.trouble);
         let is = seen.trouble.as_deref().unwrap_or(was);
         let since = match (was.is_empty(), is.is_empty()) {
@@ -175,17 +175,17 @@ pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen:
             (false, false) => known.and_then(|row| row.trouble_at),
         };
         match (was.is_empty(), is.is_empty()) {
-            (true, false) => change.write_event(EventKind::Unavailable, &seen.profile, None, None, is).await?,
-            (false, true) => change.write_event(EventKind::Available, &seen.profile, None, None, "").await?,
+            (true, false) => change.write_event(EventKind::Unavailable, &seen.machine, None, None, is).await?,
+            (false, true) => change.write_event(EventKind::Available, &seen.machine, None, None, "").await?,
             _ => {}
         }
         sql::query(
-            "INSERT INTO station (profile, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node) \
-             VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT (profile) DO UPDATE SET node = excluded.node, \
+            "INSERT INTO station (machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT (machine) DO UPDATE SET node = excluded.node, \
              scanned_at = coalesce(excluded.scanned_at, station.scanned_at), is_inbox_there = excluded.is_inbox_there, \
              is_queue_writable = excluded.is_queue_writable, trouble = excluded.trouble, trouble_at = excluded.trouble_at",
         )
-        .bind(&seen.profile)
+        .bind(&seen.machine)
         .bind(seen.scanned_at)
         .bind(seen.is_inbox_there)
         .bind(seen.is_queue_writable)

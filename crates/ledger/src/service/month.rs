@@ -28,8 +28,8 @@ sql_row!(BadCopies { build, copies });
 pub struct LatePart {
     /// Number of the part.
     pub part: PartId,
-    /// Machine profile.
-    pub profile: String,
+    /// Machine.
+    pub machine: String,
     /// File name as dropped.
     pub name: String,
     /// Order, "" = none.
@@ -44,7 +44,7 @@ pub struct LatePart {
     pub built_at: Option<UtcTimestamp>,
 }
 
-sql_row!(LatePart { part, profile, name, order_name, due_at, due_text, state, built_at });
+sql_row!(LatePart { part, machine, name, order_name, due_at, due_text, state, built_at });
 
 impl Ledger {
     /// The bad copies of the builds that were published in a span of time.
@@ -62,7 +62,7 @@ impl Ledger {
     pub async fn late_parts(&self, since: Timestamp, until: Timestamp, now: Timestamp) -> Result<Vec<LatePart>> {
         // What is late was built after its due date, so after the begin of the span.
         let query = sql::query_as(
-            "SELECT id AS part, profile, name, order_name, due_at, due_text, state, \
+            "SELECT id AS part, machine, name, order_name, due_at, due_text, state, \
              CASE state WHEN 'built' THEN state_at END AS built_at FROM part WHERE id IN (\
              SELECT id FROM part WHERE state = 'built' AND state_at >= $1 AND due_at >= $1 AND due_at < $2 AND due_at < state_at \
              UNION ALL SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND due_at >= $1 AND due_at < $2 \

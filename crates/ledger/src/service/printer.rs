@@ -18,7 +18,7 @@ pub struct DownPrinter {
     /// Its name.
     pub printer: String,
     /// Its machine.
-    pub profile: String,
+    pub machine: String,
     /// Why, as a person said; "" = not said.
     pub reason: String,
     /// user@host.
@@ -27,7 +27,7 @@ pub struct DownPrinter {
     pub down_at: UtcTimestamp,
 }
 
-sql_row!(DownPrinter { printer, profile, reason, told_by, down_at });
+sql_row!(DownPrinter { printer, machine, reason, told_by, down_at });
 
 /// A build that occupies a printer, or will.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,12 +62,12 @@ pub struct BuildsAhead {
 sql_row!(BuildsAhead { printer, builds, is_down });
 
 /// The builds ahead of each printer, and the printers that are down, by machine.
-pub(super) const BUILDS_AHEAD: &str = "SELECT profile, printer, CAST(sum(builds) AS BIGINT) AS builds, \
+pub(super) const BUILDS_AHEAD: &str = "SELECT machine, printer, CAST(sum(builds) AS BIGINT) AS builds, \
     max(down) > 0 AS is_down FROM (\
-    SELECT profile, coalesce(move_to, printer) AS printer, 1 AS builds, 0 AS down FROM build \
+    SELECT machine, coalesce(move_to, printer) AS printer, 1 AS builds, 0 AS down FROM build \
     WHERE state = 'published' AND taken_at IS NULL AND printer IS NOT NULL \
-    UNION ALL SELECT profile, coalesce(printer, ''), 1, 0 FROM build WHERE state IN ('nesting', 'verified') \
-    UNION ALL SELECT profile, printer, 0, 1 FROM printer_down) AS one GROUP BY profile, printer ORDER BY profile, printer";
+    UNION ALL SELECT machine, coalesce(printer, ''), 1, 0 FROM build WHERE state IN ('nesting', 'verified') \
+    UNION ALL SELECT machine, printer, 0, 1 FROM printer_down) AS one GROUP BY machine, printer ORDER BY machine, printer";
 
 /// A published build whose outcome nobody told occupies its printer for this time at most.
 const FORGOTTEN_AFTER: SignedDuration = SignedDuration::from_hours(30 * 24);
@@ -116,31 +116,31 @@ const BEGUN_AT: &str =
 impl Ledger {
     /// The printers that are down, by machine and name.
     pub async fn down_printers(&self) -> Result<Vec<DownPrinter>> {
-        Ok(sql::select_as("FROM printer_down ORDER BY profile, printer").fetch_all(self.reader()?).await?)
+        Ok(sql::select_as("FROM printer_down ORDER BY machine, printer").fetch_all(self.reader()?).await?)
     }
 
     /// Takes a printer out of use; says its reason anew if it is down already.
-    pub(crate) async fn take_printer_down(&self, printer: &str, profile: &str, by: &str, reason: &str) -> Result<()> {
+    pub(crate) async fn take_printer_down(&self, printer: &str, machine: &str, by: &str, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
-        let insert = "INSERT INTO printer_down (printer, profile, reason, told_by, down_at) VALUES ($1, $2, $3, $4, $5) \
-            ON CONFLICT (profile, printer) DO UPDATE SET reason = excluded.reason, told_by = excluded.told_by";
-        let insert = sql::query(insert).bind(printer).bind(profile).bind(reason).bind(by).bind(now);
+        let insert = "INSERT INTO printer_down (printer, machine, reason, told_by, down_at) VALUES ($1, $2, $3, $4, $5) \
+            ON CONFLICT (machine, printer) DO UPDATE SET reason = excluded.reason, told_by = excluded.told_by";
+        let insert = sql::query(insert).bind(printer).bind(machine).bind(reason).bind(by).bind(now);
         insert.execute(change.db()).await?;
         let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-        change.write_event(EventKind::PrinterDown, profile, None, None, &format!("{printer} by {by}{why}")).await?;
+        change.write_event(EventKind::PrinterDown, machine, None, None, &format!("{printer} by {by}{why}")).await?;
         change.commit().await
     }
 
     /// Puts a printer into use again. Returns `false` if it was not down.
-    pub(crate) async fn bring_printer_up(&self, printer: &str, profile: &str, by: &str) -> Result<bool> {
+    pub(crate) async fn bring_printer_up(&self, printer: &str, machine: &str, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
         let lift =
-            sql::query("DELETE FROM printer_down WHERE profile = $1 AND printer = $2").bind(profile).bind(printer);
+            sql::query("DELETE FROM printer_down WHERE machine = $1 AND printer = $2").bind(machine).bind(printer);
         if lift.execute(change.db()).await? == 0 {
             return Ok(false);
         }
-        change.write_event(EventKind::PrinterUp, profile, None, None, &format!("{printer} by {by}")).await?;
+        change.write_event(EventKind::PrinterUp, machine, None, None, &format!("{printer} by {by}")).await?;
         change.commit().await?;
         Ok(true)
     }
@@ -155,15 +155,15 @@ impl Ledger {
     }
 
     /// The newest published builds of a machine whose files were in a queue folder when they were last looked for.
-    pub async fn newest_queued(&self, profile: &str, limit: u32) -> Result<Vec<QueuedBuild>> {
+    pub async fn newest_queued(&self, machine: &str, limit: u32) -> Result<Vec<QueuedBuild>> {
         let query = sql::query_as(
-            "SELECT id AS build, printer, queue_id, file_name, file_bytes FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
+            "SELECT id AS build, printer, queue_id, file_name, file_bytes FROM build WHERE machine = $1 AND state = 'published' AND taken_at IS NULL \
              AND printer IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL ORDER BY id DESC LIMIT $2",
         );
-        Ok(query.bind(profile).bind(limit).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).bind(limit).fetch_all(self.reader()?).await?)
     }
 
-    /// The build of any profile that has this file name.
+    /// The build of any machine that has this file name.
     pub async fn find_build_of_file(&self, file_name: &str) -> Result<Option<BuildRow>> {
         let query = sql::select_as("FROM build WHERE file_name = $1").bind(file_name);
         Ok(query.fetch_optional(self.reader()?).await?)
@@ -176,28 +176,28 @@ impl Ledger {
     }
 
     /// The builds ahead of each printer of a machine, and its printers that are down.
-    pub async fn builds_ahead(&self, profile: &str) -> Result<Vec<BuildsAhead>> {
-        let query = format!("SELECT printer, builds, is_down FROM ({BUILDS_AHEAD}) AS ahead WHERE profile = $1");
-        Ok(sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).fetch_all(self.reader()?).await?)
+    pub async fn builds_ahead(&self, machine: &str) -> Result<Vec<BuildsAhead>> {
+        let query = format!("SELECT printer, builds, is_down FROM ({BUILDS_AHEAD}) AS ahead WHERE machine = $1");
+        Ok(sql::query_as(sqlx::AssertSqlSafe(query)).bind(machine).fetch_all(self.reader()?).await?)
     }
 
     /// The number of published builds of a machine that were not seen to be taken, by printer.
-    pub async fn queued_counts(&self, profile: &str) -> Result<Vec<(String, i64)>> {
+    pub async fn queued_counts(&self, machine: &str) -> Result<Vec<(String, i64)>> {
         let query = sql::query_as(
-            "SELECT printer, count(*) FROM build WHERE profile = $1 AND state = 'published' AND taken_at IS NULL \
+            "SELECT printer, count(*) FROM build WHERE machine = $1 AND state = 'published' AND taken_at IS NULL \
              AND printer IS NOT NULL AND move_to IS NULL GROUP BY printer",
         );
-        Ok(query.bind(profile).fetch_all(self.reader()?).await?)
+        Ok(query.bind(machine).fetch_all(self.reader()?).await?)
     }
 
     /// Gives the builds in the queue folder with this marker the name of its printer, which may be a new one. Builds of an
     /// earlier nestd, which named no printers, get it if their files are there: `present`.
-    pub async fn name_printer(&self, profile: &str, printer: &str, queue_id: &str, present: &[String]) -> Result<()> {
+    pub async fn name_printer(&self, machine: &str, printer: &str, queue_id: &str, present: &[String]) -> Result<()> {
         let others = sql::query_as(
-            "SELECT id, printer, file_name FROM build WHERE profile = $1 AND queue_id = $2 AND printer IS DISTINCT FROM $3 \
+            "SELECT id, printer, file_name FROM build WHERE machine = $1 AND queue_id = $2 AND printer IS DISTINCT FROM $3 \
              AND state IN ('verified', 'published', 'printing')",
         );
-        let others = others.bind(profile).bind(queue_id).bind(printer).fetch_all(self.reader()?).await?;
+        let others = others.bind(machine).bind(queue_id).bind(printer).fetch_all(self.reader()?).await?;
         let is_present = |file: &Option<String>| file.as_ref().is_some_and(|file| present.contains(file));
         let others = others.into_iter().filter(|(_, named, file): &PlacedFile| named.is_some() || is_present(file));
         let others: Vec<BuildId> = others.map(|(build, _, _)| build).collect();
@@ -227,31 +227,31 @@ impl Ledger {
 
     /// The builds of a machine that occupy its printers: those that are made, and those published in the last 30 days whose
     /// end was not told, in the order of their publication.
-    pub async fn occupying_builds(&self, profile: &str, now: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
+    pub async fn occupying_builds(&self, machine: &str, now: UtcTimestamp) -> Result<Vec<OccupyingBuild>> {
         let since = UtcTimestamp(now.0.checked_sub(FORGOTTEN_AFTER).unwrap_or(Timestamp::MIN));
         let columns =
             format!("SELECT id AS build, printer, state, height_mm, published_at, {BEGUN_AT} AS begun_at FROM build");
         let published = format!(
-            "{columns} WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND state IN ('published', 'printing') \
+            "{columns} WHERE machine = $1 AND state NOT IN ('open', 'nesting') AND state IN ('published', 'printing') \
              AND coalesce(published_at, state_at) >= $2 ORDER BY coalesce(published_at, state_at), id"
         );
-        let made = format!("{columns} WHERE profile = $1 AND state IN ('nesting', 'verified') ORDER BY id");
-        let published = sql::query_as(sqlx::AssertSqlSafe(published)).bind(profile).bind(since);
+        let made = format!("{columns} WHERE machine = $1 AND state IN ('nesting', 'verified') ORDER BY id");
+        let published = sql::query_as(sqlx::AssertSqlSafe(published)).bind(machine).bind(since);
         let mut builds: Vec<OccupyingBuild> = published.fetch_all(self.reader()?).await?;
-        let made = sql::query_as(sqlx::AssertSqlSafe(made)).bind(profile);
+        let made = sql::query_as(sqlx::AssertSqlSafe(made)).bind(machine);
         builds.extend(made.fetch_all(self.reader()?).await?);
         Ok(builds)
     }
 
     /// The last prints of a machine that ended well, of which the begin is known, at most 40, the newest first.
-    pub async fn told_prints(&self, profile: &str) -> Result<Vec<ToldPrint>> {
+    pub async fn told_prints(&self, machine: &str) -> Result<Vec<ToldPrint>> {
         let query = format!(
             "SELECT printer, height_mm, begun_at, told_at FROM (SELECT printer, height_mm, {BEGUN_AT} AS begun_at, \
-             state_at AS told_at FROM build WHERE profile = $1 AND state NOT IN ('open', 'nesting') AND state = 'complete' \
+             state_at AS told_at FROM build WHERE machine = $1 AND state NOT IN ('open', 'nesting') AND state = 'complete' \
              AND height_mm IS NOT NULL ORDER BY coalesce(published_at, state_at) DESC, id DESC LIMIT $2) AS newest \
              WHERE begun_at IS NOT NULL AND begun_at < told_at"
         );
-        let query = sql::query_as(sqlx::AssertSqlSafe(query)).bind(profile).bind(LEARNED_PRINTS);
+        let query = sql::query_as(sqlx::AssertSqlSafe(query)).bind(machine).bind(LEARNED_PRINTS);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -262,8 +262,8 @@ impl Ledger {
     pub(crate) async fn release_build(&self, build: BuildId, seen: Option<&str>, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Verified]).await?;
-        let proved = sql::query_as("SELECT profile, file_hash FROM build WHERE id = $1").bind(build);
-        let (profile, proved): (String, Option<String>) = proved.fetch_one(change.db()).await?;
+        let proved = sql::query_as("SELECT machine, file_hash FROM build WHERE id = $1").bind(build);
+        let (machine, proved): (String, Option<String>) = proved.fetch_one(change.db()).await?;
         if seen.is_some() && seen != proved.as_deref() {
             return Err(LedgerError::ProvedAnew(build));
         }
@@ -272,7 +272,7 @@ impl Ledger {
         if sql::query(set).bind(now).bind(by).bind(build).execute(change.db()).await? == 0 {
             return Ok(false);
         }
-        change.write_event(EventKind::Released, &profile, None, Some(build), &format!("by {by}")).await?;
+        change.write_event(EventKind::Released, &machine, None, Some(build), &format!("by {by}")).await?;
         change.commit().await?;
         Ok(true)
     }

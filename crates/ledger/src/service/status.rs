@@ -1,4 +1,4 @@
-//! Status per machine profile: what is waiting, what is being nested, and what was published last.
+//! Status per machine: what is waiting, what is being nested, and what was published last.
 
 use std::collections::BTreeMap;
 
@@ -18,11 +18,11 @@ use crate::{
 /// Time for which a refused part can be retried and counts as refused.
 pub const RETRY_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
 
-/// Current status of a machine profile. A profile without any rows in the ledger has none.
+/// Current status of a machine. A machine without any rows in the ledger has none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
-pub struct ProfileStatus {
+pub struct MachineStatus {
     /// Its name.
-    pub profile: String,
+    pub machine: String,
     /// Claimed parts that are not read yet.
     pub claimed_parts: u32,
     /// Parts with a waiting copy.
@@ -30,7 +30,7 @@ pub struct ProfileStatus {
     /// Waiting copies.
     pub waiting_copies: u32,
     /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]) and nobody has taken back; cancelled ones do not count.
-    pub rejected_parts: u32,
+    pub refused_parts: u32,
     /// When the oldest waiting part was claimed.
     pub oldest_at: Option<UtcTimestamp>,
     /// Since when the part waits that has waited longest of those that can be built.
@@ -63,7 +63,7 @@ pub struct ProfileStatus {
     /// Builds that are made for each printer that is in use, or lie in its queue; "" = the printer is not decided.
     #[serde(skip)]
     pub ahead: Vec<BuildsAhead>,
-    /// The pause of the profile, if any.
+    /// The pause of the machine, if any.
     pub paused: Option<PauseStatus>,
     /// The build that was published last.
     pub last_published: Option<PublishedBuild>,
@@ -151,19 +151,19 @@ pub struct PublishedBuild {
 
 sql_row!(PublishedBuild { build, published_at, height_mm, density, copies, file_name });
 
-/// A row together with its machine profile.
-struct WithProfile<T> {
-    profile: String,
+/// A row together with its machine.
+struct WithMachine<T> {
+    machine: String,
     row: T,
 }
 
-impl<T: FromSqlRow> FromSqlRow for WithProfile<T> {
+impl<T: FromSqlRow> FromSqlRow for WithMachine<T> {
     fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
-        Ok(Self { profile: row.column("profile")?, row: T::from_sql_row(row)? })
+        Ok(Self { machine: row.column("machine")?, row: T::from_sql_row(row)? })
     }
 }
 
-/// Numbers of parts of a profile.
+/// Numbers of parts of a machine.
 struct PartCounts {
     claimed_parts: u32,
     waiting_parts: u32,
@@ -192,7 +192,7 @@ struct DueDateRow {
 
 sql_row!(DueDateRow { due_at, arrived_at, due_of });
 
-const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
+const COUNTS: &str = "SELECT p.machine, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
     count(*) FILTER (WHERE p.state = 'waiting') AS waiting_parts, \
     CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
     (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
@@ -200,47 +200,47 @@ const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claime
     min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.state = 'waiting' AND p.damaged_at IS NULL \
     AND p.fetch_at IS NULL AND p.question = '' AND p.replaced_by IS NULL) AS waits_since, \
     max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
-    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
+    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.machine";
 
-/// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
-/// rejected.
-const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= $1 \
-    AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
-    NOT IN ('cancelled', 'replaced') GROUP BY p.profile";
+/// Counts only refused parts that can still be retried and were not cancelled; over the years, many parts are
+/// refused.
+const REFUSED: &str = "SELECT p.machine, count(*) AS parts FROM part p WHERE p.state = 'refused' AND p.state_at >= $1 \
+    AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'refused' ORDER BY e.id DESC LIMIT 1), '') \
+    NOT IN ('cancelled', 'replaced') GROUP BY p.machine";
 
-/// For each profile, the part that is due first.
-const DUE: &str = "SELECT profile, due_text, due_at FROM (\
-    SELECT profile, due_text, due_at, ROW_NUMBER() OVER (PARTITION BY profile ORDER BY due_at, id) AS place \
+/// For each machine, the part that is due first.
+const DUE: &str = "SELECT machine, due_text, due_at FROM (\
+    SELECT machine, due_text, due_at, ROW_NUMBER() OVER (PARTITION BY machine ORDER BY due_at, id) AS place \
     FROM part WHERE state = 'waiting' AND due_at IS NOT NULL) AS ranked WHERE place = 1";
 
 /// The due dates of what can be built, each with its earliest arrival and the part or order of that.
-const DUE_ARRIVALS: &str = "SELECT profile, due_at, arrived_at, due_of FROM (\
-    SELECT profile, due_at, arrived_at, due_of, \
-    ROW_NUMBER() OVER (PARTITION BY profile, due_at ORDER BY arrived_at, id) AS place FROM (\
-    SELECT id, profile, due_at, CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END AS arrived_at, \
+const DUE_ARRIVALS: &str = "SELECT machine, due_at, arrived_at, due_of FROM (\
+    SELECT machine, due_at, arrived_at, due_of, \
+    ROW_NUMBER() OVER (PARTITION BY machine, due_at ORDER BY arrived_at, id) AS place FROM (\
+    SELECT id, machine, due_at, CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END AS arrived_at, \
     CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
     WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
-    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY profile, due_at";
+    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY machine, due_at";
 
-const OPEN: &str = "SELECT b.profile, b.id AS build, b.height_mm, b.density, b.copies, n.state AS night, \
+const OPEN: &str = "SELECT b.machine, b.id AS build, b.height_mm, b.density, b.copies, n.state AS night, \
     n.cpu_secs AS night_cpu_secs, \
     CASE WHEN n.first_height_mm > b.height_mm THEN n.first_height_mm - b.height_mm \
     WHEN n.first_height_mm IS NOT NULL THEN 0.0 END AS night_gain_mm FROM build b LEFT JOIN night_search n ON n.build_id = b.id WHERE b.state = 'open'";
 
-const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
+const NESTING: &str = "SELECT machine, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
 
 /// Paused machines.
-const PAUSES: &str = "SELECT profile, paused_by, cause, paused_at FROM pause";
-/// The newest published build of each profile. The query jumps in the index from one profile to the next, and there to
+const PAUSES: &str = "SELECT machine, paused_by, cause, paused_at FROM pause";
+/// The newest published build of each machine. The query jumps in the index from one machine to the next, and there to
 /// the newest row, so it does not read the other rows.
-const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
-    SELECT min(profile) FROM build WHERE state NOT IN ('open', 'nesting') UNION ALL \
-    SELECT (SELECT min(b.profile) FROM build b WHERE b.profile > machine.profile \
-    AND b.state NOT IN ('open', 'nesting')) FROM machine \
-    WHERE machine.profile IS NOT NULL) \
-    SELECT b.profile, b.id AS build, b.published_at, b.height_mm, b.density, b.copies, b.file_name FROM machine \
-    JOIN build b ON b.id = (SELECT n.id FROM build n WHERE n.profile = machine.profile \
+const LAST: &str = "WITH RECURSIVE known (machine) AS (\
+    SELECT min(machine) FROM build WHERE state NOT IN ('open', 'nesting') UNION ALL \
+    SELECT (SELECT min(b.machine) FROM build b WHERE b.machine > known.machine \
+    AND b.state NOT IN ('open', 'nesting')) FROM known \
+    WHERE known.machine IS NOT NULL) \
+    SELECT b.machine, b.id AS build, b.published_at, b.height_mm, b.density, b.copies, b.file_name FROM known \
+    JOIN build b ON b.id = (SELECT n.id FROM build n WHERE n.machine = known.machine \
     AND n.state NOT IN ('open', 'nesting') AND n.published_at IS NOT NULL AND n.withdrawn_at IS NULL \
     ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
 
@@ -250,40 +250,40 @@ impl Ledger {
         UtcTimestamp(self.now().checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN))
     }
 
-    /// All profiles with rows in the ledger, by name.
-    pub async fn profile_statuses(&self) -> Result<Vec<ProfileStatus>> {
+    /// All machines with rows in the ledger, by name.
+    pub async fn machine_statuses(&self) -> Result<Vec<MachineStatus>> {
         let mut snapshot = self.begin_snapshot().await?;
         let db = &mut snapshot;
-        let mut profiles = BTreeMap::new();
-        for WithProfile { profile, row } in fetch_by_profile::<PartCounts>(db, COUNTS).await? {
-            let counted = ProfileStatus {
+        let mut machines = BTreeMap::new();
+        for WithMachine { machine, row } in fetch_by_machine::<PartCounts>(db, COUNTS).await? {
+            let counted = MachineStatus {
                 claimed_parts: row.claimed_parts,
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
                 oldest_at: row.oldest_at,
                 waits_since: row.waits_since,
                 newest_at: row.newest_at,
-                ..profile_entry(&mut profiles, &profile).clone()
+                ..machine_entry(&mut machines, &machine).clone()
             };
-            profiles.insert(profile, counted);
+            machines.insert(machine, counted);
         }
-        let rejected = sql::query_as::<(String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
-        for (profile, parts) in rejected {
-            profile_entry(&mut profiles, &profile).rejected_parts = parts;
+        let refused = sql::query_as::<(String, u32)>(REFUSED).bind(self.refused_since()).fetch_all(&mut *db).await?;
+        for (machine, parts) in refused {
+            machine_entry(&mut machines, &machine).refused_parts = parts;
         }
-        for WithProfile { profile, row } in fetch_by_profile::<NearestDue>(db, DUE).await? {
-            let status = profile_entry(&mut profiles, &profile);
+        for WithMachine { machine, row } in fetch_by_machine::<NearestDue>(db, DUE).await? {
+            let status = machine_entry(&mut machines, &machine);
             (status.due_at, status.due_text) = (Some(row.due_at), row.due_text);
         }
-        for WithProfile { profile, row } in fetch_by_profile::<DueDateRow>(db, DUE_ARRIVALS).await? {
-            let status = profile_entry(&mut profiles, &profile);
+        for WithMachine { machine, row } in fetch_by_machine::<DueDateRow>(db, DUE_ARRIVALS).await? {
+            let status = machine_entry(&mut machines, &machine);
             if status.due_arrivals.is_empty() {
                 status.due_of = row.due_of;
             }
             status.due_arrivals.push(DueArrival { due_at: row.due_at, arrived_at: row.arrived_at });
         }
-        for WithProfile { profile, row } in fetch_by_profile::<OpenBuildForecast>(db, OPEN).await? {
-            let status = profile_entry(&mut profiles, &profile);
+        for WithMachine { machine, row } in fetch_by_machine::<OpenBuildForecast>(db, OPEN).await? {
+            let status = machine_entry(&mut machines, &machine);
             // A layout with more copies than are waiting contains parts that were cancelled since, so it is not a
             // forecast any more.
             let is_of_now = row.copies.unwrap_or(0) <= status.waiting_copies;
@@ -300,46 +300,46 @@ impl Ledger {
                 },
             });
         }
-        for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {
-            profile_entry(&mut profiles, &profile).nesting.push(row);
+        for WithMachine { machine, row } in fetch_by_machine(db, NESTING).await? {
+            machine_entry(&mut machines, &machine).nesting.push(row);
         }
-        for WithProfile { profile, row } in fetch_by_profile(db, BUILDS_AHEAD).await? {
-            profile_entry(&mut profiles, &profile).ahead.push(row);
+        for WithMachine { machine, row } in fetch_by_machine(db, BUILDS_AHEAD).await? {
+            machine_entry(&mut machines, &machine).ahead.push(row);
         }
-        for WithProfile { profile, row } in fetch_by_profile(db, PAUSES).await? {
-            profile_entry(&mut profiles, &profile).paused = Some(row);
+        for WithMachine { machine, row } in fetch_by_machine(db, PAUSES).await? {
+            machine_entry(&mut machines, &machine).paused = Some(row);
         }
-        for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {
-            profile_entry(&mut profiles, &profile).last_published = Some(row);
+        for WithMachine { machine, row } in fetch_by_machine(db, LAST).await? {
+            machine_entry(&mut machines, &machine).last_published = Some(row);
         }
         drop(snapshot);
         let read_at = self.now();
-        for (profile, status) in profiles.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
-            status.occupying = self.occupying_builds(profile, read_at).await?;
-            (status.told_prints, status.read_at) = (self.told_prints(profile).await?, Some(read_at));
+        for (machine, status) in machines.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
+            status.occupying = self.occupying_builds(machine, read_at).await?;
+            (status.told_prints, status.read_at) = (self.told_prints(machine).await?, Some(read_at));
         }
-        Ok(profiles.into_values().collect())
+        Ok(machines.into_values().collect())
     }
 }
 
 impl Ledger {
-    /// When the newest part of a profile that waits or is read arrived.
-    pub async fn newest_arrival(&self, profile: &str) -> Result<Option<UtcTimestamp>> {
+    /// When the newest part of a machine that waits or is read arrived.
+    pub async fn newest_arrival(&self, machine: &str) -> Result<Option<UtcTimestamp>> {
         let query = "SELECT max(CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END) FROM part \
-            WHERE profile = $1 AND state IN ('claimed', 'waiting')";
-        Ok(sql::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
+            WHERE machine = $1 AND state IN ('claimed', 'waiting')";
+        Ok(sql::query_scalar(query).bind(machine).fetch_one(self.reader()?).await?)
     }
 }
 
-async fn fetch_by_profile<T: FromSqlRow + Send>(
+async fn fetch_by_machine<T: FromSqlRow + Send>(
     db: &mut SqlTransaction,
     query: &'static str,
-) -> Result<Vec<WithProfile<T>>> {
+) -> Result<Vec<WithMachine<T>>> {
     Ok(sql::query_as(query).fetch_all(db).await?)
 }
 
-/// Returns the status entry of a profile, and inserts it if it is missing.
-fn profile_entry<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
-    let fresh = || ProfileStatus { profile: profile.to_owned(), ..ProfileStatus::default() };
-    profiles.entry(profile.to_owned()).or_insert_with(fresh)
+/// Returns the status entry of a machine, and inserts it if it is missing.
+fn machine_entry<'a>(machines: &'a mut BTreeMap<String, MachineStatus>, machine: &str) -> &'a mut MachineStatus {
+    let fresh = || MachineStatus { machine: machine.to_owned(), ..MachineStatus::default() };
+    machines.entry(machine.to_owned()).or_insert_with(fresh)
 }

@@ -96,9 +96,9 @@ impl LedgerChange {
         part.ok_or(LedgerError::UnknownPart(id))
     }
 
-    /// Reads profile and state of a build within this change.
+    /// Reads machine and state of a build within this change.
     pub async fn require_build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
-        let query = sql::query_as("SELECT profile, state FROM build WHERE id = $1");
+        let query = sql::query_as("SELECT machine, state FROM build WHERE id = $1");
         query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
     }
 
@@ -123,10 +123,10 @@ impl LedgerChange {
         }
     }
 
-    /// Fails unless the build is in one of these states. Returns its profile.
+    /// Fails unless the build is in one of these states. Returns its machine.
     pub async fn ensure_build_state(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
         match self.require_build(build).await? {
-            (profile, state) if needed.contains(&state) => Ok(profile),
+            (machine, state) if needed.contains(&state) => Ok(machine),
             (_, state) => {
                 let state = state_word(state, self.withdrawn_at(build).await?);
                 Err(LedgerError::WrongState { build, state, needed })
@@ -142,8 +142,8 @@ impl LedgerChange {
 
     /// Moves a part to another state. `detail` is stored in the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
-        let profile = self.set_part_state(id, next, None, "").await?;
-        self.write_event(next, &profile, Some(id), build, detail).await
+        let machine = self.set_part_state(id, next, None, "").await?;
+        self.write_event(next, &machine, Some(id), build, detail).await
     }
 
     /// What kept these parts out of a build is gone: those that wait do so from now on, and a due build gathers after them.
@@ -156,24 +156,24 @@ impl LedgerChange {
         Ok(())
     }
 
-    /// Rejects a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
-    pub async fn reject_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+    /// Refuses a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
+    pub async fn refuse_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let unwanted = match cause {
             RefusalCause::Replaced => self.waiting_count(id).await?,
             _ => 0,
         };
-        let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
+        let machine = self.set_part_state(id, PartState::Refused, Some(cause), reason).await?;
         self.change_cancelled(id, i64::from(unwanted)).await?;
         self.count_decision(id).await?;
-        self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await?;
+        self.write_refusal_event(&machine, Some(id), cause, reason).await?;
         if unwanted > 0 {
             self.note_wanted_change(-i64::from(unwanted)).await?;
         }
         self.update_orders_of([id]).await
     }
 
-    /// Sets the state of a part. Returns its profile.
+    /// Sets the state of a part. Returns its machine.
     async fn set_part_state(
         &mut self,
         id: PartId,
@@ -192,13 +192,13 @@ impl LedgerChange {
             .bind(id)
             .execute(self.db())
             .await?;
-        Ok(part.profile)
+        Ok(part.machine)
     }
 
     /// Moves a build to another state. `detail` is the reason of a failure and is stored in the event. Returns its
-    /// profile.
+    /// machine.
     pub async fn move_build(&mut self, id: BuildId, next: BuildState, detail: &str) -> Result<String> {
-        let (profile, state) = self.require_build(id).await?;
+        let (machine, state) = self.require_build(id).await?;
         let next = state.move_to(next)?;
         let now = self.now;
         sql::query(
@@ -217,24 +217,24 @@ impl LedgerChange {
         .execute(self.db())
         .await?;
         sql::query("DELETE FROM night_search WHERE build_id = $1").bind(id).execute(self.db()).await?;
-        self.write_event(next, &profile, None, Some(id), detail).await?;
-        Ok(profile)
+        self.write_event(next, &machine, None, Some(id), detail).await?;
+        Ok(machine)
     }
 
     /// Writes an event.
     pub async fn write_event(
         &mut self,
         kind: impl Into<EventKind>,
-        profile: &str,
+        machine: &str,
         part: Option<PartId>,
         build: Option<BuildId>,
         detail: &str,
     ) -> Result<()> {
         let now = self.now;
         let insert = sql::query_scalar(
-            "INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES ($1, $2, $3, $4, $5, $6) RETURNING id",
+            "INSERT INTO event (at, kind, machine, part_id, build_id, detail) VALUES ($1, $2, $3, $4, $5, $6) RETURNING id",
         );
-        let insert = insert.bind(now).bind(kind.into()).bind(profile).bind(part).bind(build).bind(detail);
+        let insert = insert.bind(now).bind(kind.into()).bind(machine).bind(part).bind(build).bind(detail);
         self.last_event = insert.fetch_one(self.db()).await?;
         Ok(())
     }
@@ -246,16 +246,15 @@ impl LedgerChange {
         Ok(())
     }
 
-    /// Writes the event of a refusal.
+    /// Writes the event of a refusal; without a part, the file was refused before it became one.
     pub async fn write_refusal_event(
         &mut self,
-        kind: impl Into<EventKind>,
-        profile: &str,
+        machine: &str,
         part: Option<PartId>,
         cause: RefusalCause,
         reason: &str,
     ) -> Result<()> {
-        self.write_event(kind, profile, part, None, reason).await?;
+        self.write_event(EventKind::Refused, machine, part, None, reason).await?;
         let cause = sql::query("UPDATE event SET cause = $1 WHERE id = $2").bind(cause).bind(self.last_event);
         cause.execute(self.db()).await?;
         Ok(())

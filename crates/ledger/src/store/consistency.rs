@@ -8,10 +8,10 @@ use crate::base::{
 /// The rules of states and places of copies. Each violation as a sentence, and the query that finds it.
 const PLACE_RULES: [(&str, &str); 13] = [
     (
-        "a claimed or rejected part has a copy in a build that is not published",
+        "a claimed or refused part has a copy in a build that is not published",
         "\
         SELECT p.id FROM part p JOIN placement l ON l.part_id = p.id JOIN build b ON b.id = l.build_id \
-        WHERE p.state IN ('claimed', 'rejected') AND b.published_at IS NULL",
+        WHERE p.state IN ('claimed', 'refused') AND b.published_at IS NULL",
     ),
     (
         "a waiting part has no copy left that could wait",
@@ -46,7 +46,7 @@ const PLACE_RULES: [(&str, &str); 13] = [
         "a placement is for another machine than its part",
         "\
         SELECT l.part_id FROM placement l JOIN part p ON p.id = l.part_id JOIN build b ON b.id = l.build_id \
-        WHERE p.profile <> b.profile AND b.published_at IS NULL",
+        WHERE p.machine <> b.machine AND b.published_at IS NULL",
     ),
     (
         "an open build, or one that failed before it was published, holds a copy",
@@ -75,7 +75,7 @@ const PLACE_RULES: [(&str, &str); 13] = [
         OR (b.state IN ('open', 'nesting', 'verified') AND b.published_at IS NOT NULL) \
         OR (b.state IN ('published', 'printing', 'complete', 'interrupted') AND b.published_at IS NULL)",
     ),
-    ("a rejected part has no reason", "SELECT id FROM part WHERE state = 'rejected' AND reason = ''"),
+    ("a refused part has no reason", "SELECT id FROM part WHERE state = 'refused' AND reason = ''"),
     (
         "a part or build is in a state without an event for it",
         "\

@@ -27,7 +27,7 @@ pub fn parent_folder(path: &Path) -> &Path {
 }
 
 /// Refuses a ledger on a network file system.
-pub fn reject_network_location(path: &Path) -> Result<()> {
+pub fn refuse_network_location(path: &Path) -> Result<()> {
     let found = find_network_file_system(parent_folder(path))
         .map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
     match found {
@@ -61,6 +61,6 @@ mod tests {
     fn a_bare_name_stands_in_the_current_folder() {
         assert_eq!(parent_folder(Path::new("nestd.db")), Path::new("."));
         assert_eq!(parent_folder(Path::new("/state/nestd.db")), Path::new("/state"));
-        assert!(reject_network_location(Path::new("/nowhere/at/all/nestd.db")).is_err());
+        assert!(refuse_network_location(Path::new("/nowhere/at/all/nestd.db")).is_err());
     }
 }

@@ -49,7 +49,7 @@ impl SqliteStore {
     pub async fn open(path: &Path) -> Result<Self> {
         let folder = location::parent_folder(path);
         std::fs::create_dir_all(folder).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
-        location::reject_network_location(path)?;
+        location::refuse_network_location(path)?;
         let options = connect_options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
         let store = Self::connect(path, options).await?;
         schema::bring_up_to_date(path, &store.writer)
@@ -77,7 +77,7 @@ impl SqliteStore {
         if !path.is_file() {
             return Err(LedgerError::Missing { path: path.to_owned() });
         }
-        location::reject_network_location(path)?;
+        location::refuse_network_location(path)?;
         health::ensure_no_noted_loss(path)?;
         let store = Self::connect(path, connect_options(path)).await?;
         schema::ensure_current_version(path, &store.writer).await?;

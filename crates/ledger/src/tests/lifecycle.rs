@@ -74,7 +74,7 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
     let parts = ledger.accept_solids(id, &solids).await.unwrap();
     ledger.cancel_part(parts[1], RefusalCause::Cancelled, "not needed").await.unwrap();
     ledger.retry_part(parts[1]).await.unwrap();
-    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().rejection.reason, "");
+    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().refused.reason, "");
     let again = ledger.accept_solids(parts[1], &[solid(0, 25), solid(1, 100)]).await.unwrap();
     assert_eq!(again, [parts[1]]);
     assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().owed.copies, 10);
@@ -82,26 +82,26 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
 }
 
 #[tokio::test]
-async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
+async fn a_claim_that_cannot_be_read_is_refused_with_its_reason() {
     let ledger = fresh().await;
     let id = ledger.record_claim(&new_part("bad", 1)).await.unwrap().id;
-    ledger.reject_claim(id, RefusalCause::Format, "the file is empty").await.unwrap();
+    ledger.refuse_claim(id, RefusalCause::Format, "the file is empty").await.unwrap();
     let row = ledger.find_part(id).await.unwrap().unwrap();
-    assert_eq!((row.state, row.rejection.reason.as_str()), (PartState::Rejected, "the file is empty"));
+    assert_eq!((row.state, row.refused.reason.as_str()), (PartState::Refused, "the file is empty"));
     assert!(!ledger.is_hash_in_use(&row.file.content_hash, jiff::Timestamp::MAX).await.unwrap());
-    assert!(matches!(ledger.reject_claim(id, RefusalCause::Format, "again").await, Err(LedgerError::IllegalMove(_))));
+    assert!(matches!(ledger.refuse_claim(id, RefusalCause::Format, "again").await, Err(LedgerError::IllegalMove(_))));
     assert!(matches!(ledger.accept_solids(id, &[solid(0, 1)]).await, Err(LedgerError::IllegalMove(_))));
     let other = ledger.record_claim(&new_part("empty", 1)).await.unwrap().id;
     assert!(matches!(ledger.accept_solids(other, &[]).await, Err(LedgerError::NoSolid(_))));
 }
 
 #[tokio::test]
-async fn a_waiting_part_is_rejected_by_cancel_only() {
+async fn a_waiting_part_is_refused_by_cancel_only() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
-    assert!(matches!(ledger.reject_claim(id, RefusalCause::Format, "no").await, Err(LedgerError::IllegalMove(_))));
+    assert!(matches!(ledger.refuse_claim(id, RefusalCause::Format, "no").await, Err(LedgerError::IllegalMove(_))));
     ledger.cancel_part(id, RefusalCause::Cancelled, "").await.unwrap();
-    assert_eq!(ledger.find_part(id).await.unwrap().unwrap().rejection.reason, "no reason was given");
+    assert_eq!(ledger.find_part(id).await.unwrap().unwrap().refused.reason, "no reason was given");
     let again = ledger.cancel_part(id, RefusalCause::Cancelled, "").await.unwrap_err().to_string();
     assert_eq!(again, "part 1 is refused or cancelled already; `nestd show p1` says why");
     ledger.retry_part(id).await.unwrap();
@@ -117,7 +117,7 @@ async fn each_refusal_and_each_taking_back_of_a_claim_is_counted() {
     assert_eq!(ledger.decision_count("kit").await.unwrap(), 0);
     ledger.cancel_part(parts[1], RefusalCause::Cancelled, "").await.unwrap();
     ledger.retry_part(parts[1]).await.unwrap();
-    ledger.reject_claim(parts[1], RefusalCause::Format, "").await.unwrap();
+    ledger.refuse_claim(parts[1], RefusalCause::Format, "").await.unwrap();
     ledger.give_up_claims(&["kit".to_owned()], "").await.unwrap();
     ledger.retry_part(parts[0]).await.unwrap();
     assert_eq!(ledger.decision_count("kit").await.unwrap(), 5);
@@ -177,7 +177,7 @@ async fn a_copy_is_in_one_build_only() {
     assert!(matches!(nothing, Err(LedgerError::NothingToNest(_))));
     let other = ledger.open_build("fuse-1").await.unwrap().id;
     let mixed = ledger.begin_nesting(other, "flush", &[(id, 1)]).await;
-    assert!(matches!(mixed, Err(LedgerError::WrongProfile { .. })));
+    assert!(matches!(mixed, Err(LedgerError::WrongMachine { .. })));
     ledger.begin_nesting(second, "flush", &[(id, 1)]).await.unwrap();
     assert_eq!(part_state(&ledger, id).await, PartState::Batched);
 }
@@ -313,7 +313,7 @@ async fn the_open_build_is_one_and_keeps_its_layout_until_it_is_verified() {
 }
 
 #[tokio::test]
-async fn the_open_build_of_a_removed_profile_can_be_dropped() {
+async fn the_open_build_of_a_removed_machine_can_be_dropped() {
     let ledger = fresh().await;
     let build = ledger.open_build("gone").await.unwrap().id;
     ledger.write_event(EventKind::Unknown("improved".to_owned()), "gone", None, Some(build), "").await.unwrap();

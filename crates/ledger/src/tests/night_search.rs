@@ -15,7 +15,7 @@ async fn what_a_search_has_reached_is_kept_and_told() {
     let part = waiting(&ledger, "a", 2).await;
     let build = open_with_layout(&ledger, 30.0).await;
     assert_eq!(ledger.find_night_search(build).await.unwrap(), None);
-    let open = async || ledger.profile_statuses().await.unwrap()[0].open.clone().unwrap();
+    let open = async || ledger.machine_statuses().await.unwrap()[0].open.clone().unwrap();
     assert_eq!((open().await.night, open().await.night_gain_mm), (None, None));
     for state in [NightState::GoesOn, NightState::StandsStill, NightState::UsedUp, NightState::GivenUp] {
         ledger.save_night_search(build, &night_search(state)).await.unwrap();

@@ -6,7 +6,7 @@ fn line(claim: &str) -> OrderedLine {
     OrderedLine {
         claim: claim.to_owned(),
         client: "mes".to_owned(),
-        profile: "paper-200".to_owned(),
+        machine: "paper-200".to_owned(),
         order_name: "K-1".to_owned(),
         name: "a.stl".to_owned(),
         content_hash: "ab".repeat(32),
@@ -98,7 +98,7 @@ async fn a_line_that_is_cancelled_before_it_is_a_part_never_waits_also_when_its_
         let part = asked(new_part(claim, 2), |terms| "K-1".clone_into(&mut terms.order_name));
         let recorded = ledger.record_claim(&part).await.unwrap();
         let part = ledger.find_part(recorded.id).await.unwrap().unwrap();
-        let state = if claim == "order-1" { PartState::Rejected } else { PartState::Claimed };
+        let state = if claim == "order-1" { PartState::Refused } else { PartState::Claimed };
         assert_eq!((recorded.is_new, part.state), (true, state));
     }
     assert!(!ledger.has_cancelled_lines("K-1").await.unwrap(), "it is a refused part");

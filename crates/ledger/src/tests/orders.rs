@@ -224,7 +224,7 @@ async fn a_part_moves_to_another_machine_where_it_is_read_again() {
     let part = line(&ledger, "a", 2, "").await;
     assert_eq!(ledger.move_to_machine(part, "paper-300", false, "ann").await.unwrap(), [part]);
     let row = ledger.find_part(part).await.unwrap().unwrap();
-    assert_eq!((row.profile.as_str(), row.state), ("paper-300", PartState::Claimed));
+    assert_eq!((row.machine.as_str(), row.state), ("paper-300", PartState::Claimed));
     ledger.accept_solids(part, &[solid(0, 2)]).await.unwrap();
     assert_eq!(ledger.waiting_copies("paper-300").await.unwrap()[0].copies, [0, 1]);
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
@@ -343,7 +343,7 @@ async fn an_order_whose_refused_part_was_dropped_again_is_complete_with_its_copi
     let refused = ledger.record_claim(&named("a", "lid.stl", 3)).await.unwrap().id;
     let other = ledger.record_claim(&named("b", "ring.stl", 1)).await.unwrap().id;
     for part in [refused, other] {
-        ledger.reject_claim(part, RefusalCause::Ticket, "broken").await.unwrap();
+        ledger.refuse_claim(part, RefusalCause::Ticket, "broken").await.unwrap();
     }
     let new = ledger.record_drops(&[(&named("c", "lid.stl", 3), true)]).await.unwrap()[0].id;
     ledger.accept_solids(new, &[solid(0, 3)]).await.unwrap();

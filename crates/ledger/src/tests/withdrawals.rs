@@ -47,7 +47,7 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     assert!(ledger.height_summaries(&HistoryQuery::default()).await.unwrap().is_empty());
     let totals = ledger.read_totals().await.unwrap();
     assert_eq!(totals.builds[0].state, "withdrawn");
-    assert_eq!(ledger.paused_profiles().await.unwrap(), ["paper-200"], "its copies can be changed");
+    assert_eq!(ledger.paused_machines().await.unwrap(), ["paper-200"], "its copies can be changed");
     assert_eq!(ledger.waiting_copies("paper-200").await.unwrap().len(), 0, "its original is fetched first");
     assert_eq!(ledger.parts_to_fetch().await.unwrap().len(), 1);
 }
@@ -124,7 +124,7 @@ async fn builds_that_are_made_for_a_printer_or_lie_in_its_queue_are_ahead_of_it(
         |printer: &str, builds: u32, is_down: bool| BuildsAhead { printer: printer.to_owned(), builds, is_down };
     let expected = [ahead("", 1, false), ahead("left", 1, false), ahead("middle", 0, true), ahead("right", 1, false)];
     assert_eq!(ledger.builds_ahead("paper-200").await.unwrap(), expected);
-    let status = ledger.profile_statuses().await.unwrap().remove(0);
+    let status = ledger.machine_statuses().await.unwrap().remove(0);
     assert_eq!(status.ahead, expected);
 }
 

@@ -16,15 +16,15 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CommandKind {
-    /// Nest and publish the waiting parts of a profile now.
+    /// Nest and publish the waiting parts of a machine now.
     Flush,
-    /// Start no batch of a profile until it is resumed.
+    /// Start no batch of a machine until it is resumed.
     Pause,
-    /// Let a profile start batches again.
+    /// Let a machine start batches again.
     Resume,
-    /// Retry a rejected part.
+    /// Retry a refused part.
     Retry,
-    /// Reject a waiting part.
+    /// Refuse a waiting part.
     Cancel,
     /// Scan the hot folders now.
     Scan,
@@ -52,7 +52,7 @@ pub enum CommandState {
 
 own_word!(CommandState);
 
-/// Why a profile is paused.
+/// Why a machine is paused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PauseCause {
@@ -91,8 +91,8 @@ impl CommandArgument {
 pub struct NewCommand {
     /// Kind of command.
     pub kind: CommandKind,
-    /// Machine profile of flush, pause and resume, "" otherwise.
-    pub profile: String,
+    /// Machine of flush, pause and resume, "" otherwise.
+    pub machine: String,
     /// Part of retry, cancel, edit, move and confirm.
     pub part: Option<PartId>,
     /// Changes of an edit, copies to cancel.
@@ -108,8 +108,8 @@ pub struct CommandRow {
     pub id: CommandId,
     /// Kind of command.
     pub kind: CommandKind,
-    /// Machine profile, "" = none.
-    pub profile: String,
+    /// Machine, "" = none.
+    pub machine: String,
     /// Part of retry, cancel, edit, move and confirm.
     pub part_id: Option<PartId>,
     /// What it says as JSON, "" = nothing.
@@ -126,7 +126,7 @@ pub struct CommandRow {
     pub answered_at: Option<UtcTimestamp>,
 }
 
-sql_row!(CommandRow { id, kind, profile, part_id, argument, asked_by, asked_at, state, answer, answered_at });
+sql_row!(CommandRow { id, kind, machine, part_id, argument, asked_by, asked_at, state, answer, answered_at });
 
 impl CommandRow {
     /// Whether its answer is there: what is done through [`Ledger::for_command`] is done a moment before.
@@ -153,11 +153,11 @@ impl Ledger {
         }
         let now = change.now;
         let id = sql::query_scalar(
-            "INSERT INTO command (kind, profile, part_id, argument, asked_by, asked_at, state) \
+            "INSERT INTO command (kind, machine, part_id, argument, asked_by, asked_at, state) \
              VALUES ($1, $2, $3, $4, $5, $6, 'asked') RETURNING id",
         )
         .bind(command.kind)
-        .bind(&command.profile)
+        .bind(&command.machine)
         .bind(command.part)
         .bind(command.argument.to_json())
         .bind(&command.asked_by)
@@ -169,10 +169,10 @@ impl Ledger {
     }
 
     /// The machine whose node carries a command out: that of its part, else the one that it names; "" = none.
-    pub async fn machine_of_command(&self, part: Option<PartId>, profile: &str) -> Result<String> {
+    pub async fn machine_of_command(&self, part: Option<PartId>, machine: &str) -> Result<String> {
         match part {
-            Some(part) => Ok(self.find_part(part).await?.map(|part| part.profile).unwrap_or_default()),
-            None => Ok(profile.to_owned()),
+            Some(part) => Ok(self.find_part(part).await?.map(|part| part.machine).unwrap_or_default()),
+            None => Ok(machine.to_owned()),
         }
     }
 
@@ -210,46 +210,46 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// Pauses a profile. Returns `false` if it was paused already.
-    pub async fn pause_profile(&self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
+    /// Pauses a machine. Returns `false` if it was paused already.
+    pub async fn pause_machine(&self, machine: &str, by: &str, cause: PauseCause) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let is_new = change.pause_profile(profile, by, cause).await?;
+        let is_new = change.pause_machine(machine, by, cause).await?;
         if is_new {
             change.commit().await?;
         }
         Ok(is_new)
     }
 
-    /// Resumes a profile. Returns `false` if it was not paused.
-    pub async fn resume_profile(&self, profile: &str, by: &str) -> Result<bool> {
+    /// Resumes a machine. Returns `false` if it was not paused.
+    pub async fn resume_machine(&self, machine: &str, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let lift = sql::query("DELETE FROM pause WHERE profile = $1").bind(profile);
+        let lift = sql::query("DELETE FROM pause WHERE machine = $1").bind(machine);
         if lift.execute(change.db()).await? == 0 {
             return Ok(false);
         }
-        change.write_event(EventKind::Resumed, profile, None, None, by).await?;
+        change.write_event(EventKind::Resumed, machine, None, None, by).await?;
         change.commit().await?;
         Ok(true)
     }
 
-    /// The paused profiles, by name.
-    pub async fn paused_profiles(&self) -> Result<Vec<String>> {
-        let query = sql::query_scalar("SELECT profile FROM pause ORDER BY profile");
+    /// The paused machines, by name.
+    pub async fn paused_machines(&self) -> Result<Vec<String>> {
+        let query = sql::query_scalar("SELECT machine FROM pause ORDER BY machine");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }
 
 impl LedgerChange {
-    /// Pauses a profile. Returns `false` if it was paused.
-    pub async fn pause_profile(&mut self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
+    /// Pauses a machine. Returns `false` if it was paused.
+    pub async fn pause_machine(&mut self, machine: &str, by: &str, cause: PauseCause) -> Result<bool> {
         let now = self.now;
         let insert =
-            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
-        let paused = sql::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(self.db()).await?;
+            "INSERT INTO pause (machine, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
+        let paused = sql::query(insert).bind(machine).bind(by).bind(cause).bind(now).execute(self.db()).await?;
         if paused == 0 {
             return Ok(false);
         }
-        self.write_event(EventKind::Paused, profile, None, None, by).await?;
+        self.write_event(EventKind::Paused, machine, None, None, by).await?;
         Ok(true)
     }
 }

@@ -144,13 +144,13 @@ impl Ledger {
                 let said = format!("The failed print of build {build} is dismissed; its copies are as they were.");
                 return Ok(WordAnswer::from(said));
             }
-            OperatorWord::PrinterDown { profile, printer, reason } => {
-                self.take_printer_down(printer, profile, by, reason).await?;
+            OperatorWord::PrinterDown { machine, printer, reason } => {
+                self.take_printer_down(printer, machine, by, reason).await?;
                 let said = format!("The printer {printer} is down: it is given no builds.");
                 return Ok(WordAnswer::from(said));
             }
-            OperatorWord::PrinterUp { profile, printer } => {
-                return Ok(WordAnswer::from(match self.bring_printer_up(printer, profile, by).await? {
+            OperatorWord::PrinterUp { machine, printer } => {
+                return Ok(WordAnswer::from(match self.bring_printer_up(printer, machine, by).await? {
                     true => format!("The printer {printer} takes builds again."),
                     false => format!("The printer {printer} was not down."),
                 }));
@@ -207,7 +207,7 @@ impl Ledger {
     /// printed, and of which no other outcome was told, is withdrawn. `is_taken_back` = the file lay there untouched, and nestd has it.
     pub async fn finish_noted_word(&self, build: BuildId, is_taken_back: bool) -> Result<Option<Vec<String>>> {
         let mut change = self.begin_change().await?;
-        let (profile, state) = change.require_build(build).await?;
+        let (machine, state) = change.require_build(build).await?;
         let Some((by, word)) = noted_word(&mut change, build).await?.filter(|(_, word)| *word != BuildWord::CarriedOut)
         else {
             return Ok(None);
@@ -217,7 +217,7 @@ impl Ledger {
         if tells_outcome {
             // First of all, as it was: what follows was true of no file in the queue.
             let detail = format!("out of the queue, as {by} said");
-            change.write_event(EventKind::Withdrawn, &profile, None, Some(build), &detail).await?;
+            change.write_event(EventKind::Withdrawn, &machine, None, Some(build), &detail).await?;
         }
         let effect = word.apply(&mut change, build, &by).await?;
         set_word(&mut change, build, &by, &BuildWord::CarriedOut).await?;
@@ -244,7 +244,7 @@ impl Ledger {
     /// The file of a build that was seen to be taken lies in a queue folder again: that of `printer`, with this marker.
     pub async fn record_back_in_queue(&self, build: BuildId, printer: &str, queue_id: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let (profile, _) = change.require_build(build).await?;
+        let (machine, _) = change.require_build(build).await?;
         let set = sql::query(
             "UPDATE build SET taken_at = CASE WHEN state = 'published' THEN NULL ELSE taken_at END, printer = $1, queue_id = $2 \
              WHERE id = $3 AND taken_at IS NOT NULL AND move_to IS NULL AND withdraw_by IS NULL \
@@ -252,7 +252,7 @@ impl Ledger {
         );
         if set.bind(printer).bind(queue_id).bind(build).execute(change.db()).await? > 0 {
             let detail = format!("its file lies in the queue of {printer} again");
-            change.write_event(EventKind::Relocated, &profile, None, Some(build), &detail).await?;
+            change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
             change.commit().await?;
         }
         Ok(())
@@ -328,7 +328,7 @@ async fn note_word(
     (by, anyway): (&str, bool),
     answer: &mut WordAnswer,
 ) -> Result<()> {
-    let (profile, state) = change.require_build(build).await?;
+    let (machine, state) = change.require_build(build).await?;
     let query = sql::query_as("SELECT printer, move_to FROM build WHERE id = $1").bind(build);
     let (printer, move_to): (Option<String>, Option<String>) = query.fetch_one(change.db()).await?;
     if move_to.is_some() {
@@ -343,7 +343,7 @@ async fn note_word(
             return Err(InQueueError::NotTold { build }.into());
         }
     }
-    let printer = printer.unwrap_or(profile);
+    let printer = printer.unwrap_or(machine);
     if !anyway {
         return Err(InQueueError::LiesThere { build, printer, insist: HOW_TO_INSIST }.into());
     }

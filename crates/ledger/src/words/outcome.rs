@@ -100,11 +100,11 @@ impl Ledger {
     /// Records that somebody has seen to a failed print.
     pub(crate) async fn mark_failure_seen(&self, build: BuildId, by: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let profile = change.ensure_build_state(build, &[BuildState::Failed]).await?;
+        let machine = change.ensure_build_state(build, &[BuildState::Failed]).await?;
         let now = change.now;
         let seen = sql::query("UPDATE build SET seen_at = coalesce(seen_at, $1) WHERE id = $2").bind(now).bind(build);
         seen.execute(change.db()).await?;
-        change.write_event(EventKind::Seen, &profile, None, Some(build), &format!("{by} has seen to it")).await?;
+        change.write_event(EventKind::Seen, &machine, None, Some(build), &format!("{by} has seen to it")).await?;
         change.commit().await
     }
 

@@ -109,7 +109,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let mark = sql::query(
             "UPDATE part SET fetch_at = NULL WHERE content_hash = $1 AND fetch_at IS NOT NULL \
-             AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2)))",
+             AND ($2 = '' OR machine NOT IN (SELECT machine FROM station WHERE node NOT IN ('', $2)))",
         );
         mark.bind(hash).bind(self.node()).execute(change.db()).await?;
         change.commit().await
@@ -118,7 +118,7 @@ impl Ledger {
     /// Names of the build files that hold copies of parts with this content, newest first.
     pub async fn build_files_with_content(&self, hash: &str) -> Result<Vec<(String, String)>> {
         let query = sql::query_as(
-            "SELECT b.profile, b.file_name FROM build b WHERE b.file_name IS NOT NULL AND b.id IN (\
+            "SELECT b.machine, b.file_name FROM build b WHERE b.file_name IS NOT NULL AND b.id IN (\
              SELECT l.build_id FROM part p JOIN placement l ON l.part_id = p.id WHERE p.content_hash = $1 \
              UNION SELECT l.build_id FROM part p JOIN bad_placement l ON l.part_id = p.id WHERE p.content_hash = $1) \
              ORDER BY b.id DESC",
@@ -189,7 +189,7 @@ impl LedgerChange {
         self.forget_dropped_word(build).await?;
         for (id, copies) in group_by_part(copies) {
             let part = self.require_part(id).await?;
-            let is_owed = is_owed && part.state != PartState::Rejected;
+            let is_owed = is_owed && part.state != PartState::Refused;
             for &copy in &copies {
                 self.move_to_bad(build, id, copy, told_by, is_owed).await?;
             }
@@ -202,11 +202,11 @@ impl LedgerChange {
                     self.put_part_back(id, state, build, &detail).await?;
                     report.put_back.push(counted);
                 }
-                (false, PartState::Rejected) => report.unwanted.push(counted),
+                (false, PartState::Refused) => report.unwanted.push(counted),
                 (false, _) => {
                     self.change_cancelled(id, i64::from(number)).await?;
                     let detail = format!("{text} of build {build} not wanted again, as {told_by} said");
-                    self.write_event(EventKind::CopiesCancelled, &part.profile, Some(id), Some(build), &detail).await?;
+                    self.write_event(EventKind::CopiesCancelled, &part.machine, Some(id), Some(build), &detail).await?;
                     self.note_wanted_change(-i64::from(number)).await?;
                     report.unwanted.push(counted);
                 }
@@ -270,8 +270,8 @@ impl LedgerChange {
         .bind(build)
         .execute(self.db())
         .await?;
-        let profile = self.require_part(id).await?.profile;
-        self.write_event(EventKind::PutBack, &profile, Some(id), Some(build), detail).await?;
+        let machine = self.require_part(id).await?.machine;
+        self.write_event(EventKind::PutBack, &machine, Some(id), Some(build), detail).await?;
         self.count_decision(id).await?;
         match state {
             PartState::Built | PartState::Batched => self.move_part(id, PartState::Waiting, Some(build), detail).await,
@@ -305,10 +305,10 @@ impl LedgerChange {
             let has_waiting = may_wait && self.waiting_count(id).await? > 0;
             // Where none is given up any more, it takes the place of a copy that was asked for again and waits.
             let is_wanted_again = part.owed.cancelled_copies > 0 && !(is_owed && has_waiting);
-            if is_wanted_again && part.state != PartState::Rejected {
+            if is_wanted_again && part.state != PartState::Refused {
                 self.change_cancelled(id, -1).await?;
                 let detail = format!("a copy in build {build} was printed well after all");
-                self.write_event(EventKind::CopiesWanted, &part.profile, Some(id), Some(build), &detail).await?;
+                self.write_event(EventKind::CopiesWanted, &part.machine, Some(id), Some(build), &detail).await?;
                 self.note_wanted_change(1).await?;
             }
             self.move_from_bad(build, id, copy).await?;

@@ -16,7 +16,7 @@ const PRINTED: &[BuildState] =
 /// Makes, within a change, a new build of the same copies at the same poses. Copies that still count as printed are put back first.
 /// The new build is nesting, and is written once the originals are in the store.
 pub(crate) async fn issue_again(change: &mut LedgerChange, build: BuildId, asked_by: &str) -> Result<BuildId> {
-    let profile = change.ensure_build_state(build, PRINTED).await?;
+    let machine = change.ensure_build_state(build, PRINTED).await?;
     let counted: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")
         .bind(build)
         .fetch_all(change.db())
@@ -30,12 +30,12 @@ pub(crate) async fn issue_again(change: &mut LedgerChange, build: BuildId, asked
     if copies.is_empty() {
         return Err(LedgerError::NothingToNest(build));
     }
-    let new = insert_repeated_build(change, build, &profile, copies.len()).await?;
+    let new = insert_repeated_build(change, build, &machine, copies.len()).await?;
     for (part, copies) in group_by_part(&copies) {
-        take_copies(change, build, new, (part, &profile), &copies).await?;
+        take_copies(change, build, new, (part, &machine), &copies).await?;
     }
     let detail = format!("build {build} once more, asked for by {asked_by}");
-    change.write_event(EventKind::Requeued, &profile, None, Some(new), &detail).await?;
+    change.write_event(EventKind::Requeued, &machine, None, Some(new), &detail).await?;
     let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
     change.update_orders_of(parts).await?;
     Ok(new)
@@ -44,21 +44,21 @@ pub(crate) async fn issue_again(change: &mut LedgerChange, build: BuildId, asked
 async fn insert_repeated_build(
     change: &mut LedgerChange,
     build: BuildId,
-    profile: &str,
+    machine: &str,
     copies: usize,
 ) -> Result<BuildId> {
     let now = change.now;
     let new: BuildId = sql::query_scalar(
-        "INSERT INTO build (profile, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats) \
+        "INSERT INTO build (machine, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats) \
          VALUES ($1, 'nesting', 'requeue', 1, $2, $2, $2, $3, $4) RETURNING id",
     )
-    .bind(profile)
+    .bind(machine)
     .bind(now)
     .bind(copies as i64)
     .bind(build)
     .fetch_one(change.db())
     .await?;
-    change.write_event(EventKind::Nesting, profile, None, Some(new), "requeue").await?;
+    change.write_event(EventKind::Nesting, machine, None, Some(new), "requeue").await?;
     Ok(new)
 }
 
@@ -67,12 +67,12 @@ async fn take_copies(
     change: &mut LedgerChange,
     from: BuildId,
     to: BuildId,
-    (id, profile): (PartId, &str),
+    (id, machine): (PartId, &str),
     copies: &[u32],
 ) -> Result<()> {
     let part = change.require_part(id).await?;
-    if part.profile != profile {
-        return Err(LedgerError::WrongProfile { part: id, profile: part.profile, build: from });
+    if part.machine != machine {
+        return Err(LedgerError::WrongMachine { part: id, machine: part.machine, build: from });
     }
     for &copy in copies {
         let holder: Option<BuildId> =

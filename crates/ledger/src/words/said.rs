@@ -29,7 +29,7 @@ pub enum OperatorWord {
     /// A printer takes no builds any more.
     PrinterDown {
         /// Its machine.
-        profile: String,
+        machine: String,
         /// The printer.
         printer: String,
         /// Why.
@@ -38,7 +38,7 @@ pub enum OperatorWord {
     /// A printer takes builds again.
     PrinterUp {
         /// Its machine.
-        profile: String,
+        machine: String,
         /// The printer.
         printer: String,
     },

@@ -38,7 +38,7 @@ impl Ledger {
 
     /// What was said of builds and was not done: the machine of each, and why; the oldest build first.
     pub async fn dropped_words(&self) -> Result<Vec<(String, String)>> {
-        let query = "SELECT profile, word_dropped FROM build WHERE word_dropped IS NOT NULL ORDER BY id";
+        let query = "SELECT machine, word_dropped FROM build WHERE word_dropped IS NOT NULL ORDER BY id";
         Ok(sql::query_as(query).fetch_all(self.reader()?).await?)
     }
 
@@ -52,9 +52,9 @@ impl Ledger {
     }
 
     /// The open build of a machine does not wait for the copies of a withdrawn build any more: none of them waits.
-    pub async fn forget_withdrawn(&self, profile: &str) -> Result<()> {
+    pub async fn forget_withdrawn(&self, machine: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let set = sql::query("UPDATE build SET takes_over = NULL WHERE profile = $1 AND state = 'open'").bind(profile);
+        let set = sql::query("UPDATE build SET takes_over = NULL WHERE machine = $1 AND state = 'open'").bind(machine);
         set.execute(change.db()).await?;
         change.commit().await
     }
@@ -69,9 +69,9 @@ impl Ledger {
     }
 
     /// The build that nestd withdrew for the open build of a machine; `None` = there is none.
-    pub async fn withdrawn_for_open(&self, profile: &str) -> Result<Option<BuildId>> {
-        let query = sql::query_scalar("SELECT takes_over FROM build WHERE profile = $1 AND state = 'open'");
-        let build: Option<Option<BuildId>> = query.bind(profile).fetch_optional(self.reader()?).await?;
+    pub async fn withdrawn_for_open(&self, machine: &str) -> Result<Option<BuildId>> {
+        let query = sql::query_scalar("SELECT takes_over FROM build WHERE machine = $1 AND state = 'open'");
+        let build: Option<Option<BuildId>> = query.bind(machine).fetch_optional(self.reader()?).await?;
         Ok(build.flatten())
     }
 }
@@ -84,14 +84,14 @@ pub(crate) async fn withdraw(
     by: &str,
     reason: &str,
 ) -> Result<PutBackReport> {
-    let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
+    let machine = change.ensure_build_state(build, &[BuildState::Published]).await?;
     let why = if reason.is_empty() { String::new() } else { format!(": {reason}") };
     let report = put_withdrawn_back(change, build, by, &format!("withdrawn from the queue by {by}{why}")).await?;
     if by == WITHDRAWN_BY_NESTD {
-        let set = sql::query("UPDATE build SET takes_over = $1 WHERE profile = $2 AND state = 'open'");
-        set.bind(build).bind(profile).execute(change.db()).await?;
+        let set = sql::query("UPDATE build SET takes_over = $1 WHERE machine = $2 AND state = 'open'");
+        set.bind(build).bind(machine).execute(change.db()).await?;
     } else {
-        change.pause_profile(&profile, by, PauseCause::Person).await?;
+        change.pause_machine(&machine, by, PauseCause::Person).await?;
     }
     Ok(report)
 }
@@ -119,12 +119,12 @@ pub(crate) async fn put_withdrawn_back(
 
 /// published -> failed: its file was taken back out of the queue, and nobody printed it.
 pub(super) async fn record_withdrawn(change: &mut LedgerChange, build: BuildId, by: &str, note: &str) -> Result<()> {
-    let profile = change.ensure_build_state(build, &[BuildState::Published]).await?;
+    let machine = change.ensure_build_state(build, &[BuildState::Published]).await?;
     let told = ToldOutcome::new(PrintOutcome::Failed, note, by);
     change.move_build(build, BuildState::Failed, note).await?;
     record_told(change, build, &told).await?;
     record_untouched(change, build).await?;
-    change.write_event(EventKind::Withdrawn, &profile, None, Some(build), note).await
+    change.write_event(EventKind::Withdrawn, &machine, None, Some(build), note).await
 }
 
 /// The file of a build of which an outcome was told is out of the queue, where it had lain untouched. Where nobody told anything but

@@ -148,7 +148,7 @@ impl<'a> PaperLayout<'a> {
             let candidate = self.decode_candidate(item, search.ask());
             let Some(candidate) = candidate else { continue };
             // The objective costs far less than the interference test. A place that is no better than the flower's own
-            // would be rejected anyway, so it ends the turn untested.
+            // would be refused anyway, so it ends the turn untested.
             if search.own_fitness().is_some_and(|own| candidate.fitness >= *own) {
                 break;
             }

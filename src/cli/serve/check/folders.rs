@@ -36,7 +36,7 @@ pub fn check_folders(settings: &Settings, others: &OtherMachines, report: &mut C
         report.add_problem("state folder", text, "set folders.state to a local disk: SQLite does not work on a share");
     }
     for profile in settings.profiles.values() {
-        check_profile_folders(profile, &mut seen, report);
+        check_machine_folders(profile, &mut seen, report);
     }
     report_stray_files(settings, others, report);
 }
@@ -54,23 +54,23 @@ fn report_stray_files(settings: &Settings, others: &OtherMachines, report: &mut 
         let name = display_name(path.file_name().unwrap_or_default());
         let (text, remedy) = match path.is_dir() {
             true => (
-                format!("the folder {name:?} in {base} belongs to no profile: nothing in it is printed"),
-                "move it into the folder of a profile, where it is an order, or give it a profile of that name",
+                format!("the folder {name:?} in {base} belongs to no machine: nothing in it is printed"),
+                "move it into the folder of a machine, where it is an order, or add a machine of that name",
             ),
             false => (
                 format!("{name:?} lies in {base} itself: it is not printed"),
-                "move it into the folder of the profile that it is for",
+                "move it into the folder of the machine that it is for",
             ),
         };
         report.add_warning("inbox", text, remedy);
     }
     if stray.len() > MAX_STRAY_SHOWN {
-        let text = format!("{} more things in {base} belong to no profile", stray.len() - MAX_STRAY_SHOWN);
-        report.add_warning("inbox", text, "move them into the folders of the profiles that they are for");
+        let text = format!("{} more things in {base} belong to no machine", stray.len() - MAX_STRAY_SHOWN);
+        report.add_warning("inbox", text, "move them into the folders of the machines that they are for");
     }
 }
 
-fn check_profile_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64), String>, report: &mut CheckReport) {
+fn check_machine_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64), String>, report: &mut CheckReport) {
     let folders = &profile.folders;
     let inbox = format!("inbox of {}", profile.name);
     if check_folder(&inbox, &folders.inbox, MIN_FOLDER_BYTES, seen, report) {

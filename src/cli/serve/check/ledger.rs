@@ -99,7 +99,7 @@ async fn check_rows(
     compare_with_folders(ledger, settings, report).await;
     others.check_waiting_parts(ledger, settings, report).await?;
     for build in ledger.builds_in_state(BuildState::Verified).await? {
-        if let Some(profile) = settings.profiles.get(&build.profile) {
+        if let Some(profile) = settings.profiles.get(&build.machine) {
             check_staging_queue(&build, profile, report);
         }
     }
@@ -135,7 +135,7 @@ async fn check_left_claims(ledger: &Ledger, settings: &Settings, report: &mut Ch
         Ok(left) => left.iter().for_each(|claim| {
             let text = format!("{} was taken from the hot folder and the ledger does not know it", claim.display());
             let remedy = "start the daemon, which takes or gives back what lies there; what another nestd left, take over \
-                          with nestd adopt PROFILE";
+                          with nestd adopt MACHINE";
             report.add_problem("claims", text, remedy);
         }),
         Err(error) => report.add_problem("claims", format!("cannot be looked at: {error:#}"), "mount the folder again"),

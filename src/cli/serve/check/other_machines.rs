@@ -54,8 +54,8 @@ impl OtherMachines {
         settings: &Settings,
         report: &mut CheckReport,
     ) -> Result<(), LedgerError> {
-        for status in ledger.profile_statuses().await? {
-            let (machine, parts) = (&status.profile, status.claimed_parts + status.waiting_parts);
+        for status in ledger.machine_statuses().await? {
+            let (machine, parts) = (&status.machine, status.claimed_parts + status.waiting_parts);
             if parts == 0 || settings.profiles.contains_key(machine) {
                 continue;
             }

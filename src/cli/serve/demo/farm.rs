@@ -15,7 +15,7 @@ use solids::{Mesh, Pose};
 use crate::cli::UsageError;
 
 /// The machine of the demo.
-pub(super) const PROFILE: &str = "paper-200";
+pub(super) const MACHINE: &str = "paper-200";
 /// Marks a folder as a demo's farm.
 const MARKER: &str = ".nestd-demo";
 /// Sub-folder of the hot folder: the parts in it are one order.
@@ -91,7 +91,7 @@ impl DemoFarm {
             "This folder is the farm of `nestd demo`. Delete it as a whole when you have seen enough.\n",
         )?;
         write_new(&farm.config_file(), &farm_toml(utf8))?;
-        write_new(&farm.root.join("config/profiles").join(format!("{PROFILE}.toml")), MACHINE_TOML)?;
+        write_new(&farm.root.join("config/profiles").join(format!("{MACHINE}.toml")), MACHINE_TOML)?;
         Ok(farm)
     }
 
@@ -112,7 +112,7 @@ impl DemoFarm {
 
     /// One of the machine's folders: inbox, queue, error, archive.
     pub(super) fn machine_folder(&self, kind: &str) -> PathBuf {
-        self.root.join(kind).join(PROFILE)
+        self.root.join(kind).join(MACHINE)
     }
 
     /// Drops all sample parts, the ticket and the torn part.

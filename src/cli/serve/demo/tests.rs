@@ -25,7 +25,7 @@ fn the_configuration_is_a_valid_one() {
     let dir = tempfile::tempdir().unwrap();
     let farm = DemoFarm::open_or_make(&dir.path().join("a \"farm\"")).unwrap();
     let settings = crate::settings::load_settings(Some(&farm.config_file()), None).unwrap();
-    let profile = &settings.profiles[PROFILE];
+    let profile = &settings.profiles[MACHINE];
     assert_eq!(settings.ledger.file(), Some(&*farm.ledger_file()));
     assert_eq!(
         (&profile.folders.inbox, &profile.folders.queue),

@@ -6,7 +6,7 @@ use glam::DVec3;
 use nester::{FaceNotDown, InterlockRule, NestingMethod, OrientationRule, TiltLimit, VolumeMargins};
 
 use crate::{
-    cli::terminal::values::{parse_distance, parse_margins, parse_share, parse_volume, parse_word},
+    cli::terminal::values::{former_option, parse_distance, parse_margins, parse_share, parse_volume, parse_word},
     settings::parse_secs,
 };
 
@@ -15,7 +15,8 @@ use crate::{
 #[command(
     after_help = "Exit code 0 everything placed and proved, 1 a copy could not be placed (the rest is still written), \
                         2 wrong use.",
-    group = clap::ArgGroup::new("machine").args(["profile", "volume"]).multiple(true).required(true)
+    arg = former_option("profile", "--machine"),
+    group = clap::ArgGroup::new("volume_of").args(["machine", "volume"]).multiple(true).required(true)
 )]
 pub struct NestArgs {
     #[command(flatten)]
@@ -49,29 +50,29 @@ pub(super) struct PartSource {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct MachineChoice {
-    /// Machine profile: its volume, margins, clearance, orientation rule and search parameters
-    #[arg(long, value_name = "PROFILE")]
-    pub(super) profile: Option<String>,
-    /// Build volume in mm, e.g. 200x200x200 [default: the profile's]
+    /// Machine: its volume, margins, clearance, orientation rule and search parameters
+    #[arg(long, value_name = "MACHINE")]
+    pub(super) machine: Option<String>,
+    /// Build volume in mm, e.g. 200x200x200 [default: the machine's]
     #[arg(long, value_name = "XxYxZ", value_parser = parse_volume)]
     pub(super) volume: Option<DVec3>,
-    /// Least distance between two parts, mm [default: the profile's, else 3]
+    /// Least distance between two parts, mm [default: the machine's, else 3]
     #[arg(long, value_name = "MM", value_parser = parse_distance)]
     pub(super) clearance: Option<f64>,
-    /// The clearance also holds when either of two parts is raised by up to this, mm [default: the profile's, else 0]
+    /// The clearance also holds when either of two parts is raised by up to this, mm [default: the machine's, else 0]
     #[arg(long, value_name = "MM", value_parser = parse_distance)]
     pub(super) clearance_z_extra: Option<f64>,
-    /// Kept free, mm: all around, or along the walls, above the floor and below the lid [default: the profile's, else 0]
+    /// Kept free, mm: all around, or along the walls, above the floor and below the lid [default: the machine's, else 0]
     #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = parse_margins)]
     pub(super) margins: Option<VolumeMargins>,
-    /// No layer is filled beyond this share of the base, e.g. 0.3 [default: the profile's, else any]
+    /// No layer is filled beyond this share of the base, e.g. 0.3 [default: the machine's, else any]
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub(super) layer_area_cap: Option<f64>,
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SearchChoice {
-    /// Search: our own or the published one [default: the profile's, else nestd]
+    /// Search: our own or the published one [default: the machine's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = parse_word::<NestingMethod>)]
     pub(super) method: Option<NestingMethod>,
     /// Time to search, e.g. 60s or 2m
@@ -80,24 +81,24 @@ pub(super) struct SearchChoice {
     /// Search for this many evaluations instead: gives the same placements every time
     #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) evaluations: Option<u64>,
-    /// Threads of the search; 0 = one per core [default: the profile's, else 1]
+    /// Threads of the search; 0 = one per core [default: the machine's, else 1]
     #[arg(long, value_name = "T")]
     pub(super) threads: Option<usize>,
     /// Lanes: searches side by side that exchange their layouts; a repeatable build needs the same number; 0 = one per
-    /// thread [default: the profile's, else 0]
+    /// thread [default: the machine's, else 0]
     #[arg(long, value_name = "L")]
     pub(super) lanes: Option<usize>,
-    /// Seed of every random choice [default: the profile's, else 1]
+    /// Seed of every random choice [default: the machine's, else 1]
     #[arg(long, value_name = "S")]
     pub(super) seed: Option<u64>,
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct TurningChoice {
-    /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
+    /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the machine's, else free]
     #[arg(long, value_name = "RULE", value_parser = parse_word::<OrientationRule>)]
     pub(super) orientation: Option<OrientationRule>,
-    /// Parts locked into each other: forbid (the search avoids them), warn or allow [default: the profile's, else
+    /// Parts locked into each other: forbid (the search avoids them), warn or allow [default: the machine's, else
     /// forbid]
     #[arg(long, value_name = "RULE", value_parser = parse_word::<InterlockRule>)]
     pub(super) interlock: Option<InterlockRule>,

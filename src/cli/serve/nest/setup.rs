@@ -31,7 +31,7 @@ pub(super) struct NestingSetup {
 
 /// Resolves the setup from the profile and the options.
 pub(super) fn resolve_setup(common: &CommonArgs, args: &NestArgs) -> Result<NestingSetup> {
-    let (mut setup, layer_area_cap) = match &args.machine.profile {
+    let (mut setup, layer_area_cap) = match &args.machine.machine {
         Some(name) => setup_from_profile(common, args, name)?,
         None => (setup_without_profile(args), None),
     };
@@ -87,7 +87,7 @@ fn setup_from_profile(common: &CommonArgs, args: &NestArgs, name: &str) -> Resul
         .map_err(|error| UsageError(format!("{:#}", anyhow::Error::from(error))))?;
     let known = || settings.profiles.keys().cloned().collect::<Vec<_>>().join(", ");
     let profile = (settings.profiles.get(name))
-        .ok_or_else(|| UsageError(format!("there is no profile {name}; there are: {}", known())))?;
+        .ok_or_else(|| UsageError(format!("there is no machine {name}; there are: {}", known())))?;
     let setup = NestingSetup {
         machine: profile.to_machine(),
         orientation: orientation_rules(

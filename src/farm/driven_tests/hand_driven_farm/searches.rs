@@ -1,18 +1,18 @@
 //! What a test looks at and does in the searches of a hand-driven farm.
 
-use super::{HandDrivenFarm, MOST_TICKS, PROFILE, STEP};
+use super::{HandDrivenFarm, MACHINE, MOST_TICKS, STEP};
 use crate::farm::open_build::batch;
 
 impl HandDrivenFarm {
     /// Looks whether the open build fires, as a tick does after its look at the clock.
     pub fn look_at_open_build(&mut self) {
-        self.runtime.block_on(batch::update_open_build(&mut self.farm.as_mut().unwrap().desk(), PROFILE)).unwrap();
+        self.runtime.block_on(batch::update_open_build(&mut self.farm.as_mut().unwrap().desk(), MACHINE)).unwrap();
     }
 
     /// Lets time pass until a search for the open build has begun, and takes in nothing that it finds.
     pub fn begin_search(&mut self) {
         for _ in 0..MOST_TICKS {
-            if self.farm.as_ref().unwrap().machines[PROFILE].open.search.is_some() {
+            if self.farm.as_ref().unwrap().machines[MACHINE].open.search.is_some() {
                 return;
             }
             self.hands.pass(STEP);
@@ -22,8 +22,8 @@ impl HandDrivenFarm {
     }
 
     /// Whether a search lowers the open build of a machine now.
-    pub fn is_lowering(&self, profile: &str) -> bool {
-        let night = &self.farm.as_ref().unwrap().machines[profile].open.night;
+    pub fn is_lowering(&self, machine: &str) -> bool {
+        let night = &self.farm.as_ref().unwrap().machines[machine].open.night;
         night.search.as_ref().is_some_and(|search| !search.is_stopped())
     }
 
@@ -33,8 +33,8 @@ impl HandDrivenFarm {
     }
 
     /// The farm asks the ledger again how far the search for an open build is.
-    pub fn forget_night(&mut self, profile: &str) {
-        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.end_night();
+    pub fn forget_night(&mut self, machine: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(machine).unwrap().open.end_night();
     }
 
     /// The farm has no mesh in memory any more: what it needs is read again.
@@ -43,7 +43,7 @@ impl HandDrivenFarm {
     }
 
     /// The farm knows no layout of an open build any more, and searches its copies again.
-    pub fn forget_layout(&mut self, profile: &str) {
-        self.farm.as_mut().unwrap().machines.get_mut(profile).unwrap().open.reset();
+    pub fn forget_layout(&mut self, machine: &str) {
+        self.farm.as_mut().unwrap().machines.get_mut(machine).unwrap().open.reset();
     }
 }

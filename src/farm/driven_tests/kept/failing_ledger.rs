@@ -5,7 +5,7 @@ use ledger::{Ledger, NightState, PartState};
 use crate::farm::{
     AlertKind,
     driven_tests::{
-        HandDrivenFarm, PROFILE, QUICK, block,
+        HandDrivenFarm, MACHINE, QUICK, block,
         nested::night::{drop_mixed, go_on_with_round, lowering, rest},
     },
 };
@@ -39,7 +39,7 @@ fn a_search_whose_end_the_ledger_refuses_goes_on_later() {
     drop_mixed(&mut farm, 6);
     rest(&mut farm);
     for end in ["UPDATE OF layout, cpu_secs ON build", "INSERT ON night_search WHEN NEW.starts = 0"] {
-        let begun = go_on_with_round(&mut farm, PROFILE, 0);
+        let begun = go_on_with_round(&mut farm, MACHINE, 0);
         let refused = RefusedChanges::of(&farm, end);
         farm.pass_secs(5.0);
         refused.allow(&farm);
@@ -55,7 +55,7 @@ fn an_arrival_whose_layout_the_ledger_refuses_is_searched_again() {
     farm.drop_part("a_x6.stl", &block(50.0, 22.0, 13.0));
     farm.pass_until("the first stand in the open build", |farm| farm.open_copies().len() == 6);
     let kept =
-        |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.open_build(PROFILE).await.unwrap().measures.copies);
+        |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.open_build(MACHINE).await.unwrap().measures.copies);
     for (change, copies) in [("UPDATE OF layout ON build", 7), ("UPDATE OF searches ON build WHEN NEW.searches = 0", 8)]
     {
         let refused = RefusedChanges::of(&farm, change);
@@ -197,7 +197,7 @@ fn live_with_refusals(offset: i64) -> u32 {
         farm.parts(PartState::Waiting).iter().any(|part| part.name == "a.stl" && part.wanted_copies() == 3)
     });
     until(&mut farm, "the revision replaces the first", &|farm| {
-        farm.parts(PartState::Rejected).iter().any(|part| part.name == "hinge.stl") && waiting(&["hinge.stl"])(farm)
+        farm.parts(PartState::Refused).iter().any(|part| part.name == "hinge.stl") && waiting(&["hinge.stl"])(farm)
     });
     until(&mut farm, "the tickets are gone", &|farm| {
         !farm.folder("inbox").join("a.stl.toml").exists() && !farm.folder("inbox").join("nobody.stl.toml").exists()
@@ -220,8 +220,12 @@ fn live_with_refusals(offset: i64) -> u32 {
         files.iter().map(|file| build_file::read_build(file, &Default::default()).unwrap().len()).sum::<usize>()
     };
     assert_eq!((farm.queued().len(), copies(&farm)), (2, 3 + 2 + 1 + 1), "change {offset} of {EVERY} refused");
-    assert_eq!(farm.ask(async |ledger| count_events(ledger, "refused").await), 1, "the ticket without a part");
-    assert_eq!(farm.parts(PartState::Rejected).len(), 2);
+    assert_eq!(farm.parts(PartState::Refused).len(), 2);
+    assert_eq!(
+        farm.ask(async |ledger| count_events(ledger, "refused").await),
+        2 + 1,
+        "they, and the ticket without a part"
+    );
     farm.assert_nothing_lost_or_doubled();
     farm.ask(async |_| refused.pool.close().await);
     refused.refused

@@ -5,7 +5,7 @@ use sqlx::Connection;
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block},
     records::lost_ledger::ledger_alert,
     run::open::is_transient,
 };
@@ -42,7 +42,7 @@ fn a_ledger_that_is_overwritten_inside_its_file_is_used_no_more() {
     let other = farm.ask(async |ledger| Ledger::open_existing(ledger.file().unwrap()).await.unwrap());
     let resume = NewCommand {
         kind: CommandKind::Resume,
-        profile: PROFILE.to_owned(),
+        machine: MACHINE.to_owned(),
         part: None,
         argument: Default::default(),
         asked_by: "a@test".to_owned(),
@@ -167,7 +167,7 @@ fn a_process_that_holds_the_ledger_is_named_and_the_farm_goes_on_when_it_lets_go
     assert!(text.contains(&holder), "{text}");
     let refused = farm.ask(async |ledger| {
         assert!(matches!(ledger.service_state(), ServiceState::Locked { .. }));
-        ledger.pause_profile(PROFILE, "ann", ledger::PauseCause::Person).await.unwrap_err().to_string()
+        ledger.pause_machine(MACHINE, "ann", ledger::PauseCause::Person).await.unwrap_err().to_string()
     });
     assert!(refused.contains(&holder) && !refused.contains("locked"), "{refused}");
     held.let_go();

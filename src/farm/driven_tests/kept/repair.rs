@@ -7,7 +7,7 @@ use ledger_fixtures::ToldWords;
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block},
 };
 
 /// Prints a part in a farm of its own, and puts the build and its record into the folders of another farm. The build is
@@ -38,7 +38,7 @@ fn a_build_of_another_farm_with_the_same_number_does_not_empty_the_own_build_and
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     let copies: Vec<_> = (0..5).map(|copy| (part.id, copy)).collect();
     farm.ask(async |ledger| {
-        let build = ledger.open_build(PROFILE).await.unwrap();
+        let build = ledger.open_build(MACHINE).await.unwrap();
         ledger.begin_nesting(build.id, "flush", &copies).await.unwrap();
     });
     farm.stop();
@@ -61,7 +61,7 @@ fn a_nesting_build_without_copies_is_ended_and_pauses_nothing() {
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     let copies = [(part.id, 0), (part.id, 1)];
     farm.ask(async |ledger| {
-        let build = ledger.open_build(PROFILE).await.unwrap();
+        let build = ledger.open_build(MACHINE).await.unwrap();
         ledger.begin_nesting(build.id, "flush", &copies).await.unwrap();
         ledger.release_copies(build.id, &copies, "its build was published after the backup was made").await.unwrap();
     });

@@ -9,7 +9,7 @@ use ledger::{
 };
 
 use crate::farm::{
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, stl},
     note_order, update_order_notes,
 };
 
@@ -106,7 +106,7 @@ fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_afte
         let (error, aside) = (farm.folder("error"), farm.root().join("aside"));
         fs::rename(&error, &aside).unwrap();
         decide(&mut farm);
-        farm.wait_for_parts(PartState::Rejected, 1);
+        farm.wait_for_parts(PartState::Refused, 1);
         farm.pass_secs(1.0);
         farm.stop();
         let _ = fs::remove_dir(&error);
@@ -118,11 +118,11 @@ fn what_was_decided_about_a_claim_that_still_stands_in_the_hot_folder_holds_afte
         }
         farm.start();
         farm.pass_secs(3.0);
-        assert_eq!((farm.parts(PartState::Rejected).len(), farm.parts(PartState::Waiting).len()), (1, 0), "{story}");
+        assert_eq!((farm.parts(PartState::Refused).len(), farm.parts(PartState::Waiting).len()), (1, 0), "{story}");
         assert!(told.contains("a.stl") && told.contains("is not printed"), "{story}: {told}");
         let refused = intake::files_below(&error).unwrap();
         assert_eq!(refused.iter().filter(|file| file.ends_with("a.stl")).count(), 1, "{story}: {refused:?}");
-        let retried = farm.parts(PartState::Rejected)[0].id;
+        let retried = farm.parts(PartState::Refused)[0].id;
         farm.order_and_wait(CommandKind::Retry, Some(retried));
         farm.pass_secs(2.0);
         farm.assert_ledger_agrees_with_folders();
@@ -147,7 +147,7 @@ fn the_copies_that_a_late_ticket_asked_for_are_named_with_a_remedy_that_brings_t
         let told = farm.restore(&backup).doubts.join("\n");
         assert!(told.contains("bracket.stl") && told.contains("9 copies of it were wanted then"), "{told}");
         farm.start();
-        let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0).id;
+        let part = farm.wait_for_parts(PartState::Refused, 1).remove(0).id;
         assert!(told.contains(&format!("`nestd retry {part}` takes it back")), "{told}");
         assert!(told.contains(&format!("`nestd edit {part} --copies 9`")), "{told}");
         farm.order_and_wait(CommandKind::Retry, Some(part));
@@ -190,7 +190,7 @@ fn take_order(farm: &HandDrivenFarm) -> NewOrderRequest {
     let line = |at: usize| OrderedLine {
         claim: ordered_claim_id("mes", "k1", "f", at),
         client: "mes".to_owned(),
-        profile: PROFILE.to_owned(),
+        machine: MACHINE.to_owned(),
         order_name: "K-1".to_owned(),
         name: format!("line{at}.stl"),
         content_hash: content_hash.clone(),

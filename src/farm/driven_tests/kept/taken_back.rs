@@ -10,7 +10,7 @@ use ledger::{
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
 };
 
 const PART: PartId = PartId(1);
@@ -33,7 +33,7 @@ fn find(farm: &HandDrivenFarm, build: BuildId) -> BuildRow {
 }
 
 fn prove(farm: &mut HandDrivenFarm) -> BuildId {
-    farm.ask(async |ledger| ledger.resume_profile(PROFILE, "a@test").await.unwrap());
+    farm.ask(async |ledger| ledger.resume_machine(MACHINE, "a@test").await.unwrap());
     farm.tick();
     farm.order(CommandKind::Flush, None);
     farm.pass_until("a build is proved", |farm| !in_state(farm, BuildState::Verified).is_empty());
@@ -130,7 +130,7 @@ fn a_word_that_waited_for_the_file_when_the_backup_was_made_has_nothing_printed_
         assert_eq!(farm.say(&word, true).unwrap().noted, [build]);
         let backup = farm.write_backup("backup");
         wait_for_end(&mut farm, build);
-        farm.ask(async |ledger| ledger.resume_profile(PROFILE, "a@test").await.unwrap());
+        farm.ask(async |ledger| ledger.resume_machine(MACHINE, "a@test").await.unwrap());
         farm.tick();
         farm.order(CommandKind::Flush, None);
         let (queued, aside) = (farm.wait_for_queued(1).remove(0), farm.root().join("taken.build.3mf"));

@@ -2,7 +2,7 @@
 
 use ledger::{CommandKind, PartState};
 
-use crate::farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block};
+use crate::farm::driven_tests::{HandDrivenFarm, MACHINE, QUICK, block};
 
 #[test]
 fn a_cancelled_part_leaves_the_open_build() {
@@ -28,7 +28,7 @@ fn nothing_is_told_of_an_open_build_whose_parts_were_all_cancelled() {
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     let told = |farm: &HandDrivenFarm| {
         farm.ask(async |ledger| {
-            let build = ledger.open_build(PROFILE).await.unwrap();
+            let build = ledger.open_build(MACHINE).await.unwrap();
             let night = ledger.find_night_search(build.id).await.unwrap();
             (build.measures.copies, build.measures.height_mm.is_some(), night.is_some(), build.kept.layout.is_some())
         })

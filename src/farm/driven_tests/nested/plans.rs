@@ -7,16 +7,16 @@ use ledger::{CommandKind, PartState};
 
 use crate::farm::{
     DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
-    driven_tests::{HandDrivenFarm, PROFILE, block, hand_driven_farm::farm_files::list_build_files, stl},
+    driven_tests::{HandDrivenFarm, MACHINE, block, hand_driven_farm::farm_files::list_build_files, stl},
     plan_machine, quote_order, read_plan, read_quoted_files,
 };
 
 /// Searches are quick, nothing turns, and a build of 20 mm is printed in two hours.
-const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.2\narrival_secs = 0.1\nimprove_secs = 0\norientation = \"fixed\"\nprint_hours_per_mm = 0.1\n\
+const PROFILE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.2\narrival_secs = 0.1\nimprove_secs = 0\norientation = \"fixed\"\nprint_hours_per_mm = 0.1\n\
     [trigger]\nmax_wait_secs = \"30h\"\ngather_secs = 0\ndue_margin_secs = \"1h\"\n[[printer]]\nname = \"left\"\n[[printer]]\nname = \"right\"\n";
 
 fn plan(farm: &HandDrivenFarm) -> MachinePlan {
-    let (profile, now) = (farm.profiles()[PROFILE].clone(), farm.date());
+    let (profile, now) = (farm.profiles()[MACHINE].clone(), farm.date());
     farm.ask(async |ledger| plan_machine(ledger, &profile, now).await.unwrap())
 }
 
@@ -26,7 +26,7 @@ fn due_in(farm: &HandDrivenFarm, hours: i64) -> String {
 
 #[test]
 fn a_plan_says_when_the_open_build_fires_where_it_is_printed_and_what_would_be_late() {
-    let mut farm = HandDrivenFarm::open(MACHINE);
+    let mut farm = HandDrivenFarm::open(PROFILE);
     assert!(plan(&farm).builds.is_empty());
     farm.drop_bytes("soon.stl.toml", format!("due = \"{}\"\norder = \"A-1\"\n", due_in(&farm, 1)).as_bytes());
     farm.drop_part("soon.stl", &block(20.0, 20.0, 20.0));
@@ -60,7 +60,7 @@ fn a_plan_says_when_the_open_build_fires_where_it_is_printed_and_what_would_be_l
 
 #[test]
 fn a_plan_changes_nothing_and_says_why_nothing_fires() {
-    let mut farm = HandDrivenFarm::open(MACHINE);
+    let mut farm = HandDrivenFarm::open(PROFILE);
     farm.drop_bytes("a.stl.toml", format!("due = \"{}\"\n", due_in(&farm, 2)).as_bytes());
     farm.order_and_wait(CommandKind::Pause, None);
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
@@ -84,7 +84,7 @@ fn quoted_file(name: &str, path: std::path::PathBuf, copies: u32) -> QuotedFile 
 
 /// A quote for copies of a mesh.
 fn quote(farm: &HandDrivenFarm, mesh: &solids::Mesh, copies: u32, due_in_hours: Option<i64>) -> OrderQuote {
-    let (profile, now) = (Arc::new(farm.profiles()[PROFILE].clone()), farm.date());
+    let (profile, now) = (Arc::new(farm.profiles()[MACHINE].clone()), farm.date());
     let path = farm.root().join("asked.stl");
     std::fs::write(&path, stl(mesh)).unwrap();
     let files = [quoted_file("asked.stl", path.clone(), copies)];
@@ -102,7 +102,7 @@ fn hours_until(farm: &HandDrivenFarm, at: Option<ledger::UtcTimestamp>) -> f64 {
 
 #[test]
 fn a_quote_inserts_into_a_copy_of_the_open_build_and_takes_nothing() {
-    let mut farm = HandDrivenFarm::open(MACHINE);
+    let mut farm = HandDrivenFarm::open(PROFILE);
     let alone = quote(&farm, &block(20.0, 20.0, 20.0), 2, None);
     assert_eq!((alone.copies, alone.builds, alone.height_mm.round(), alone.share), (2, 1, 20.0, 1.0));
     // 20 mm are printed in two hours; nothing waits, so it would fire at once.
@@ -135,8 +135,8 @@ fn a_quote_inserts_into_a_copy_of_the_open_build_and_takes_nothing() {
 
 #[test]
 fn parts_are_quoted_as_their_tickets_ask_and_large_files_only_so_many_at_a_time() {
-    let farm = HandDrivenFarm::open(MACHINE);
-    let (profile, path) = (farm.profiles()[PROFILE].clone(), farm.root().join("asked.stl"));
+    let farm = HandDrivenFarm::open(PROFILE);
+    let (profile, path) = (farm.profiles()[MACHINE].clone(), farm.root().join("asked.stl"));
     std::fs::write(&path, stl(&block(1.0, 2.0, 3.0))).unwrap();
     let file = |ticket: &str| {
         let ticket = Ticket::from_toml(ticket, "t").unwrap();
@@ -162,8 +162,8 @@ fn parts_are_quoted_as_their_tickets_ask_and_large_files_only_so_many_at_a_time(
 
 #[test]
 fn what_would_be_refused_is_not_quoted_and_what_it_delays_is_named() {
-    let mut farm = HandDrivenFarm::open(MACHINE);
-    let profile = farm.profiles()[PROFILE].clone();
+    let mut farm = HandDrivenFarm::open(PROFILE);
+    let profile = farm.profiles()[MACHINE].clone();
     let path = farm.root().join("large.stl");
     std::fs::write(&path, stl(&block(300.0, 20.0, 20.0))).unwrap();
     let files = [quoted_file("large.stl", path, 1)];
@@ -188,7 +188,7 @@ fn what_would_be_refused_is_not_quoted_and_what_it_delays_is_named() {
 fn quotes_take_less_than_two_seconds_with_400_waiting_parts() {
     use std::{io::Write, time::Instant};
     let machine =
-        MACHINE.replace("[120, 120, 120]", "[380, 284, 380]").replace("arrival_secs = 0.1", "arrival_secs = 30");
+        PROFILE.replace("[120, 120, 120]", "[380, 284, 380]").replace("arrival_secs = 0.1", "arrival_secs = 30");
     let mut farm = HandDrivenFarm::open(&machine.replace("orientation = \"fixed\"\n", ""));
     for seed in 0..400 {
         farm.drop_part(&format!("part-{seed:03}.stl"), &sample_parts::random_part(seed));
@@ -198,7 +198,7 @@ fn quotes_take_less_than_two_seconds_with_400_waiting_parts() {
         std::thread::sleep(std::time::Duration::from_millis(500));
         farm.open_copies().len() == 400
     });
-    let (profile, now) = (Arc::new(farm.profiles()[PROFILE].clone()), farm.date());
+    let (profile, now) = (Arc::new(farm.profiles()[MACHINE].clone()), farm.date());
     let warm = farm.quote_meshes();
     for (name, is_warm) in [("a process of its own each", false), ("a daemon that keeps meshes", true)] {
         let (mut took, mut nested) = (Vec::new(), 0);

@@ -2,7 +2,7 @@
 
 use ledger::{CommandKind, EventKind, EventRow, PartRow, PartState};
 
-use crate::farm::driven_tests::{HandDrivenFarm, PROFILE, QUICK, block};
+use crate::farm::driven_tests::{HandDrivenFarm, MACHINE, QUICK, block};
 
 /// 8 cubes of 55 mm fill the volume of [`QUICK`].
 const CUBES: usize = 8;
@@ -104,5 +104,5 @@ fn priority_100_that_finds_no_room_is_told_why_at_once() {
     let placed = build_file::read_build(&next, &Default::default()).unwrap();
     assert!(placed.iter().any(|placed| placed.part_number == Some(second.id.to_string())));
     farm.pass_secs(3.0);
-    assert!(!farm.status_text().contains("second.stl"), "{PROFILE}: {}", farm.status_text());
+    assert!(!farm.status_text().contains("second.stl"), "{MACHINE}: {}", farm.status_text());
 }

@@ -130,7 +130,7 @@ fn overdue_parts_that_are_taken_back_one_after_another_are_gathered_too() {
         farm.order_and_wait(ledger::CommandKind::Cancel, parts.last().copied());
     }
     farm.order_and_wait(ledger::CommandKind::Resume, None);
-    farm.wait_for_parts(PartState::Rejected, 2);
+    farm.wait_for_parts(PartState::Refused, 2);
     farm.pass_secs(100.0);
     for part in parts {
         farm.order_and_wait(ledger::CommandKind::Retry, Some(part));

@@ -6,7 +6,7 @@ use ledger::{CommandKind, PartState};
 
 use crate::farm::{
     alerts::alert::AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, stl},
 };
 
 #[test]
@@ -58,14 +58,14 @@ fn a_stopped_farm_goes_on_where_it_was() {
 }
 
 #[test]
-fn a_reload_adds_and_changes_profiles_and_a_wrong_one_leaves_them_as_they_were() {
+fn a_reload_adds_and_changes_machines_and_a_wrong_one_leaves_them_as_they_were() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.write_profile("second", QUICK);
     farm.reload();
     let inbox = farm.root().join("inbox/second");
-    farm.pass_until("the new profile has its hot folder", |_| inbox.is_dir());
+    farm.pass_until("the new machine has its hot folder", |_| inbox.is_dir());
     fs::write(inbox.join("cube.stl"), stl(&block(10.0, 10.0, 10.0))).unwrap();
-    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].profile, "second");
+    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].machine, "second");
     farm.write_profile("second", "volume_mm = \"wrong\"");
     farm.reload();
     assert!(farm.has_alert(AlertKind::ConfigurationWrong));
@@ -76,7 +76,7 @@ fn a_reload_adds_and_changes_profiles_and_a_wrong_one_leaves_them_as_they_were()
 }
 
 #[test]
-fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
+fn a_machine_whose_folders_cannot_be_made_does_not_stop_the_others() {
     let mut farm = HandDrivenFarm::closed(QUICK);
     fs::write(farm.root().join("file"), "in the way").unwrap();
     let elsewhere = farm.root().join("file/queue");
@@ -90,7 +90,7 @@ fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
 }
 
 #[test]
-fn a_build_that_is_given_up_pauses_its_profile_and_is_told_until_that_is_resumed() {
+fn a_build_that_is_given_up_pauses_its_machine_and_is_told_until_that_is_resumed() {
     let profile = QUICK.replace("max_attempts = 50", "max_attempts = 1");
     let mut farm = HandDrivenFarm::open(&profile);
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
@@ -98,14 +98,14 @@ fn a_build_that_is_given_up_pauses_its_profile_and_is_told_until_that_is_resumed
     // The new build volume is too small for the part.
     let parts = farm.parts(PartState::Waiting);
     let copies: Vec<_> = parts.iter().flat_map(|part| (0..part.owed.copies).map(|copy| (part.id, copy))).collect();
-    farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
+    farm.write_profile(MACHINE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
     farm.ask(async |ledger| {
-        let build = ledger.open_build(PROFILE).await.unwrap().id;
+        let build = ledger.open_build(MACHINE).await.unwrap().id;
         ledger.begin_nesting(build, "a test", &copies).await.unwrap();
     });
     farm.reload();
     farm.pass_until("it is given up", |farm| farm.has_alert(AlertKind::BuildFailed));
-    assert_eq!(farm.ask(async |ledger| ledger.paused_profiles().await.unwrap()), [PROFILE]);
+    assert_eq!(farm.ask(async |ledger| ledger.paused_machines().await.unwrap()), [MACHINE]);
     farm.order_and_wait(CommandKind::Resume, None);
     farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::BuildFailed));
 }

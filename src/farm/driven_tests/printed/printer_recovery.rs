@@ -12,7 +12,7 @@ use super::printers::{bring_up, build_part, published, queue, take_down, two_pri
 use crate::{
     farm::{
         AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
+        driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
     },
     queue::{PrinterQueue, QueueFolder},
 };
@@ -188,7 +188,7 @@ fn what_the_ledger_does_not_know_of_one_folder_is_not_settled_by_its_absence() {
     farm.pass_until("the ledger is behind", |farm| farm.has_alert(AlertKind::LedgerBehind));
     fs::rename(&right, &away).unwrap();
     farm.pass_secs(20.0);
-    assert!(farm.has_alert(AlertKind::LedgerBehind), "{PROFILE} may not claim before it is settled");
+    assert!(farm.has_alert(AlertKind::LedgerBehind), "{MACHINE} may not claim before it is settled");
     fs::remove_file(&unknown).unwrap();
     fs::rename(&away, &right).unwrap();
     farm.pass_until("it is settled", |farm| !farm.has_alert(AlertKind::LedgerBehind));
@@ -211,7 +211,7 @@ fn a_person_learns_that_a_file_that_was_taken_back_has_no_printer_to_go_to() {
 
 /// The machine goes on without its left printer.
 fn remove_left(farm: &mut HandDrivenFarm) {
-    farm.write_profile(PROFILE, &format!("{QUICK}orientation = \"fixed\"\n[[printer]]\nname = \"right\"\n"));
+    farm.write_profile(MACHINE, &format!("{QUICK}orientation = \"fixed\"\n[[printer]]\nname = \"right\"\n"));
     farm.reload();
 }
 

@@ -14,7 +14,7 @@ use crate::{
     farm::{
         AlertKind,
         driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
+            HandDrivenFarm, MACHINE, QUICK, block,
             hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
         },
         preview_release,
@@ -47,12 +47,12 @@ pub(crate) fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) 
 }
 
 pub(super) fn take_down(farm: &HandDrivenFarm, printer: &str) {
-    let (profile, printer, reason) = (PROFILE.to_owned(), printer.to_owned(), "its lamp".to_owned());
-    farm.say(&OperatorWord::PrinterDown { profile, printer, reason }, false).unwrap();
+    let (machine, printer, reason) = (MACHINE.to_owned(), printer.to_owned(), "its lamp".to_owned());
+    farm.say(&OperatorWord::PrinterDown { machine, printer, reason }, false).unwrap();
 }
 
 pub(super) fn bring_up(farm: &HandDrivenFarm, printer: &str) {
-    let word = OperatorWord::PrinterUp { profile: PROFILE.to_owned(), printer: printer.to_owned() };
+    let word = OperatorWord::PrinterUp { machine: MACHINE.to_owned(), printer: printer.to_owned() };
     assert!(farm.say(&word, false).unwrap().sentences[0].ends_with("takes builds again."));
 }
 
@@ -196,9 +196,9 @@ fn the_queue_folder_of_one_printer_that_is_away_does_not_keep_the_other_from_pri
 fn a_machine_that_gets_a_second_printer_goes_on_with_what_lies_in_its_queue() {
     let mut farm = HandDrivenFarm::open(QUICK);
     build_part(&mut farm, "a.stl", 20.0);
-    assert_eq!(published(&farm)[0].place.printer.as_deref(), Some(PROFILE));
+    assert_eq!(published(&farm)[0].place.printer.as_deref(), Some(MACHINE));
     let printers = "[[printer]]\nname = \"left\"\nqueue = \"queue/test\"\n[[printer]]\nname = \"right\"\n";
-    farm.write_profile(PROFILE, &format!("{QUICK}{printers}"));
+    farm.write_profile(MACHINE, &format!("{QUICK}{printers}"));
     farm.reload();
     farm.pass_secs(5.0);
     build_part(&mut farm, "b.stl", 20.0);
@@ -228,7 +228,7 @@ fn a_thin_build_waits_for_a_yes_and_goes_to_the_printer_that_is_up_then() {
         farm.ask(async |ledger| ledger.builds_in_state(BuildState::Verified).await.unwrap()).pop()
     };
     let build = verified(&farm).unwrap();
-    let (profile, now) = (farm.profiles()[PROFILE].clone(), farm.date());
+    let (profile, now) = (farm.profiles()[MACHINE].clone(), farm.date());
     let preview = farm.ask(async |ledger| preview_release(ledger, &profile, &build, now).await.unwrap());
     assert!(preview.awaits_release && preview.copies == 1, "{preview:?}");
     assert!((preview.height_mm - 20.0).abs() < 1e-3 && (preview.print_hours - 2.0).abs() < 1e-3, "{preview:?}");

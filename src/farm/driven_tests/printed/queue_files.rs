@@ -8,7 +8,7 @@ use ledger::{
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block},
 };
 
 /// A farm with one published build, and its file.
@@ -155,7 +155,7 @@ fn a_taken_file_that_comes_back_lies_in_the_queue_again_within_a_look_and_one_th
     fs::write(&file, b"another").unwrap();
     fs::write(file.with_file_name("foreign.build.3mf"), b"of somebody else").unwrap();
     farm.pass_secs(5.0);
-    assert!(farm.folder_of("queue", PROFILE).join("foreign.build.3mf").exists());
+    assert!(farm.folder_of("queue", MACHINE).join("foreign.build.3mf").exists());
 }
 
 #[test]

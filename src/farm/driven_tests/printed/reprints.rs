@@ -10,7 +10,7 @@ use ledger_fixtures::ToldWords;
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block},
 };
 
 /// Copies and sizes of the parts in a build file.
@@ -40,9 +40,9 @@ pub fn change(
     kind: CommandKind,
     part: PartId,
     argument: CommandArgument,
-    profile: &str,
+    machine: &str,
 ) -> String {
-    let id = farm.submit_command(&new_command(kind, part, argument, profile));
+    let id = farm.submit_command(&new_command(kind, part, argument, machine));
     let answer = |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap());
     farm.pass_until("the command is answered", |farm| answer(farm).answered_at.is_some());
     let row = answer(farm);
@@ -50,8 +50,8 @@ pub fn change(
     row.answer
 }
 
-fn new_command(kind: CommandKind, part: PartId, argument: CommandArgument, profile: &str) -> NewCommand {
-    NewCommand { kind, profile: profile.to_owned(), part: Some(part), argument, asked_by: "ann@farm".to_owned() }
+fn new_command(kind: CommandKind, part: PartId, argument: CommandArgument, machine: &str) -> NewCommand {
+    NewCommand { kind, machine: machine.to_owned(), part: Some(part), argument, asked_by: "ann@farm".to_owned() }
 }
 
 pub fn edit(edit: PartEdit) -> CommandArgument {
@@ -78,7 +78,7 @@ fn a_failed_build_comes_back_with_every_copy_in_the_unit_and_under_the_rules_tha
     );
     tell(&farm, build, PrintOutcome::Failed);
     farm.pass_secs(2.0);
-    let waiting = farm.ask(async |ledger| ledger.waiting_copies(PROFILE).await.unwrap());
+    let waiting = farm.ask(async |ledger| ledger.waiting_copies(MACHINE).await.unwrap());
     assert_eq!(waiting.iter().map(|w| w.copies.len()).sum::<usize>(), 5);
     published(&mut farm, 2);
     assert_eq!(contents(&farm, 1), first, "the same copies in the same sizes");
@@ -207,7 +207,7 @@ fn a_part_that_is_cancelled_while_it_is_read_again_is_in_the_error_folder() {
     // Both are carried out before the file is read again.
     farm.submit_command(&new_command(CommandKind::Edit, part, edit(unit), ""));
     farm.order(CommandKind::Cancel, Some(part));
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.pass_secs(1.0);
     assert!(farm.folder("error").join(format!("part-{part}/a.stl")).exists());
     farm.assert_nothing_lost_or_doubled();
@@ -263,10 +263,10 @@ fn commands_are_answered_while_a_moved_part_waits_for_its_original() {
     farm.pass_secs(5.0);
     assert!(farm.has_alert(AlertKind::FileDamaged));
     change(&mut farm, CommandKind::Move, part, CommandArgument::default(), "other");
-    for profile in ["test", "other"] {
+    for machine in ["test", "other"] {
         let flush = NewCommand {
             kind: CommandKind::Flush,
-            profile: profile.to_owned(),
+            machine: machine.to_owned(),
             part: None,
             argument: CommandArgument::default(),
             asked_by: "a@test".to_owned(),
@@ -280,7 +280,7 @@ fn commands_are_answered_while_a_moved_part_waits_for_its_original() {
     // A change of what was asked is answered, too.
     let again = NewCommand {
         kind: CommandKind::Edit,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(part),
         argument: edit(PartEdit { copies: Some(5), ..PartEdit::default() }),
         asked_by: "a@test".to_owned(),
@@ -308,7 +308,7 @@ fn a_part_that_a_revision_replaces_while_its_original_is_fetched_is_in_the_error
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.pass_secs(5.0);
     fs::rename(&away, &archive).unwrap();
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     farm.pass_secs(2.0);
     assert_eq!(farm.violations(), [""; 0]);
 }

@@ -10,7 +10,7 @@ use crate::{
     farm::{
         AlertKind, awaits_release,
         driven_tests::{
-            HandDrivenFarm, PROFILE, QUICK, block,
+            HandDrivenFarm, MACHINE, QUICK, block,
             hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
         },
         fate_of_queued, preview_release,
@@ -23,7 +23,7 @@ const APPROVED: &str = "orientation = \"fixed\"\nwall_margin_mm = 0\napprove = \
 fn edit_machine(farm: &HandDrivenFarm, options: &str, from: &str, to: &str) {
     let text = format!("{QUICK}{options}");
     assert!(text.contains(from), "{text}");
-    farm.write_profile(PROFILE, &text.replace(from, to));
+    farm.write_profile(MACHINE, &text.replace(from, to));
 }
 
 fn proved(farm: &HandDrivenFarm) -> Vec<BuildRow> {
@@ -86,10 +86,10 @@ fn a_proved_build_that_does_not_fit_its_machine_any_more_is_made_again_and_not_p
 #[test]
 fn a_proved_build_that_is_about_to_be_made_again_waits_for_no_yes_and_shows_no_figures() {
     let (farm, build) = two_blocks(APPROVED);
-    assert!(awaits_release(&farm.profiles()[PROFILE], &build));
+    assert!(awaits_release(&farm.profiles()[MACHINE], &build));
     edit_machine(&farm, APPROVED, "[120, 120, 120]", "[60, 60, 120]");
     let config = farm.root().join("config/nestd.toml");
-    let smaller = load_settings(Some(&config), Some(farm.root())).unwrap().profiles[PROFILE].clone();
+    let smaller = load_settings(Some(&config), Some(farm.root())).unwrap().profiles[MACHINE].clone();
     assert!(!awaits_release(&smaller, &build));
     let now = farm.date();
     let preview = farm.ask(async |ledger| preview_release(ledger, &smaller, &build, now).await.unwrap());
@@ -112,7 +112,7 @@ fn a_released_build_under_which_the_machine_changes_while_its_printer_is_down_is
     ];
     for (from, to, why) in changes {
         let (mut farm, build) = two_blocks(APPROVED);
-        take_down(&farm, PROFILE);
+        take_down(&farm, MACHINE);
         farm.tick();
         release(&farm, &build);
         farm.pass_secs(5.0);
@@ -167,7 +167,7 @@ fn a_part_that_has_no_place_in_the_smaller_machine_waits_again_and_a_person_is_t
     assert_eq!(told.matches("none of its copies has a place in the machine as it is now").count(), 2, "{told}");
     assert!(farm.status_text().contains("PAUSED"), "{}", farm.status_text());
     // They are refused then, and nothing says that they wait.
-    farm.wait_for_parts(PartState::Rejected, 2);
+    farm.wait_for_parts(PartState::Refused, 2);
     farm.pass_secs(10.0);
     assert!(farm.status_text().contains("Nothing waits."), "{}", farm.status_text());
     farm.assert_ledger_agrees_with_folders();
@@ -213,7 +213,7 @@ fn a_build_in_a_queue_that_does_not_fit_any_more_is_told_goes_to_no_other_printe
     let told = farm.alert_text(AlertKind::QueueAltered);
     assert!(told.contains("60 x 60 x 120 mm") && told.contains(&format!("`nestd withdraw {}`", build.id)), "{told}");
     take_down(&farm, "left");
-    let profile = farm.profiles()[PROFILE].clone();
+    let profile = farm.profiles()[MACHINE].clone();
     let fate = farm.ask(async |ledger| fate_of_queued(ledger, &profile, "left").await.unwrap());
     assert!(fate.contains(&format!("Build {} goes to no other one, for the machine has changed", build.id)), "{fate}");
     farm.pass_secs(30.0);
@@ -223,7 +223,7 @@ fn a_build_in_a_queue_that_does_not_fit_any_more_is_told_goes_to_no_other_printe
     farm.pass_until("the hot folder says so", is_there);
     farm.say(&OperatorWord::Withdraw(build.id, String::new()), false).unwrap();
     farm.wait_for_parts(PartState::Waiting, 2);
-    farm.ask(async |ledger| ledger.resume_profile(PROFILE, "ann").await.unwrap());
+    farm.ask(async |ledger| ledger.resume_machine(MACHINE, "ann").await.unwrap());
     farm.tick();
     farm.order(CommandKind::Flush, None);
     farm.pass_until("it is at the other printer", |farm| visible(farm) == [0, 1]);

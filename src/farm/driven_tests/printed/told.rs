@@ -11,7 +11,7 @@ use super::printers::{published, queue, two_printers};
 use crate::farm::{
     AlertKind,
     driven_tests::{
-        HandDrivenFarm, PROFILE, QUICK, block,
+        HandDrivenFarm, MACHINE, QUICK, block,
         hand_driven_farm::farm_files::{assert_each_copy_once, list_build_files},
     },
 };
@@ -182,7 +182,7 @@ fn a_file_that_comes_back_lies_in_the_queue_again() {
     let failed = outcome(&build, PrintOutcome::Failed, 0);
     assert!(matches!(farm.say(&failed, false), Err(LedgerError::InQueue(InQueueError::LiesThere { .. }))));
     assert_eq!(find(&farm, build.id).place.taken_at, None);
-    assert_eq!(farm.folder_of("queue", PROFILE), file.parent().unwrap());
+    assert_eq!(farm.folder_of("queue", MACHINE), file.parent().unwrap());
 }
 
 #[test]

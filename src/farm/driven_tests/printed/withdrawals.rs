@@ -12,7 +12,7 @@ use super::printers::{build_part, published};
 use crate::{
     farm::{
         AlertKind,
-        driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
+        driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},
     },
     queue::{PrinterQueue, QueueFolder},
 };
@@ -30,7 +30,7 @@ fn wait_for_end(farm: &mut HandDrivenFarm, build: BuildId) {
 }
 
 fn open_queue(farm: &HandDrivenFarm) -> QueueFolder {
-    QueueFolder::open(farm.folder_of("queue", PROFILE)).unwrap()
+    QueueFolder::open(farm.folder_of("queue", MACHINE)).unwrap()
 }
 
 /// A farm with one published build.
@@ -43,7 +43,7 @@ fn one_build(options: &str) -> (HandDrivenFarm, BuildId, String) {
 
 fn flush_again(farm: &mut HandDrivenFarm, queued: usize) {
     // A person's withdrawal paused the machine.
-    farm.ask(async |ledger| ledger.resume_profile(PROFILE, "a@test").await.unwrap());
+    farm.ask(async |ledger| ledger.resume_machine(MACHINE, "a@test").await.unwrap());
     farm.tick();
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(queued);
@@ -95,7 +95,7 @@ fn a_build_that_is_taken_back_can_be_changed_and_comes_again() {
     let argument = CommandArgument { edit: Some(edit), ..CommandArgument::default() };
     let command = NewCommand {
         kind: CommandKind::Edit,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(waiting[0].id),
         argument,
         asked_by: "a@test".to_owned(),
@@ -127,8 +127,8 @@ fn no_copy_of_a_build_that_was_taken_back_is_lost_and_its_file_is_told_of_where_
     fs::remove_file(&file).unwrap();
     // Somebody printed it from a copy all the same: the remedy that the refusal names.
     let argument = CommandArgument { copies: Some(1), ..CommandArgument::default() };
-    let (kind, profile, asked_by) = (CommandKind::Cancel, String::new(), "a@test".to_owned());
-    farm.submit_command(&NewCommand { kind, profile, part: Some(part), argument, asked_by });
+    let (kind, machine, asked_by) = (CommandKind::Cancel, String::new(), "a@test".to_owned());
+    farm.submit_command(&NewCommand { kind, machine, part: Some(part), argument, asked_by });
     farm.pass_until("no copy waits", |farm| farm.parts(PartState::Waiting).is_empty());
     farm.assert_ledger_agrees_with_folders();
 }

@@ -90,7 +90,7 @@ fn a_package_that_is_dropped_again_is_made_as_it_says_now_and_keeps_its_date() {
     let first = farm.wait_for_parts(PartState::Waiting, 1);
     assert_eq!((first[0].owed.copies, first[0].terms.orientation), (5, OrientationRule::Fixed));
     farm.drop_bytes("Brandt_x12.camspec", &document(json!([line("a", 3), line("b", 2)]), "b"));
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let asked = |part: &ledger::PartRow| {
         (
@@ -115,8 +115,8 @@ fn a_package_that_cannot_be_obeyed_is_refused_as_a_whole_with_the_reason() {
         "constraints": [{"manifestId": IDS[1], "type": "FIXED_LOCATION", "value": place}], "globalConstraints": [],
     });
     farm.drop_bytes("fixed.camspec", &package(&document));
-    let refused = farm.wait_for_parts(PartState::Rejected, 1);
-    let reason = &refused[0].rejection.reason;
+    let refused = farm.wait_for_parts(PartState::Refused, 1);
+    let reason = &refused[0].refused.reason;
     assert!(reason.contains("FIXED_LOCATION") && reason.contains("nestd chooses the places itself"), "{reason}");
     assert!(farm.parts(PartState::Waiting).is_empty() && list_build_files(&farm.folder("queue")).is_empty());
     assert!(farm.folder("error").join("fixed.camspec").exists());

@@ -106,10 +106,10 @@ fn a_revision_takes_the_place_of_the_first_with_all_that_was_asked() {
     farm.drop_part("brandt/hinge.stl", &block(10.0, 12.0, 14.0));
     let old = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     farm.drop_part("brandt/hinge.stl", &block(10.0, 12.0, 16.0));
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     let new = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!((new.wanted_copies(), new.terms.note.as_str(), new.size_mm().unwrap()[2]), (4, "black", 16.0));
-    assert_eq!(farm.parts(PartState::Rejected)[0].owed.replaced_by, Some(new.id));
+    assert_eq!(farm.parts(PartState::Refused)[0].owed.replaced_by, Some(new.id));
     assert!(!farm.has_alert(AlertKind::Refused), "it was meant so");
     publish(&mut farm, 1);
     assert_eq!(copies(&farm, 0), 4);

@@ -6,11 +6,11 @@ use ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, P
 
 use crate::farm::{
     AlertKind,
-    driven_tests::{HandDrivenFarm, PROFILE, QUICK, block, stl},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, stl},
 };
 
 #[test]
-fn a_paused_profile_fires_nothing_until_it_is_resumed() {
+fn a_paused_machine_fires_nothing_until_it_is_resumed() {
     let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ncopies = 1\n"));
     assert_eq!(farm.order_and_wait(CommandKind::Pause, None).state, CommandState::Done);
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
@@ -28,13 +28,13 @@ fn a_pause_by_a_user_who_is_called_like_the_daemon_is_not_a_failed_build() {
     let asked_by = "nestd".to_owned();
     farm.submit_command(&NewCommand {
         kind: CommandKind::Pause,
-        profile: PROFILE.to_owned(),
+        machine: MACHINE.to_owned(),
         part: None,
         argument: Default::default(),
         asked_by,
     });
     farm.pass_secs(10.0);
-    assert_eq!(farm.ask(async |ledger| ledger.paused_profiles().await.unwrap()), [PROFILE]);
+    assert_eq!(farm.ask(async |ledger| ledger.paused_machines().await.unwrap()), [MACHINE]);
     assert!(!farm.has_alert(AlertKind::BuildFailed));
 }
 
@@ -49,7 +49,7 @@ fn a_cancelled_part_is_in_no_build() {
     farm.order(CommandKind::Flush, None);
     let built = farm.wait_for_parts(PartState::Built, 1);
     assert_eq!(built[0].name, "b.stl");
-    assert_eq!(farm.parts(PartState::Rejected)[0].name, "a.stl");
+    assert_eq!(farm.parts(PartState::Refused)[0].name, "a.stl");
     let copy = farm.folder("error").join(format!("part-{}", a.id)).join("a.stl");
     assert!(copy.exists(), "the original of a cancelled part is given back");
 }
@@ -82,7 +82,7 @@ fn a_part_that_is_cancelled_again_while_it_is_taken_back_is_in_the_error_folder(
     farm.begin_tick();
     farm.order(CommandKind::Cancel, Some(part.id));
     farm.begin_tick();
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     assert!(farm.folder("error").join(format!("part-{}", part.id)).join("a.stl").exists());
     farm.assert_nothing_lost_or_doubled();
 }
@@ -97,12 +97,12 @@ fn a_part_that_is_refused_while_it_is_read_again_is_copied_into_the_error_folder
     farm.pass_until("a newer revision is taken", |farm| !replaced(farm).is_empty());
     let again = PartEdit { orientation: Some(nester::OrientationRule::Upright), ..PartEdit::default() };
     let argument = CommandArgument { edit: Some(again), ..CommandArgument::default() };
-    let (profile, asked_by) = (String::new(), "ann@farm".to_owned());
-    farm.submit_command(&NewCommand { kind: CommandKind::Edit, profile, part: Some(first), argument, asked_by });
+    let (machine, asked_by) = (String::new(), "ann@farm".to_owned());
+    farm.submit_command(&NewCommand { kind: CommandKind::Edit, machine, part: Some(first), argument, asked_by });
     // The power fails within any of these ticks: the ledger never says "refused" of a file that is not in the error folder.
     for _ in 0..100 {
         farm.begin_tick();
-        let is_refused = !farm.parts(PartState::Rejected).is_empty();
+        let is_refused = !farm.parts(PartState::Refused).is_empty();
         assert!(!is_refused || farm.folder("error").join(format!("part-{first}/a.stl")).exists());
         farm.pass_secs(0.1);
         if is_refused {
@@ -121,7 +121,7 @@ fn a_copy_into_the_error_folder_that_a_crash_cut_short_is_made_again() {
     // All bytes were written, and the rename to the right name was not.
     let folder = farm.folder("error").join(format!("part-{part}"));
     fs::create_dir_all(&folder).unwrap();
-    let reason = format!("Cancelled by ann.\n\nPart {part} of the profile {PROFILE}.\n");
+    let reason = format!("Cancelled by ann.\n\nPart {part} of the machine {MACHINE}.\n");
     fs::write(folder.join("a.stl.reason.txt"), reason).unwrap();
     fs::write(folder.join(".nestd-0123456789abcdef01234567.tmp"), &bytes).unwrap();
     assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(part)).state, CommandState::Done);

@@ -20,7 +20,7 @@ fn readme_ticket() -> String {
 
 fn wait_for_part(farm: &mut HandDrivenFarm) -> PartRow {
     let taken = |farm: &HandDrivenFarm| {
-        [PartState::Waiting, PartState::Batched, PartState::Built, PartState::Rejected]
+        [PartState::Waiting, PartState::Batched, PartState::Built, PartState::Refused]
             .into_iter()
             .flat_map(|state| farm.parts(state))
             .next()
@@ -40,7 +40,7 @@ fn the_ticket_of_the_readme_copied_whole_is_accepted() {
     farm.drop_bytes("bracket.stl", &stl(&block(1.0, 0.5, 0.5)));
     farm.drop_bytes("bracket.stl.toml", ticket.as_bytes());
     let part = wait_for_part(&mut farm);
-    assert_ne!(part.state, PartState::Rejected, "{}", part.rejection.reason);
+    assert_ne!(part.state, PartState::Refused, "{}", part.refused.reason);
     assert_eq!((part.owed.copies, part.terms.order_name.as_str(), part.terms.priority), (10, "1042", 80));
     assert_eq!(part.warnings, "");
 }
@@ -78,7 +78,7 @@ fn answer_in_every_way(farm: &mut HandDrivenFarm) {
     };
     let command = |kind, part, argument| NewCommand {
         kind,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(part),
         argument,
         asked_by: "ann@farm".to_owned(),
@@ -130,7 +130,7 @@ fn a_control_file_is_no_part_and_one_with_content_is_refused() {
     let reason = farm.folder("error").join("pause.reason.txt");
     farm.pass_until("it is refused", |_| reason.exists());
     assert!(fs::read_to_string(reason).unwrap().contains("Put an empty file of that name"));
-    assert!(farm.parts(PartState::Rejected).is_empty());
+    assert!(farm.parts(PartState::Refused).is_empty());
 }
 
 /// A farm with a list beside loose files: one is named, one is not, and one row has no file.
@@ -149,7 +149,7 @@ fn farm_with_loose_list(unlisted: &str) -> HandDrivenFarm {
 
 #[test]
 fn a_loose_part_that_its_list_does_not_name_waits_and_is_refused() {
-    let mut farm = farm_with_loose_list("reject");
+    let mut farm = farm_with_loose_list("refuse");
     let reason = farm.folder("error").join("new.stl.reason.txt");
     let list = farm.folder("error").join("order.csv.reason.txt");
     farm.pass_until("both are refused", |_| reason.exists() && list.exists());

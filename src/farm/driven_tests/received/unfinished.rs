@@ -44,11 +44,11 @@ fn write_late(order: &str) {
         intake::files_below(&farm.folder("inbox").join(".claimed")).unwrap().is_empty()
     });
     writer.write_all(body(20.0).as_bytes()).unwrap();
-    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.wait_for_parts(PartState::Refused, 1);
     let whole = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!(whole.measures.triangles, Some(8));
     assert!(whole.warnings.contains("More was written into this file"), "{}", whole.warnings);
-    assert_eq!(farm.parts(PartState::Rejected)[0].owed.replaced_by, Some(whole.id));
+    assert_eq!(farm.parts(PartState::Refused)[0].owed.replaced_by, Some(whole.id));
     drop(writer);
     farm.assert_nothing_lost_or_doubled();
 }
@@ -62,9 +62,9 @@ fn a_binary_stl_that_ends_in_zeros_waits_and_is_refused_by_that_word() {
     bytes[80..84].copy_from_slice(&24_u32.to_le_bytes());
     farm.drop_bytes("half.stl", &bytes);
     farm.pass_secs(30.0);
-    assert!(farm.parts(PartState::Waiting).is_empty() && farm.parts(PartState::Rejected).is_empty(), "it waits");
-    let refused = farm.wait_for_parts(PartState::Rejected, 1).remove(0);
-    assert!(refused.rejection.reason.contains("unfinished copy"), "{}", refused.rejection.reason);
+    assert!(farm.parts(PartState::Waiting).is_empty() && farm.parts(PartState::Refused).is_empty(), "it waits");
+    let refused = farm.wait_for_parts(PartState::Refused, 1).remove(0);
+    assert!(refused.refused.reason.contains("unfinished copy"), "{}", refused.refused.reason);
     farm.assert_nothing_lost_or_doubled();
 }
 

@@ -6,7 +6,7 @@ use ledger_fixtures::ToldWords;
 use crate::farm::{
     AlertKind,
     driven_tests::{
-        HandDrivenFarm, PROFILE, QUICK, block,
+        HandDrivenFarm, MACHINE, QUICK, block,
         printed::reprints::{change, contents, edit, published, tell},
     },
 };
@@ -22,7 +22,7 @@ fn drop_block(farm: &mut HandDrivenFarm) -> PartId {
 
 /// The unit of the machine's file is another one from now on.
 fn change_unit(farm: &mut HandDrivenFarm, with_restart: bool) {
-    farm.write_profile(PROFILE, &format!("unit = \"inch\"\n{QUICK}"));
+    farm.write_profile(MACHINE, &format!("unit = \"inch\"\n{QUICK}"));
     match with_restart {
         true => {
             farm.stop();
@@ -82,8 +82,8 @@ fn a_part_that_is_moved_keeps_its_size_on_a_machine_with_another_unit() {
     let part = drop_block(&mut farm);
     change(&mut farm, CommandKind::Move, part, CommandArgument::default(), "other");
     let row = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!((row.profile.as_str(), row.size_mm()), ("other", Some([4.0, 5.0, 6.0])));
-    change(&mut farm, CommandKind::Move, part, CommandArgument::default(), PROFILE);
+    assert_eq!((row.machine.as_str(), row.size_mm()), ("other", Some([4.0, 5.0, 6.0])));
+    change(&mut farm, CommandKind::Move, part, CommandArgument::default(), MACHINE);
     farm.wait_for_parts(PartState::Waiting, 1);
     published(&mut farm, 1);
     assert_size(&farm, 0, 2, "moved to and fro");
@@ -112,8 +112,8 @@ fn a_part_that_was_read_and_is_taken_back_or_edited_keeps_its_size_unless_a_unit
 fn a_part_that_was_refused_before_it_was_read_is_read_in_the_unit_of_its_machine_when_it_is_taken_back() {
     let mut farm = HandDrivenFarm::open(&format!("unit = \"meter\"\n{QUICK}"));
     farm.drop_part("a.stl", &block(4.0, 5.0, 6.0));
-    let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0).id;
-    farm.write_profile(PROFILE, QUICK);
+    let part = farm.wait_for_parts(PartState::Refused, 1).remove(0).id;
+    farm.write_profile(MACHINE, QUICK);
     farm.reload();
     farm.order_and_wait(CommandKind::Retry, Some(part));
     let row = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
@@ -126,7 +126,7 @@ fn a_part_that_a_restored_ledger_has_forgotten_keeps_its_size() {
     let backup = farm.write_backup("backup.db");
     drop_block(&mut farm);
     farm.stop();
-    farm.write_profile(PROFILE, &format!("unit = \"inch\"\n{QUICK}"));
+    farm.write_profile(MACHINE, &format!("unit = \"inch\"\n{QUICK}"));
     farm.restore(&backup);
     farm.start();
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -183,7 +183,7 @@ fn farm_with_other_size(build: bool) -> (HandDrivenFarm, PartId) {
         farm.wait_for_queued(1);
         assert_eq!(contents(&farm, 0).len(), 1, "the other part is printed");
     } else {
-        farm.forget_layout(PROFILE);
+        farm.forget_layout(MACHINE);
         farm.drop_part("c.stl", &block(11.0, 10.0, 10.0));
         farm.wait_for_parts(PartState::Waiting, 3);
     }

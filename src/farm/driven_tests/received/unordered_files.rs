@@ -73,7 +73,7 @@ fn recycle_bins_snapshots_backups_and_unfinished_downloads_are_left_alone() {
     farm.drop_part("kit/good.stl", &block(10.0, 12.0, 9.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.pass_secs(30.0);
-    let states = [PartState::Claimed, PartState::Waiting, PartState::Rejected];
+    let states = [PartState::Claimed, PartState::Waiting, PartState::Refused];
     assert_eq!(states.map(|state| farm.parts(state).len()), [0, 1, 0]);
     assert!(left.iter().all(|name| farm.folder("inbox").join(name).exists()));
     assert!(!farm.has_alert(AlertKind::Refused));
@@ -149,7 +149,7 @@ fn a_list_of_another_program_holds_the_parts_beside_it() {
     assert!(farm.parts(PartState::Waiting).is_empty() && farm.has_alert(AlertKind::Incomplete));
     let reason = farm.folder("error").join("0/order.json.reason.txt");
     farm.pass_until("it is refused after the part", |_| reason.exists());
-    let refused = farm.parts(PartState::Rejected).into_iter().filter(|part| part.name == "a.stl").count();
+    let refused = farm.parts(PartState::Refused).into_iter().filter(|part| part.name == "a.stl").count();
     assert_eq!((refused, farm.parts(PartState::Waiting).len()), (4, 0));
     assert!(fs::read_to_string(reason).unwrap().contains("Save it as CSV under the name order.csv"));
 }

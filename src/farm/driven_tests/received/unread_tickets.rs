@@ -21,7 +21,7 @@ fn farm() -> HandDrivenFarm {
 
 /// The parts that were taken.
 fn taken(farm: &HandDrivenFarm) -> Vec<(String, PartState)> {
-    let states = [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built, PartState::Rejected];
+    let states = [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built, PartState::Refused];
     states.into_iter().flat_map(|state| farm.parts(state)).map(|part| (part.name, part.state)).collect()
 }
 
@@ -67,7 +67,7 @@ fn a_part_beside_a_ticket_or_list_that_is_no_file_is_refused_with_it() {
     let text = fs::read_to_string(reason_of(&farm, "link0/a.stl")).unwrap();
     assert!(text.contains("a.stl.toml is a symbolic link, so nestd does not read it"), "{text}");
     // A part that a list was to name has a row, as every part that its list does not name.
-    assert!(taken(&farm).iter().all(|(_, state)| *state == PartState::Rejected));
+    assert!(taken(&farm).iter().all(|(_, state)| *state == PartState::Refused));
     farm.pass_until("nothing waits", |farm| !farm.has_alert(AlertKind::Incomplete));
 }
 
@@ -209,7 +209,7 @@ fn an_order_whose_refused_row_was_mended_and_printed_is_complete() {
     let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\nmax_wait_secs = \"24h\"\n"));
     farm.drop_bytes("kit/a.stl.toml", b"copies = \"many\"\n");
     farm.drop_part("kit/a.stl", &block(10.0, 12.0, 14.0));
-    let refused = farm.wait_for_parts(PartState::Rejected, 1).remove(0);
+    let refused = farm.wait_for_parts(PartState::Refused, 1).remove(0);
     farm.drop_bytes("kit/a.stl.toml", b"copies = 3\n");
     farm.drop_part("kit/a.stl", &block(10.0, 12.0, 14.0));
     farm.wait_for_parts(PartState::Waiting, 1);

@@ -39,7 +39,7 @@ pub async fn check_visible_builds(
                         report_left_over_file(&file, witness, report);
                     }
                 } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
-                    let row = ledger.find_build_of_file(&name).await?.filter(|build| build.profile == profile.name);
+                    let row = ledger.find_build_of_file(&name).await?.filter(|build| build.machine == profile.name);
                     check_build_file(&file, row, settings, ledger, witness, report).await?;
                     let before = visible.insert(name, file.clone());
                     // It may have been moved between the two listings.
@@ -77,7 +77,7 @@ pub async fn check_kept_builds(settings: &Settings, ledger: &Ledger, report: &mu
     for profile in settings.profiles.values() {
         let Ok(entries) = fs::read_dir(profile.folders.archive.join(intake::KEPT_BUILDS)) else { continue };
         for name in entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()) {
-            let row = ledger.find_build_of_file(&name).await?.filter(|build| build.profile == profile.name);
+            let row = ledger.find_build_of_file(&name).await?.filter(|build| build.machine == profile.name);
             let Some(build) = row else { continue };
             let Some(kept) = KeptBuild::of_build(&profile.folders.archive, &build) else { continue };
             report.files_read += 1;

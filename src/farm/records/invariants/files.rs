@@ -39,15 +39,15 @@ pub async fn check_live_and_refused_parts(
     let begun = ArchivedParts::of_begun_builds(settings, ledger, report).await?;
     let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
     let places = ledger.unbuilt_part_files().await?;
-    for part in places.iter().filter(|part| is_of_this_node(settings, ledger, &part.profile)) {
-        if part.state == PartState::Rejected {
-            refused.entry((&part.profile, &part.content_hash)).or_default().push(part);
+    for part in places.iter().filter(|part| is_of_this_node(settings, ledger, &part.machine)) {
+        if part.state == PartState::Refused {
+            refused.entry((&part.machine, &part.content_hash)).or_default().push(part);
         } else if !begun.hold(part) {
             check_live_part(part, folders, &mut stored, report);
         }
     }
-    for ((profile, hash), parts) in &refused {
-        let Some(errors) = folders.error.get(*profile) else { continue };
+    for ((machine, hash), parts) in &refused {
+        let Some(errors) = folders.error.get(*machine) else { continue };
         let lie = errors.get(*hash).map_or(0, Vec::len);
         let is_stored = stored.verify_content(hash, report).is_ok();
         check_refused_copies(parts, (lie, is_stored), folders, witness, report);
@@ -56,9 +56,9 @@ pub async fn check_live_and_refused_parts(
         }
     }
     if witness.at_rest {
-        for (profile, errors) in &folders.error {
-            for (hash, paths) in errors.iter().filter(|(hash, _)| !refused.contains_key(&(profile, hash))) {
-                check_error_folder_duplicates(ledger, profile, hash, paths, report).await?;
+        for (machine, errors) in &folders.error {
+            for (hash, paths) in errors.iter().filter(|(hash, _)| !refused.contains_key(&(machine, hash))) {
+                check_error_folder_duplicates(ledger, machine, hash, paths, report).await?;
             }
         }
     }
@@ -66,8 +66,8 @@ pub async fn check_live_and_refused_parts(
 }
 
 /// Whether the files of a machine are on this server: where several nodes share a ledger, each has the files of its own machines.
-fn is_of_this_node(settings: &Settings, ledger: &Ledger, profile: &str) -> bool {
-    ledger.file().is_some() || settings.profiles.contains_key(profile)
+fn is_of_this_node(settings: &Settings, ledger: &Ledger, machine: &str) -> bool {
+    ledger.file().is_some() || settings.profiles.contains_key(machine)
 }
 
 /// The parts of builds whose publishing has begun, and the originals that their archives have. A ledger may know them as batched until the
@@ -78,7 +78,7 @@ impl ArchivedParts {
     async fn of_begun_builds(settings: &Settings, ledger: &Ledger, report: &mut InvariantReport) -> Result<Self> {
         let mut begun = Vec::new();
         for build in ledger.builds_in_state(BuildState::Verified).await? {
-            let (Some(profile), Some(name)) = (settings.profiles.get(&build.profile), &build.staged.file_name) else {
+            let (Some(profile), Some(name)) = (settings.profiles.get(&build.machine), &build.staged.file_name) else {
                 continue;
             };
             if build.staged.publishing_at.is_some() {
@@ -135,7 +135,7 @@ fn check_live_part(
         return;
     }
     // Until it is read, the claimed original can replace the stored file: the next start stores it again.
-    let in_work = folders.work.get(&part.profile).and_then(|work| work.claims.iter().find(|c| c.id == part.claim));
+    let in_work = folders.work.get(&part.machine).and_then(|work| work.claims.iter().find(|c| c.id == part.claim));
     if part.state == PartState::Claimed
         && in_work.is_some_and(|claim| intake::hash_file(&claim.part).is_ok_and(|hash| hash == part.content_hash))
     {
@@ -161,7 +161,7 @@ fn check_refused_copies(
 ) {
     let [first, ..] = parts else { return };
     let (id, name) = (first.id, &first.name);
-    let waits = folders.work.get(&first.profile).is_some_and(|work| {
+    let waits = folders.work.get(&first.machine).is_some_and(|work| {
         !witness.at_rest && work.claims.iter().any(|claim| parts.iter().any(|part| part.claim == claim.id))
     });
     if lie == 0 && !waits {
@@ -193,12 +193,12 @@ fn check_kept_for_retry(parts: &[&PartFileRow], stored: &mut StoreVerifier, repo
 /// A file in the error folder whose part is not refused (any more) is in two places.
 async fn check_error_folder_duplicates(
     ledger: &Ledger,
-    profile: &str,
+    machine: &str,
     hash: &str,
     paths: &[std::path::PathBuf],
     report: &mut InvariantReport,
 ) -> Result<()> {
-    if let Some(part) = ledger.find_part_with_content(profile, hash).await? {
+    if let Some(part) = ledger.find_part_with_content(machine, hash).await? {
         let text = format!("part {} is {} and its file also lies at {}", part.id, part.state, paths[0].display());
         report.add_violation(I1, text, "remove it there: the part goes on without it");
     }
@@ -214,7 +214,7 @@ pub async fn check_archived_originals(
     let oldest = settings.profiles.values().map(|profile| originals_required_since(profile.output.archive_days)).min();
     let mut archives: HashMap<String, FilesByHash> = HashMap::new();
     for row in ledger.built_parts_since(oldest.unwrap_or(Timestamp::MIN)).await? {
-        let Some(profile) = settings.profiles.get(&row.profile) else { continue };
+        let Some(profile) = settings.profiles.get(&row.machine) else { continue };
         let Some(build) = ledger.find_build(row.build).await? else { continue };
         let since = originals_required_since(profile.output.archive_days);
         let is_required = build.times.published_at.is_some_and(|at| at.0 >= since);

@@ -15,7 +15,7 @@ use crate::settings::Settings;
 /// Files of a folder by BLAKE3.
 pub type FilesByHash = HashMap<String, Vec<PathBuf>>;
 
-/// The files in the folders of all machines, by profile.
+/// The files in the folders of all machines, by the name of the machine.
 #[derive(Debug, Default)]
 pub struct FolderContents {
     /// Refused files.
@@ -35,9 +35,9 @@ impl FolderContents {
         report: &mut InvariantReport,
     ) -> Result<Self> {
         let mut folders = Self::default();
-        let refused = ledger.parts_in_state(PartState::Rejected).await?;
+        let refused = ledger.parts_in_state(PartState::Refused).await?;
         for (name, profile) in &settings.profiles {
-            let sizes: HashSet<u64> = refused.iter().filter(|p| p.profile == *name).map(|p| p.file.bytes).collect();
+            let sizes: HashSet<u64> = refused.iter().filter(|p| p.machine == *name).map(|p| p.file.bytes).collect();
             let wanted = |size| witness.at_rest || sizes.contains(&size);
             let error = files_by_hash(&profile.folders.error, wanted, report);
             folders.error.insert(name.clone(), error);

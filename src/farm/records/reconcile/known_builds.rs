@@ -30,7 +30,7 @@ pub(super) async fn record_published_builds(
         if is_withdrawn {
             ledger.publish_build(build.id).await?;
         }
-        found.done.push(format!("build {} ({name} of {}) was published since", build.id, build.profile));
+        found.done.push(format!("build {} ({name} of {}) was published since", build.id, build.machine));
     }
     Ok(())
 }
@@ -50,7 +50,7 @@ pub(super) async fn take_in_withdrawals(
             found.done.push(format!(
                 "the file of build {} ({name} of {}) was taken back out of the queue untouched since; its copies wait, or are in a \
                  later build",
-                build.id, build.profile
+                build.id, build.machine
             ));
         }
     }
@@ -65,7 +65,7 @@ pub(super) async fn end_noted_words(settings: &Settings, ledger: &Ledger, found:
             let (id, Some(by)) = (build.id, build.place.withdraw_by.clone()) else { continue };
             let is_over = ledger.taken_back_for(id).await? == Some(TakenBackFor::Nothing);
             let place = place_of(settings, &build);
-            if is_over || place.is_none_or(|(profile, file)| is_in_queue(profile, file)) {
+            if is_over || place.is_none_or(|(machine, file)| is_in_queue(machine, file)) {
                 continue;
             }
             ledger.end_take_back(id, TakeBackEnd::Removed).await?;
@@ -86,7 +86,7 @@ pub(super) async fn end_noted_words(settings: &Settings, ledger: &Ledger, found:
 
 /// The machine of a build and the name of its file.
 fn place_of<'a>(settings: &'a Settings, build: &'a BuildRow) -> Option<(&'a MachineProfile, &'a str)> {
-    Some((settings.profiles.get(&build.profile)?, build.staged.file_name.as_deref()?))
+    Some((settings.profiles.get(&build.machine)?, build.staged.file_name.as_deref()?))
 }
 
 /// Whether a file is visible in a queue folder of a machine, or was taken back there.

@@ -33,7 +33,7 @@ fn cake(name: &str) -> CakeContents {
 
 fn report(name: &str) -> String {
     let mut info = BuildMetadata::default();
-    (info.heading.title, info.heading.profile) = (Some(name.to_owned()), Some(name.to_owned()));
+    (info.heading.title, info.heading.machine) = (Some(name.to_owned()), Some(name.to_owned()));
     let cake = cake(name);
     HtmlReport { cake: &cake, source: ReportSource::File(Path::new("/nowhere/x.build.3mf"), &info) }.to_html().unwrap()
 }

@@ -135,14 +135,14 @@ fn a_row_that_was_used_for_a_part_taken_before_is_not_used_for_a_later_one() {
     farm.drop_file("a.stl", "solid 2");
     assert_eq!(take_parts(&farm), []);
     let rules = |unlisted| OrderListRules { incomplete_secs: 50.0, unlisted };
-    let waits = farm.judged(OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Reject });
+    let waits = farm.judged(OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Refuse });
     let is_told = |one: &TakeDecision| matches!(one, TakeDecision::Wait(why) if why.contains("taken before"));
     assert!(waits.iter().any(is_told), "{waits:?}");
     let said = |decision: &TakeDecision| match decision {
         TakeDecision::Take(SettledEntry::Part { lookup, .. }) => lookup.clone(),
         _ => None,
     };
-    let refused = farm.judged(rules(UnlistedPolicy::Reject)).iter().find_map(said).unwrap();
+    let refused = farm.judged(rules(UnlistedPolicy::Refuse)).iter().find_map(said).unwrap();
     assert!(refused.is_unlisted && refused.problem.unwrap().contains("taken before"));
     let warned = farm.judged(rules(UnlistedPolicy::Warn)).iter().find_map(said).unwrap();
     assert!(warned.row.is_none() && warned.warnings[0].contains("taken before"));

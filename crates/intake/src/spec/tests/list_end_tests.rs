@@ -19,7 +19,7 @@ fn end(farm: &TestInbox, incomplete_secs: f64) -> Vec<ListOutcome> {
 
 /// The entries that wait, with their reasons.
 fn waits(farm: &TestInbox, incomplete_secs: f64) -> Vec<String> {
-    let rules = OrderListRules { incomplete_secs, unlisted: UnlistedPolicy::Reject };
+    let rules = OrderListRules { incomplete_secs, unlisted: UnlistedPolicy::Refuse };
     let why = |judged| if let TakeDecision::Wait(why) = judged { Some(why) } else { None };
     farm.judged(rules).into_iter().filter_map(why).collect()
 }
@@ -100,7 +100,7 @@ fn a_list_that_is_not_understood_holds_all_files_of_its_folder_and_is_refused_af
     let why = waits(&farm, 1000.0);
     assert!(why.len() == 2 && why[0].starts_with("a.stl stands beside order.csv, which is not understood"), "{why:?}");
     assert_eq!(end(&farm, 0.5), [ListOutcome::Awaited]);
-    let taken = taken(&farm, 50.0, UnlistedPolicy::Reject);
+    let taken = taken(&farm, 50.0, UnlistedPolicy::Refuse);
     assert!(taken.len() == 2 && taken.iter().all(|(_, copies)| copies.is_err()), "{taken:?}");
     let ends = end(&farm, 0.0);
     let [ListOutcome::Refused(reason)] = &ends[..] else { panic!("{ends:?}") };
@@ -109,7 +109,7 @@ fn a_list_that_is_not_understood_holds_all_files_of_its_folder_and_is_refused_af
 
 #[test]
 fn a_part_that_the_list_does_not_name_waits_and_is_then_refused_or_taken_as_is_set() {
-    for (unlisted, is_taken) in [(UnlistedPolicy::Reject, false), (UnlistedPolicy::Warn, true)] {
+    for (unlisted, is_taken) in [(UnlistedPolicy::Refuse, false), (UnlistedPolicy::Warn, true)] {
         let farm = TestInbox::new();
         farm.drop_file("k/a.stl", "solid");
         farm.drop_file("k/b.stl", "solid");
@@ -149,7 +149,7 @@ fn a_name_that_may_be_of_two_files_waits_until_it_is_clear() {
     farm.drop_file("lid.3mf", "solid");
     assert_eq!(waits(&farm, 1000.0).len(), 2);
     fs::remove_file(farm.inbox.join("lid.3mf")).unwrap();
-    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Reject), [("lid.stl".to_owned(), Ok(Some(2)))]);
+    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Refuse), [("lid.stl".to_owned(), Ok(Some(2)))]);
     // The row is served; another file that it could also mean does not count.
     farm.drop_file("lid.3mf", "solid");
     assert_eq!(waits(&farm, 1000.0).len(), 1);
@@ -162,7 +162,7 @@ fn lists_in_other_code_pages_speak_for_the_files_beside_them() {
         farm.drop_file("k/Gro\u{308}ße.stl", "solid");
         fs::write(farm.inbox.join("k/order.csv"), list).unwrap();
         assert_eq!(
-            taken(&farm, 1000.0, UnlistedPolicy::Reject),
+            taken(&farm, 1000.0, UnlistedPolicy::Refuse),
             [("Gro\u{308}ße.stl".to_owned(), Ok(Some(7)))],
             "{list:?}"
         );
@@ -181,14 +181,14 @@ fn a_part_that_was_given_back_keeps_its_row_under_another_name_and_without_its_l
     let back = crate::give_back_claim(&claim).unwrap();
     assert_eq!(back, farm.inbox.join("k/a (2).stl"));
     let one = |name: &str, copies| (name.to_owned(), Ok(copies));
-    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Reject), [one("a (2).stl", Some(7)), one("a.stl", None)]);
+    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Refuse), [one("a (2).stl", Some(7)), one("a.stl", None)]);
     // The same while its list is still there.
     farm.drop_file("k/order.csv", "file,copies\na.stl,7\n");
     farm.drop_file("k/a.stl", "solid");
     let claim = farm.claim();
     farm.drop_file("k/a.stl", "another one");
     crate::give_back_claim(&claim).unwrap();
-    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Reject), [one("a (2).stl", Some(7)), one("a.stl", Some(7))]);
+    assert_eq!(taken(&farm, 1000.0, UnlistedPolicy::Refuse), [one("a (2).stl", Some(7)), one("a.stl", Some(7))]);
 }
 
 #[test]

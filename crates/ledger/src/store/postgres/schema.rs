@@ -32,7 +32,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 18] = [
+const MIGRATIONS: [ServerMigration; 19] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),
@@ -92,6 +92,11 @@ const MIGRATIONS: [ServerMigration; 18] = [
     },
     // An older node uses what is dropped.
     migration(39, "no lanes", include_str!("../../../../../migrations/postgres/0039_no_lanes.sql")),
+    migration(
+        40,
+        "machine is the word",
+        include_str!("../../../../../migrations/postgres/0040_machine_is_the_word.sql"),
+    ),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

@@ -25,7 +25,7 @@ async fn fill(ledger: &Ledger) {
         let step = step().new_tree(&mut runner).unwrap().current();
         let _refused = walk.take(ledger, step).await;
     }
-    ledger.pause_profile("paper-200", "a@b", PauseCause::Person).await.unwrap();
+    ledger.pause_machine("paper-200", "a@b", PauseCause::Person).await.unwrap();
     ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap();
     let (old, new) = (waiting(ledger, "old", 1).await, waiting(ledger, "new", 1).await);
     let mut change = ledger.begin_change().await.unwrap();

@@ -196,7 +196,7 @@ async fn what_a_node_says_of_its_store_concerns_its_own_machines() {
     let taken = second.claim_machines("print2", &["fuse-1".to_owned()]).await.unwrap();
     assert_eq!(taken, BTreeMap::from([("fuse-1".to_owned(), "print1".to_owned())]));
     // The same file on both.
-    let of = |machine: &str| NewPartRow { profile: machine.to_owned(), claim: machine.to_owned(), ..new_part("a", 1) };
+    let of = |machine: &str| NewPartRow { machine: machine.to_owned(), claim: machine.to_owned(), ..new_part("a", 1) };
     let parts = [first.record_claim(&of("fuse-1")).await.unwrap(), second.record_claim(&of("mjf-5200")).await.unwrap()];
     let hash = of("fuse-1").content_hash;
     let damaged = async || first.damaged_parts().await.unwrap().iter().map(|part| part.id).collect::<Vec<_>>();

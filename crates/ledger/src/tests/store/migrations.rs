@@ -29,6 +29,14 @@ const ROWS: &str = "
 
 const TABLES: [&str; 8] = ["part", "ticket", "build", "placement", "event", "outcome", "command", "pause"];
 
+/// Since this schema, a machine and a refused part are called so; before, `profile` and `rejected`.
+const FIRST_WITH_MACHINES: i64 = 40;
+
+/// A text with the words of the current schema in place of earlier ones.
+fn in_words_of_now(text: &str) -> String {
+    text.replace("profile,", "machine,").replace("(profile", "(machine").replace("'rejected'", "'refused'")
+}
+
 /// Since this schema, a daemon is a row of `node`.
 const FIRST_WITH_NODES: i64 = 22;
 const DAEMON: &str = "INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle')";
@@ -66,9 +74,11 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
         let path = folder.path().join(format!("{version}.db"));
         let pool = raw(&path).await;
         let earlier: Vec<_> = MIGRATIONS.iter().take(version).cloned().collect();
-        let has_nodes = earlier.iter().any(|migration| migration.version >= FIRST_WITH_NODES);
+        let has = |first: i64| earlier.iter().any(|migration| migration.version >= first);
+        let (has_nodes, has_machines) = (has(FIRST_WITH_NODES), has(FIRST_WITH_MACHINES));
         Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
-        sqlx::raw_sql(ROWS).execute(&pool).await.unwrap();
+        let rows = if has_machines { in_words_of_now(ROWS) } else { ROWS.to_owned() };
+        sqlx::raw_sql(sqlx::AssertSqlSafe(rows)).execute(&pool).await.unwrap();
         if !has_nodes {
             sqlx::raw_sql(DAEMON).execute(&pool).await.unwrap();
         }
@@ -77,7 +87,9 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
             let columns = columns_of(&pool, table).await;
             let rows = rows_of(&pool, table, &columns).await;
             assert!(!rows.is_empty(), "{table}");
-            before.push((table, columns, rows));
+            let columns = columns.into_iter().map(|name| if name == "profile" { "machine".to_owned() } else { name });
+            let rows: Vec<_> = rows.iter().map(|row| in_words_of_now(row)).collect();
+            before.push((table, columns.collect::<Vec<_>>(), rows));
         }
         pool.close().await;
         let ledger = Ledger::open_checked(&path).await.unwrap();
@@ -108,7 +120,7 @@ async fn a_pause_of_the_daemon_in_an_earlier_ledger_stays_one() {
     pool.close().await;
     let ledger = Ledger::open(&path).await.unwrap();
     let causes: Vec<_> =
-        ledger.profile_statuses().await.unwrap().into_iter().map(|row| row.paused.unwrap().cause).collect();
+        ledger.machine_statuses().await.unwrap().into_iter().map(|row| row.paused.unwrap().cause).collect();
     assert_eq!(causes, [PauseCause::BuildFailed, PauseCause::Person]);
 }
 

@@ -99,7 +99,7 @@ async fn an_identical_file_of_another_claim_is_found() {
     assert_eq!(ledger.find_earlier_part("paper-200", &hash, first).await.unwrap(), None);
     assert_eq!(ledger.find_earlier_part("fuse-1", &hash, second).await.unwrap(), None);
     assert!(ledger.is_hash_in_use(&hash, jiff::Timestamp::MAX).await.unwrap());
-    ledger.reject_claim(first, RefusalCause::Format, "no").await.unwrap();
+    ledger.refuse_claim(first, RefusalCause::Format, "no").await.unwrap();
     assert_eq!(ledger.find_earlier_part("paper-200", &hash, second).await.unwrap(), None);
 }
 
@@ -109,7 +109,7 @@ async fn a_change_that_a_command_asked_for_is_committed_together_with_the_comman
     let part = waiting(&ledger, "a", 5).await;
     let cancel = NewCommand {
         kind: CommandKind::Cancel,
-        profile: String::new(),
+        machine: String::new(),
         part: Some(part),
         argument: CommandArgument { copies: Some(2), edit: None },
         asked_by: "ann@farm".into(),
@@ -132,7 +132,7 @@ async fn a_command_is_asked_once_and_answered_once() {
     let ledger = fresh().await;
     let flush = NewCommand {
         kind: CommandKind::Flush,
-        profile: "paper-200".into(),
+        machine: "paper-200".into(),
         part: None,
         argument: CommandArgument::default(),
         asked_by: "ann@farm".into(),
@@ -149,29 +149,29 @@ async fn a_command_is_asked_once_and_answered_once() {
 }
 
 #[tokio::test]
-async fn a_profile_is_paused_until_it_is_resumed() {
+async fn a_machine_is_paused_until_it_is_resumed() {
     let ledger = fresh().await;
-    assert!(ledger.pause_profile("fuse-1", "ann@farm", PauseCause::Person).await.unwrap());
-    assert!(!ledger.pause_profile("fuse-1", "bob@farm", PauseCause::BuildFailed).await.unwrap());
-    assert_eq!(ledger.paused_profiles().await.unwrap(), ["fuse-1"]);
-    let status = ledger.profile_statuses().await.unwrap();
+    assert!(ledger.pause_machine("fuse-1", "ann@farm", PauseCause::Person).await.unwrap());
+    assert!(!ledger.pause_machine("fuse-1", "bob@farm", PauseCause::BuildFailed).await.unwrap());
+    assert_eq!(ledger.paused_machines().await.unwrap(), ["fuse-1"]);
+    let status = ledger.machine_statuses().await.unwrap();
     assert_eq!(status[0].paused.as_ref().unwrap().paused_by, "ann@farm");
     assert_eq!(status[0].paused.as_ref().unwrap().cause, PauseCause::Person);
-    assert!(ledger.resume_profile("fuse-1", "ann@farm").await.unwrap());
-    assert!(!ledger.resume_profile("fuse-1", "ann@farm").await.unwrap());
-    assert!(ledger.paused_profiles().await.unwrap().is_empty());
+    assert!(ledger.resume_machine("fuse-1", "ann@farm").await.unwrap());
+    assert!(!ledger.resume_machine("fuse-1", "ann@farm").await.unwrap());
+    assert!(ledger.paused_machines().await.unwrap().is_empty());
 }
 
 #[tokio::test]
 async fn status_counts_what_waits_and_shows_what_is_nested_and_published() {
     let ledger = fresh().await;
     let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 2).await);
-    ledger.record_claim(&NewPartRow { profile: "fuse-1".into(), ..new_part("c", 1) }).await.unwrap();
+    ledger.record_claim(&NewPartRow { machine: "fuse-1".into(), ..new_part("c", 1) }).await.unwrap();
     let first = published(&ledger, &[(a, 0)]).await;
     let second = nesting(&ledger, &[(b, 0), (b, 1)]).await;
     let open = ledger.open_build("paper-200").await.unwrap().id;
-    let status = ledger.profile_statuses().await.unwrap();
-    let names: Vec<&str> = status.iter().map(|s| s.profile.as_str()).collect();
+    let status = ledger.machine_statuses().await.unwrap();
+    let names: Vec<&str> = status.iter().map(|s| s.machine.as_str()).collect();
     assert_eq!(names, ["fuse-1", "paper-200"]);
     assert_eq!((status[0].claimed_parts, status[0].waiting_parts), (1, 0));
     let paper = &status[1];
@@ -203,7 +203,7 @@ async fn history_lists_builds_newest_first_within_its_limits() {
     assert_eq!(list(HistoryQuery { limit: Some(1), ..Default::default() }).await, [builds[2]]);
     let one = HistoryQuery { since: Some(at(days[1])), until: Some(at(days[2])), ..Default::default() };
     assert_eq!(list(one).await, [builds[1]]);
-    assert!(list(HistoryQuery { profile: Some("fuse-1".into()), ..Default::default() }).await.is_empty());
+    assert!(list(HistoryQuery { machine: Some("fuse-1".into()), ..Default::default() }).await.is_empty());
     let row = &ledger.read_history(&HistoryQuery::default()).await.unwrap()[2];
     assert_eq!((row.at.to_string().as_str(), row.parts, row.measures.copies), ("2026-11-01T10:00:00.000Z", 1, Some(1)));
 }
@@ -228,7 +228,7 @@ async fn history_is_sorted_filtered_and_turned_page_by_page_without_losing_a_bui
         builds.push(build);
     }
     for sort in
-        [HistorySort::Newest, HistorySort::Height, HistorySort::Density, HistorySort::Copies, HistorySort::Profile]
+        [HistorySort::Newest, HistorySort::Height, HistorySort::Density, HistorySort::Copies, HistorySort::Machine]
     {
         for (state, count) in [(None, 23), (Some(BuildState::Failed), 6), (Some(BuildState::Published), 17)] {
             let asked = HistoryQuery { sort, state, ..Default::default() };
@@ -296,22 +296,22 @@ async fn heights_are_summed_by_machine_as_the_view_sums_them_and_filtered_as_the
     let failed = nesting(&ledger, &[(failed, 0)]).await;
     ledger.fail_build(failed, "no").await.unwrap();
     let view: (String, u32, u32, f64, f64) =
-        sql::query_as("SELECT profile, builds, copies, height_mm, mean_density FROM v_height_by_day")
+        sql::query_as("SELECT machine, builds, copies, height_mm, mean_density FROM v_height_by_day")
             .fetch_one(ledger.reader().unwrap())
             .await
             .unwrap();
     let sums = ledger.height_summaries(&HistoryQuery { limit: Some(1), ..Default::default() }).await.unwrap();
     let as_view_row =
-        |sum: &HeightSummary| (sum.profile.clone(), sum.builds, sum.copies, sum.height_mm, sum.mean_density.unwrap());
+        |sum: &HeightSummary| (sum.machine.clone(), sum.builds, sum.copies, sum.height_mm, sum.mean_density.unwrap());
     assert_eq!(sums.iter().map(as_view_row).collect::<Vec<_>>(), [view]);
     for (part, builds) in [("b.stl", 1), ("a.stl", 2)] {
         let query =
             HistoryQuery { part: Some(part.to_owned()), state: Some(BuildState::Published), ..Default::default() };
         assert_eq!(ledger.height_summaries(&query).await.unwrap()[0].builds, builds, "{part}");
     }
-    let none = HistoryQuery { profile: Some("other".to_owned()), ..Default::default() };
+    let none = HistoryQuery { machine: Some("other".to_owned()), ..Default::default() };
     assert!(ledger.height_summaries(&none).await.unwrap().is_empty());
-    let two = HeightSummary { profile: "fuse-1".to_owned(), builds: 6, mean_density: Some(0.05), ..sums[0].clone() };
+    let two = HeightSummary { machine: "fuse-1".to_owned(), builds: 6, mean_density: Some(0.05), ..sums[0].clone() };
     let all = HeightSummary::with_total(vec![sums[0].clone(), two]).pop().unwrap();
     assert_eq!((all.builds, all.height_mm, (all.mean_density.unwrap() * 1e4).round()), (8, 350.0, 900.0));
 }
@@ -322,10 +322,10 @@ async fn what_was_cancelled_or_refused_long_ago_does_not_count_as_refused() {
     let cancelled = waiting(&ledger, "a", 1).await;
     ledger.cancel_part(cancelled, RefusalCause::Cancelled, "Cancelled by me@here.").await.unwrap();
     let refused = ledger.record_claim(&new_part("b", 1)).await.unwrap().id;
-    ledger.reject_claim(refused, RefusalCause::Format, "torn").await.unwrap();
+    ledger.refuse_claim(refused, RefusalCause::Format, "torn").await.unwrap();
     let counts = async |ledger: &Ledger| {
         let listed = ledger.list_parts(&PartQuery { limit: 10, ..Default::default() }).await.unwrap().len();
-        (ledger.profile_statuses().await.unwrap().first().map_or(0, |status| status.rejected_parts), listed)
+        (ledger.machine_statuses().await.unwrap().first().map_or(0, |status| status.refused_parts), listed)
     };
     assert_eq!(counts(&ledger).await, (1, 2));
     let later = Timestamp::now() + RETRY_PERIOD + jiff::SignedDuration::from_hours(1);

@@ -48,7 +48,7 @@ fn walks<'a>(plan: &'a [String], aliases: &[(String, String)]) -> Vec<&'a String
         // A search without a condition finds the minimum or maximum of an index. This is a full scan unless it is the
         // first column of the index, or the number of the row.
         let seeks =
-            |rest: &&str| rest.contains('(') || rest.ends_with("build_by_profile_time") || !rest.contains(" USING ");
+            |rest: &&str| rest.contains('(') || rest.ends_with("build_by_machine_time") || !rest.contains(" USING ");
         let walk = step.strip_prefix("SCAN ");
         let Some(rest) = walk.or(step.strip_prefix("SEARCH ").filter(|rest| !seeks(rest))) else { return false };
         // These indexes contain only the requested rows: few of them, or rows that the limit cuts off.
@@ -80,13 +80,13 @@ fn aliases(query: &str) -> Vec<(String, String)> {
 /// Every kind of history query.
 fn histories() -> Vec<String> {
     let mut all = Vec::new();
-    for sort in [HistorySort::Newest, HistorySort::Height, HistorySort::Profile] {
-        for profile in [None, Some("m".to_owned())] {
+    for sort in [HistorySort::Newest, HistorySort::Height, HistorySort::Machine] {
+        for machine in [None, Some("m".to_owned())] {
             for after in [None, Some(BuildId(7))] {
                 for state in [None, Some(BuildState::Published), Some(BuildState::Failed)] {
                     for part in [None, Some("a.stl".to_owned())] {
-                        let profile = profile.clone();
-                        let query = HistoryQuery { profile, after, state, part, sort, ..Default::default() };
+                        let machine = machine.clone();
+                        let query = HistoryQuery { machine, after, state, part, sort, ..Default::default() };
                         all.push(crate::service::history::history_sql(&query));
                     }
                 }
@@ -100,13 +100,13 @@ fn histories() -> Vec<String> {
 fn part_lists() -> Vec<String> {
     let mut all = Vec::new();
     for name in [None, Some("a.stl".to_owned())] {
-        for state in [None, Some(PartState::Waiting), Some(PartState::Rejected), Some(PartState::Built)] {
-            for profile in [None, Some("m".to_owned())] {
+        for state in [None, Some(PartState::Waiting), Some(PartState::Refused), Some(PartState::Built)] {
+            for machine in [None, Some("m".to_owned())] {
                 for before in [None, Some(PartId(7))] {
-                    if state == Some(PartState::Built) && name.is_none() && profile.is_none() {
+                    if state == Some(PartState::Built) && name.is_none() && machine.is_none() {
                         continue;
                     }
-                    let query = PartQuery { name: name.clone(), state, profile: profile.clone(), before, limit: 500 };
+                    let query = PartQuery { name: name.clone(), state, machine: machine.clone(), before, limit: 500 };
                     all.push(crate::parts::part_list::part_list_sql(&query));
                 }
             }
@@ -170,9 +170,9 @@ async fn the_test_of_the_plans_sees_a_walk() {
 #[tokio::test]
 async fn the_history_of_any_span_comes_from_its_index_in_order() {
     let ledger = fresh().await;
-    for (one, index) in [(None, "build_by_time"), (Some("m".to_owned()), "build_by_profile_time")] {
+    for (one, index) in [(None, "build_by_time"), (Some("m".to_owned()), "build_by_machine_time")] {
         for after in [None, Some(BuildId(7))] {
-            let query = HistoryQuery { profile: one.clone(), after, ..Default::default() };
+            let query = HistoryQuery { machine: one.clone(), after, ..Default::default() };
             let plan = plan(&ledger, &crate::service::history::history_sql(&query)).await;
             assert!(plan.iter().any(|step| step.contains("SEARCH b") && step.contains(index)), "{plan:?}");
             // Only the rows of the page are sorted.

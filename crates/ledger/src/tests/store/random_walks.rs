@@ -18,7 +18,7 @@ use crate::tests::*;
 pub(crate) enum WalkStep {
     Claim(u32),
     Accept(usize),
-    Reject(usize),
+    Refuse(usize),
     Cancel(usize),
     Retry(usize),
     /// Starts a build with the first waiting copies.
@@ -49,7 +49,7 @@ pub(crate) fn step() -> impl Strategy<Value = WalkStep> {
     prop_oneof![
         3 => (1..5u32).prop_map(WalkStep::Claim),
         6 => any.clone().prop_map(WalkStep::Accept),
-        1 => any.clone().prop_map(WalkStep::Reject),
+        1 => any.clone().prop_map(WalkStep::Refuse),
         1 => any.clone().prop_map(WalkStep::Cancel),
         2 => any.clone().prop_map(WalkStep::Retry),
         4 => (1..8usize).prop_map(WalkStep::Fire),
@@ -99,7 +99,7 @@ impl RandomWalk {
                 let (id, copies) = self.part(part);
                 ledger.accept_solids(id, &[solid(0, copies)]).await.map(drop)
             }
-            WalkStep::Reject(part) => ledger.reject_claim(self.part(part).0, RefusalCause::Format, "unreadable").await,
+            WalkStep::Refuse(part) => ledger.refuse_claim(self.part(part).0, RefusalCause::Format, "unreadable").await,
             WalkStep::Cancel(part) => {
                 ledger.cancel_part(self.part(part).0, RefusalCause::Cancelled, "not needed").await
             }
@@ -158,7 +158,7 @@ impl RandomWalk {
     }
 
     /// Checks that every wanted copy of every part is in exactly one place: it is waiting, or in one build that counts, or
-    /// its part was rejected.
+    /// its part was refused.
     pub(crate) async fn account(&self, ledger: &Ledger) {
         for part in ledger.parts_to_fetch().await.unwrap() {
             ledger.mark_fetched(&part.file.content_hash).await.unwrap();
@@ -180,7 +180,7 @@ impl RandomWalk {
             let sum = line.waiting + line.in_builds + line.printed + line.good + line.refused;
             assert_eq!(line.wanted, sum, "part {id}: {line:?}");
             match part.state {
-                PartState::Claimed | PartState::Rejected => {
+                PartState::Claimed | PartState::Refused => {
                     assert!(found <= part.wanted_copies(), "part {id}: {found}")
                 }
                 state => assert_eq!(found, part.wanted_copies(), "part {id} that is {state} has lost a copy"),

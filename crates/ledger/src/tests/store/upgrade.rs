@@ -50,7 +50,7 @@ async fn upgrade(builds: u64) -> UpgradeTimes {
     let ledger = Ledger::open(&path).await.unwrap();
     let upgrade = secs(began);
     let began = Instant::now();
-    ledger.profile_statuses().await.unwrap();
+    ledger.machine_statuses().await.unwrap();
     let status = secs(began);
     let began = Instant::now();
     let open = ledger.order_summaries(&OrderQuery { limit: 50, ..OrderQuery::default() }).await.unwrap();

@@ -19,7 +19,7 @@ use super::{
     printers::{PrintedBuild, PrintedCopy, WeekPrinter},
     table::WeekReport,
 };
-use crate::farm::driven_tests::hand_driven_farm::{HandDrivenFarm, PROFILE, farm_files::drop_file};
+use crate::farm::driven_tests::hand_driven_farm::{HandDrivenFarm, MACHINE, farm_files::drop_file};
 
 /// The daemon is started anew so often.
 const RESTART_EVERY: Duration = Duration::from_secs(24 * 3600);
@@ -92,7 +92,7 @@ pub fn play_week(size: &WeekSize) -> WeekReport {
 impl<'a> WeekPlay<'a> {
     fn begin(size: &'a WeekSize) -> Self {
         let mut farm = HandDrivenFarm::closed("");
-        fs::remove_file(farm.root().join(format!("config/profiles/{PROFILE}.toml"))).unwrap();
+        fs::remove_file(farm.root().join(format!("config/profiles/{MACHINE}.toml"))).unwrap();
         for (name, profile) in &size.machines {
             farm.write_profile(name, profile);
         }
@@ -182,16 +182,16 @@ impl<'a> WeekPlay<'a> {
         let order = &self.plan.orders[planned.order];
         let line = &order.lines[planned.line];
         let key = (order.name.clone(), line.content.hash.clone());
-        let profile = self.size.machines[order.machine].0;
-        let (inbox, error) = (self.farm.folder_of("inbox", profile), self.farm.folder_of("error", profile));
+        let on = self.size.machines[order.machine].0;
+        let (inbox, error) = (self.farm.folder_of("inbox", on), self.farm.folder_of("error", on));
         let file = inbox.join(&order.name).join(&line.file);
         let parts = self.farm.ask(async |ledger| ledger.parts_of_order(&order.name).await.unwrap());
         let part = parts.iter().find(|part| part.name == line.file).map(|part| part.id);
         let part = part.unwrap_or_else(|| panic!("{} of {} was not taken", line.file, order.name));
         let copies = self.wanted[&key];
-        let command = |kind, argument, profile: &str| {
-            let (profile, asked_by) = (profile.to_owned(), "ann@farm".to_owned());
-            self.farm.submit_command(&NewCommand { kind, profile, part: Some(part), argument, asked_by })
+        let command = |kind, argument, on: &str| {
+            let (on, asked_by) = (on.to_owned(), "ann@farm".to_owned());
+            self.farm.submit_command(&NewCommand { kind, machine: on, part: Some(part), argument, asked_by })
         };
         let said = match &planned.word {
             LateWord::Ticket { copies, has_priority } => {

@@ -37,8 +37,8 @@ pub struct PrintedBuild {
 pub struct WeekPrinter {
     /// Number of the machine.
     pub machine: usize,
-    /// Its profile.
-    pub profile: &'static str,
+    /// Its machine.
+    pub name: &'static str,
     /// Edge lengths of its build volume, mm.
     pub volume_mm: DVec3,
     /// Hours per mm of height.
@@ -49,15 +49,15 @@ pub struct WeekPrinter {
 
 impl WeekPrinter {
     /// A printer that is idle.
-    pub fn new(machine: usize, profile: &'static str, volume_mm: DVec3, hours_per_mm: f64) -> Self {
-        Self { machine, profile, volume_mm, hours_per_mm, printing: None }
+    pub fn new(machine: usize, name: &'static str, volume_mm: DVec3, hours_per_mm: f64) -> Self {
+        Self { machine, name, volume_mm, hours_per_mm, printing: None }
     }
 
     /// Takes the next build file if it is idle. Returns a build that is done by now.
     pub fn work(&mut self, farm: &HandDrivenFarm, now: Duration) -> Option<PrintedBuild> {
         let done = self.printing.take_if(|(_, until)| *until <= now).map(|(build, _)| build);
         if self.printing.is_none()
-            && let Some(file) = list_build_files(&farm.folder_of("queue", self.profile)).first()
+            && let Some(file) = list_build_files(&farm.folder_of("queue", self.name)).first()
         {
             let build = self.read_file(file);
             fs::remove_file(file).unwrap();

@@ -23,7 +23,6 @@ To measure again:
     cargo bench --bench heights                                        # everything, 90 minutes on two cores
     cargo bench --bench heights -- --only heights --cases engine30 --seeds 10 --secs 10,60
     cargo bench --bench heights -- --only ablation --evaluations 100000 --seeds 8
-    cargo bench --bench heights -- --resume                            # what is missing at this commit
     cargo bench --bench heights -- --page                              # only this page
 
 Heights are mm, means over the seeds (8 of ours, up to 3 of the published method). Times are CPU seconds of one thread, in a process of its own.

@@ -74,7 +74,9 @@ async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
     assert_eq!(ask("Bearer a-token-of-some-lengtH").await, StatusCode::UNAUTHORIZED);
     assert_eq!(ask("Basic x").await, StatusCode::UNAUTHORIZED);
     assert_eq!(ask("Bearer a-token-of-some-length").await, StatusCode::OK);
-    assert_eq!(dashboard.get("/metrics").await.status, StatusCode::UNAUTHORIZED);
+    for path in ["/metrics", "/help", "/help/symptoms"] {
+        assert_eq!(dashboard.get(path).await.status, StatusCode::UNAUTHORIZED, "{path}");
+    }
     assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
 }
 

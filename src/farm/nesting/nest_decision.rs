@@ -1,6 +1,7 @@
 //! Decides whether a fired build gets a final search, of which length, and what follows a search that failed. These are
 //! functions of facts.
 
+use build_file::format_count;
 use ledger::BuildId;
 
 use super::{layout_search::SearchCutShort, write_build::UnprovedBuildError};
@@ -54,6 +55,16 @@ pub(crate) fn decide_attempt(facts: &AttemptFacts) -> AttemptDecision {
     AttemptDecision::Search {
         secs: (facts.final_secs / f64::from(1_u32 << earlier.min(MAX_HALVINGS)) - facts.searched_secs).max(0.0),
         seed: facts.seed.wrapping_add(facts.build.0.unsigned_abs()).wrapping_add(u64::from(earlier) << 32),
+    }
+}
+
+/// Why a build is given up: after so many attempts, of which `failed` says how many of this run failed, and how the last one did.
+pub(crate) fn give_up_reason(attempts: u32, failed: Option<&(u32, String)>) -> String {
+    match failed {
+        Some((failures, last)) => {
+            format!("gave up after {}: {last}", format_count(*failures, "failed attempt", "failed attempts"))
+        }
+        None => format!("gave up after {attempts} attempts: nestd stopped each time"),
     }
 }
 

@@ -33,6 +33,7 @@ use crate::{
             layout_search::{LayoutSearch, NestingRequest, NestingResult, SearchCutShort},
             nest_decision::{
                 AttemptDecision, AttemptFacts, FailedSearch, NoPlaceError, classify_failure, decide_attempt,
+                give_up_reason,
             },
             search_policy::SearchPolicy,
             write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
@@ -146,12 +147,7 @@ async fn nest_build(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
     });
     match decision {
         AttemptDecision::GiveUp => {
-            let reason = match desk.nesting.failures.get(&build.id) {
-                Some((failures, last)) => {
-                    format!("gave up after {}: {last}", format_count(*failures, "failed attempt", "failed attempts"))
-                }
-                None => format!("gave up after {} attempts: nestd stopped each time", attempts - 1),
-            };
+            let reason = give_up_reason(attempts - 1, desk.nesting.failures.get(&build.id));
             give_up_build(desk, &build, &reason).await
         }
         AttemptDecision::Search { secs, seed } => {

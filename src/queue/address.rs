@@ -4,10 +4,9 @@ use std::{
     fmt, fs, io,
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
-use super::{QueueError, file_names, printer_queue::OpenQueue, queue_folder::QueueFolder};
+use super::file_names;
 
 /// Where the queue of a printer is.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -17,18 +16,6 @@ pub enum QueueAddress {
 }
 
 impl QueueAddress {
-    /// Opens the queue; a folder and its marker `.nestd-queue` are created if they are missing.
-    pub fn open(&self) -> Result<OpenQueue, QueueError> {
-        let Self::Folder(folder) = self;
-        Ok(Arc::new(QueueFolder::open(folder)?))
-    }
-
-    /// The queue if it is there and was opened before; nothing is created.
-    pub fn find(&self) -> Option<OpenQueue> {
-        let Self::Folder(folder) = self;
-        Some(Arc::new(QueueFolder::find(folder)?))
-    }
-
     /// The folder of this machine that it is; `None` = it is none. The farm creates, leases and checks it with its other folders.
     pub fn folder(&self) -> Option<&Path> {
         let Self::Folder(folder) = self;

@@ -14,6 +14,7 @@ mod file_names;
 mod marker;
 #[cfg(test)]
 mod move_tests;
+mod open;
 mod printer_queue;
 mod queue_folder;
 mod take_back;

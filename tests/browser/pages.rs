@@ -208,7 +208,7 @@ pub fn tools() -> PathBuf {
 }
 
 fn fetched() -> PathBuf {
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/scripts");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
     fs::create_dir_all(&folder).unwrap();
     let is_of_node = |file: &Path| file.extension().is_some_and(|ending| ending == "mjs" || ending == "json");

@@ -3,46 +3,16 @@
 //! sections and writes `docs/reliability.md`; `--only crash,kill` runs some of them.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; this test is its own harness
 
-mod again;
-mod arguments;
-mod budget;
-mod crash;
-mod door;
-mod faults;
-mod flood;
-mod heavy;
-mod hostile;
-mod intake;
-mod kill;
-mod large_ledger;
-mod ledger;
-mod life_cycle;
-mod memory;
-mod nodes;
-mod orders;
-mod pair;
-mod pool;
-use ledger_fixtures::postgres_cluster;
-mod power;
-mod printer;
-mod refused;
-mod restore;
-mod rot;
-mod section_result;
-mod storm;
-mod table;
-mod told;
-mod torture;
-
+mod failures;
+mod harness;
+mod load;
+mod people;
 #[path = "../support/mod.rs"]
 mod support;
 
 use std::{process::ExitCode, time::Instant};
 
-use arguments::RunArguments;
-use budget::SectionBudget;
-use section_result::SectionResult;
-use support::{greedy, grid, trace};
+use harness::{SectionBudget, SectionResult, arguments::RunArguments, pool, table};
 
 /// A section: its name, its share of a long run, and what it does.
 struct ReliabilitySection {
@@ -54,27 +24,27 @@ struct ReliabilitySection {
 /// All sections, in the order of the table.
 #[rustfmt::skip]
 const SECTIONS: &[ReliabilitySection] = &[
-    ReliabilitySection { name: "crash", weight: 4.0, run: crash::run },
-    ReliabilitySection { name: "faults", weight: 8.0, run: faults::run },
-    ReliabilitySection { name: "power", weight: 5.0, run: power::run },
-    ReliabilitySection { name: "kill", weight: 3.0, run: kill::run },
-    ReliabilitySection { name: "storm", weight: 4.0, run: storm::run },
-    ReliabilitySection { name: "orders", weight: 4.0, run: orders::run },
-    ReliabilitySection { name: "told", weight: 2.0, run: told::run },
-    ReliabilitySection { name: "door", weight: 3.0, run: door::run },
-    ReliabilitySection { name: "refused", weight: 2.0, run: refused::run },
-    ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
-    ReliabilitySection { name: "again", weight: 3.0, run: again::run },
-    ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },
-    ReliabilitySection { name: "hostile", weight: 2.0, run: hostile::run },
-    ReliabilitySection { name: "torture", weight: 0.5, run: torture::run },
-    ReliabilitySection { name: "heavy", weight: 2.0, run: heavy::run },
-    ReliabilitySection { name: "flood", weight: 22.0, run: flood::run },
-    ReliabilitySection { name: "intake", weight: 2.0, run: intake::run },
-    ReliabilitySection { name: "rot", weight: 2.0, run: rot::run },
-    ReliabilitySection { name: "memory", weight: 1.0, run: memory::run },
-    ReliabilitySection { name: "ledger", weight: 3.0, run: ledger::run },
-    ReliabilitySection { name: "nodes", weight: 6.0, run: nodes::run },
+    ReliabilitySection { name: "crash", weight: 4.0, run: failures::crash::run },
+    ReliabilitySection { name: "faults", weight: 8.0, run: failures::faults::run },
+    ReliabilitySection { name: "power", weight: 5.0, run: failures::power::run },
+    ReliabilitySection { name: "kill", weight: 3.0, run: failures::kill::run },
+    ReliabilitySection { name: "storm", weight: 4.0, run: people::storm::run },
+    ReliabilitySection { name: "orders", weight: 4.0, run: people::orders::run },
+    ReliabilitySection { name: "told", weight: 2.0, run: people::told::run },
+    ReliabilitySection { name: "door", weight: 3.0, run: people::door::run },
+    ReliabilitySection { name: "refused", weight: 2.0, run: failures::refused::run },
+    ReliabilitySection { name: "pair", weight: 4.0, run: failures::pair::run },
+    ReliabilitySection { name: "again", weight: 3.0, run: people::again::run },
+    ReliabilitySection { name: "restore", weight: 4.0, run: failures::restore::run },
+    ReliabilitySection { name: "hostile", weight: 2.0, run: load::hostile::run },
+    ReliabilitySection { name: "torture", weight: 0.5, run: load::torture::run },
+    ReliabilitySection { name: "heavy", weight: 2.0, run: load::heavy::run },
+    ReliabilitySection { name: "flood", weight: 22.0, run: load::flood::run },
+    ReliabilitySection { name: "intake", weight: 2.0, run: load::intake::run },
+    ReliabilitySection { name: "rot", weight: 2.0, run: failures::rot::run },
+    ReliabilitySection { name: "memory", weight: 1.0, run: load::memory::run },
+    ReliabilitySection { name: "ledger", weight: 3.0, run: load::ledger::run },
+    ReliabilitySection { name: "nodes", weight: 6.0, run: failures::nodes::run },
 ];
 
 /// Wall seconds of a section in a short run.

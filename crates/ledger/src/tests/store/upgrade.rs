@@ -8,7 +8,7 @@ use sqlx::{SqlitePool, migrate::Migrator, sqlite::SqliteConnectOptions};
 
 use crate::{store::schema::MIGRATIONS, tests::*};
 
-#[path = "../../../../../tests/reliability/large_ledger.rs"]
+#[path = "../../../../../tests/reliability/load/large_ledger.rs"]
 #[expect(dead_code, reason = "the reliability run uses the rest")]
 mod large_ledger;
 

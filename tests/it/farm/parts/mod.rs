@@ -1,0 +1,12 @@
+//! What is dropped or ordered, and what becomes of it.
+
+pub mod bad_input;
+pub mod door;
+pub mod interlock;
+pub mod kept_time;
+pub mod life;
+pub mod lists;
+pub mod memory;
+pub mod names;
+pub mod open;
+pub mod requests;

@@ -1,0 +1,11 @@
+//! What people are shown, told and may do; and what printers do.
+
+pub mod attention;
+pub mod dashboard;
+pub mod operations;
+pub mod orders;
+pub mod pictures;
+pub mod printers;
+pub mod privilege;
+pub mod status_texts;
+pub mod watchers;

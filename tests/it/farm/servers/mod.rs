@@ -1,0 +1,9 @@
+//! Several daemons, and a ledger on a server.
+
+pub mod change_lock;
+pub mod failover;
+pub mod machines_move;
+pub mod nodes_on_postgres;
+pub mod on_postgres;
+pub mod share;
+pub mod test_node;

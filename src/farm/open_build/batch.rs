@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
-use ledger::{BuildId, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
+use ledger::{BuildId, BuildState, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
 use tracing::{info, warn};
 
 use super::searches::start_search;
@@ -30,7 +30,7 @@ use crate::farm::{
         trigger::FireTrigger,
     },
     nesting::{
-        layout_search::{LayoutSearch, NestingRequest, NestingResult},
+        layout_search::{LayoutSearch, NestingRequest, NestingResult, SearchCutShort},
         search_policy::{SearchPolicy, arrival_search_secs},
     },
     operate::commands,
@@ -341,6 +341,18 @@ pub(crate) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchL
         part_volume_mm3: layout.part_volume_mm3,
     };
     Ok(ledger.save_layout(build, &row).await?)
+}
+
+/// Keeps what the search of a fired build has found that was stopped: it goes on from there. Nothing is published of it, for it could be
+/// lower.
+pub(crate) async fn leave_search(ledger: &Ledger, build: BuildId, cut_short: &SearchCutShort) -> Result<()> {
+    if ledger.find_build(build).await?.is_none_or(|row| row.state != BuildState::Nesting) {
+        return Ok(());
+    }
+    if let Some(layout) = &cut_short.layout {
+        save_layout(ledger, build, layout).await?;
+    }
+    Ok(ledger.leave_search(build, cut_short.cpu_secs, cut_short.wall_secs).await?)
 }
 
 /// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.

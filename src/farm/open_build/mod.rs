@@ -5,4 +5,4 @@ pub(super) mod batch;
 pub(super) mod due_dates;
 pub(super) mod nest;
 pub(super) mod night_search;
-pub(super) mod searches;
+mod searches;

@@ -15,10 +15,7 @@ use ledger::{
 };
 use tracing::{info, warn};
 
-use super::{
-    batch,
-    searches::{leave_search, start_search},
-};
+use super::{batch, searches::start_search};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
@@ -289,7 +286,7 @@ async fn on_search_failed(desk: &mut Building<'_>, build: BuildId, failure: &any
         FailedSearch::LeaveForNextStart => {
             info!(build.id = %build, "Build {build} was left for the next start: {failure:#}.");
             match failure.downcast_ref() {
-                Some(cut_short) => leave_search(desk.shared.ledger, build, cut_short).await,
+                Some(cut_short) => batch::leave_search(desk.shared.ledger, build, cut_short).await,
                 None => Ok(()),
             }
         }

@@ -1,16 +1,11 @@
-//! Starts a search for a build as a job, and keeps what one found that a stop cut short.
+//! Starts a search for a build as a job.
 
-use anyhow::Result;
 use jobs::{BackgroundJob, Carried, JobRunner};
-use ledger::{BuildId, BuildState, Ledger};
+use ledger::BuildId;
 
-use super::batch;
 use crate::farm::{
     core::{desks::Searching, farm::Farm},
-    nesting::{
-        layout_search::{LayoutSearch, SearchCutShort},
-        running_searches::RunningSearches,
-    },
+    nesting::{layout_search::LayoutSearch, running_searches::RunningSearches},
 };
 
 /// The mark that a search runs.
@@ -39,16 +34,4 @@ pub(super) fn start_search<J: BackgroundJob<Farm>>(
         policy.lower_priority();
         work()
     });
-}
-
-/// Keeps what the search of a fired build has found that was stopped: it goes on from there. Nothing is published of it, for it could be
-/// lower.
-pub(crate) async fn leave_search(ledger: &Ledger, build: BuildId, cut_short: &SearchCutShort) -> Result<()> {
-    if ledger.find_build(build).await?.is_none_or(|row| row.state != BuildState::Nesting) {
-        return Ok(());
-    }
-    if let Some(layout) = &cut_short.layout {
-        batch::save_layout(ledger, build, layout).await?;
-    }
-    Ok(ledger.leave_search(build, cut_short.cpu_secs, cut_short.wall_secs).await?)
 }

@@ -30,7 +30,6 @@ use crate::farm::{
     open_build::{
         batch, nest,
         night_search::{self, NightSearchJob},
-        searches,
     },
     operate::commands,
     process::{
@@ -332,7 +331,7 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
 /// Stores what the searches have found that did not end in time.
 async fn leave_searches(farm: &mut Farm) {
     for (build, cut_short) in farm.nesting.searches.cut_short() {
-        if let Err(failure) = searches::leave_search(&farm.ledger, build, &cut_short).await {
+        if let Err(failure) = batch::leave_search(&farm.ledger, build, &cut_short).await {
             warn!(build.id = %build, "What was found for build {build} could not be stored: {failure:#}.");
         }
     }

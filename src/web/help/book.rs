@@ -1,8 +1,6 @@
 //! The chapters of the book, and where links between them lead.
 
-use std::{path::Path, sync::LazyLock};
-
-use super::markdown::{ReadChapter, read_chapter};
+use std::path::Path;
 
 /// A file of the book.
 #[derive(Debug)]
@@ -39,9 +37,6 @@ pub(super) const CHAPTERS: [Chapter; 14] = [
     chapter!("benchmark", "docs/benchmark.md"),
     chapter!("reliability", "docs/reliability.md"),
 ];
-
-/// The chapters as pages and searches need them.
-pub(super) static BOOK: LazyLock<Vec<ReadChapter>> = LazyLock::new(|| CHAPTERS.iter().map(read_chapter).collect());
 
 /// The address of a chapter.
 pub(super) fn chapter_address(name: &str) -> String {

@@ -1,10 +1,15 @@
 //! Reads a chapter: its sections for contents and searches, and its HTML. Chapters are our own texts; HTML in them is shown as text all the
 //! same. Pictures are left out, so that the binary stays small: their words stand in their place.
 
+use std::sync::LazyLock;
+
 use maud::html;
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html::push_html};
 
-use super::book::{Chapter, link_address};
+use super::book::{CHAPTERS, Chapter, link_address};
+
+/// The chapters as pages and searches need them.
+pub(super) static BOOK: LazyLock<Vec<ReadChapter>> = LazyLock::new(|| CHAPTERS.iter().map(read_chapter).collect());
 
 /// What stands below a heading, up to the next one.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -5,8 +5,8 @@ use maud::{Markup, PreEscaped, html};
 use serde::Deserialize;
 
 use super::{
-    book::{BOOK, chapter_address},
-    markdown::{ReadChapter, Section},
+    book::chapter_address,
+    markdown::{BOOK, ReadChapter, Section},
     search::{FoundSection, find_sections},
 };
 use crate::web::base::{

@@ -1,9 +1,6 @@
 //! What a search in the book finds: the sections that hold all words, those with the words in their headings first.
 
-use super::{
-    book::BOOK,
-    markdown::{ReadChapter, Section},
-};
+use super::markdown::{BOOK, ReadChapter, Section};
 
 /// Words of a question that count.
 const MAX_WORDS: usize = 10;

@@ -5,8 +5,8 @@ use std::{fs, path::Path};
 use pulldown_cmark::{Event, Tag, TagEnd};
 
 use super::{
-    book::{BOOK, CHAPTERS, chapter_address, link_address, linked_file},
-    markdown::{Section, events_of, sections_of},
+    book::{CHAPTERS, chapter_address, link_address, linked_file},
+    markdown::{BOOK, Section, events_of, sections_of},
     search::find_sections,
 };
 

@@ -35,9 +35,9 @@ async fn a_node_that_is_cut_off_in_a_change_keeps_the_others_from_theirs_for_sec
             match other.write_event(EventKind::Paused, "fuse-1", None, None, "").await {
                 Ok(()) => break,
                 Err(LedgerError::Server(ServerError::ChangesWait { holder })) => {
-                    // On a slow machine the person's command, whose turn came first, may be at its change.
+                    // On a slow machine the person's command, whose turn came first, may be at its change, or just have ended it.
                     let is_dead_node = holder.contains("print1") && holder.contains("idle in transaction");
-                    assert!(is_dead_node || holder.contains("a command on"), "{holder}")
+                    assert!(is_dead_node || holder.contains("a command on") || holder == "many others", "{holder}")
                 }
                 Err(error) => panic!("{error}"),
             }

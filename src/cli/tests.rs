@@ -120,10 +120,10 @@ async fn status_shows_every_machine_and_what_it_does() {
     let text = farm.to_text(Timestamp::now(), &FarmZone::default(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
     let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();
-    assert_eq!(line("fuse-1")[..7], ["fuse-1", "0", "0", "-", "-", "-", "idle"]);
+    assert_eq!(line("fuse-1")[..8], ["fuse-1", "0", "0", "-", "-", "-", "free", "now"]);
     assert_eq!(line("paper-200")[..3], ["paper-200", "1", "1"]);
-    assert!(text.contains("build 2 nesting (1 copy)") && text.contains("build 1, 87.50 mm"), "{text}");
-    assert!(text.contains("not configured, paused by ann@farm"), "{text}");
+    assert!(text.contains("build 2 is being searched (1 copy)") && text.contains("build 1, 87.50 mm"), "{text}");
+    assert!(text.contains("not configured; paused by ann@farm"), "{text}");
     assert!(text.contains("b.stl  not; needed"), "{text}");
     let json = serde_json::to_value(&farm).unwrap();
     assert_eq!(json["machines"][1]["waiting_copies"], 1);

@@ -13,6 +13,7 @@ mod core;
 mod decisions;
 #[cfg(test)]
 mod driven_tests;
+mod facts;
 mod files;
 mod leases;
 mod nesting;
@@ -42,6 +43,11 @@ pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;
 pub use decisions::queue_depth::held_text;
 pub use decisions::trigger::FireTrigger;
+pub use facts::build_fact::{BuildFact, build_fact};
+pub use facts::machine_fact::{MachineFact, MachineWord, machine_fact};
+pub use facts::order_fact::{DatedOrder, OrderFact, order_fact};
+pub use facts::printer_fact::{PrinterFact, PrinterWord};
+pub use facts::read_facts::{dates_at_risk, read_machine_facts, read_plans};
 pub use files::disk_cache::DiskPreparationCache;
 pub use files::isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
 pub use files::judged_file::judge_file;
@@ -55,10 +61,11 @@ pub use nodes::adopt::adopt_claims;
 pub use operate::operate::operate;
 pub use planning::{
     DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,
-    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, plan_machine, quote_order, read_plan, read_quoted_files,
+    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, plan_machine, quote_order, read_plan,
+    read_quoted_files,
 };
-pub use printers::printers::{PrinterView, fate_of_queued, printer_views};
-pub use printers::release_preview::{LatePreview, ReleasePreview, awaits_release, preview_release};
+pub use printers::printers::fate_of_queued;
+pub use printers::release_preview::{LatePreview, ReleasePreview, preview_release};
 pub use records::cake::{
     CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, locate_build_file,
     resolve_volume_mm,

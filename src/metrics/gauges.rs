@@ -3,13 +3,17 @@
 use std::sync::atomic::AtomicU64;
 
 use anyhow::Result;
+use jiff::Timestamp;
 use ledger::{Ledger, MachineRow, MachineStatus, NodeRow, UtcTimestamp};
 use prometheus_client::{
     metrics::{family::Family, gauge::Gauge},
     registry::Registry,
 };
 
-use crate::settings::Settings;
+use crate::{
+    farm::{MachineFact, MachinePlan, MachineWord, PrinterWord, read_machine_facts, read_plans},
+    settings::Settings,
+};
 
 /// A gauge of floating-point values.
 pub(super) type FloatGauge = Gauge<f64, AtomicU64>;
@@ -32,11 +36,16 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     // What a stopped daemon last saw of the machines says nothing about them now.
     let machines = if is_up { ledger.list_machines().await? } else { Vec::new() };
     let names = settings.profiles.keys().cloned().collect();
-    let mut snapshot = GaugeSnapshot { registry, names, status: ledger.machine_statuses().await?, machines };
+    let statuses = ledger.machine_statuses().await?;
+    let mut snapshot = GaugeSnapshot { registry, names, status: statuses.clone(), machines };
     snapshot.register_waiting();
     snapshot.register_in_work();
     snapshot.register_machines();
     register_printers(registry, ledger, settings).await?;
+    let facts = read_machine_facts(ledger, settings.profiles.values(), &statuses, Timestamp::now()).await?;
+    register_facts(registry, &facts);
+    let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
+    register_dates(registry, &plans);
     register_daemon(registry, daemon.as_ref(), is_up);
     register_nodes(registry, &nodes);
     register_disk_space(registry, settings);
@@ -160,6 +169,53 @@ fn register_nodes(registry: &mut Registry, nodes: &[NodeRow]) {
         family.get_or_create(&vec![("node", node.name.clone())]).set(gauge_from_bool(node.alive));
     }
     registry.register("node_up", "1 while this node of the farm writes heartbeats", family);
+}
+
+/// Registers what each machine and each printer does, and when it is free.
+fn register_facts(registry: &mut Registry, facts: &[MachineFact]) {
+    let [machine_states, machine_free, printer_states, printer_free] =
+        [(); 4].map(|()| Family::<LabelPairs, FloatGauge>::default());
+    for fact in facts {
+        let machine = ("machine", fact.machine.clone());
+        for state in MachineWord::ALL {
+            let labels = vec![machine.clone(), ("state", state.word().to_owned())];
+            machine_states.get_or_create(&labels).set(gauge_from_bool(fact.state == state));
+        }
+        if let Some(at) = fact.free_at {
+            machine_free.get_or_create(&vec![machine.clone()]).set(unix_seconds(at));
+        }
+        for printer in &fact.printers {
+            let labels = vec![machine.clone(), ("printer", printer.printer.clone())];
+            for state in PrinterWord::ALL {
+                let labels = [&labels[..], &[("state", state.word().to_owned())]].concat();
+                printer_states.get_or_create(&labels).set(gauge_from_bool(printer.state == state));
+            }
+            if let Some(at) = printer.free_at {
+                printer_free.get_or_create(&labels).set(unix_seconds(at));
+            }
+        }
+    }
+    registry.register("machine_state", "1 for what the machine does, 0 for every other state", machine_states);
+    registry.register("printer_state", "1 for what the printer does, 0 for every other state", printer_states);
+    let help = "When the next print of one of the machine's printers could begin";
+    registry.register("machine_free_timestamp_seconds", help, machine_free);
+    registry.register("printer_free_timestamp_seconds", "When the printer's next print could begin", printer_free);
+}
+
+/// Registers how many due dates each machine would miss, and how many are at risk.
+fn register_dates(registry: &mut Registry, plans: &[MachinePlan]) {
+    let (late, at_risk) = (Family::<LabelPairs, FloatGauge>::default(), Family::<LabelPairs, FloatGauge>::default());
+    for plan in plans {
+        let labels = vec![("machine", plan.machine.clone())];
+        late.get_or_create(&labels).set(plan.risks.iter().filter(|risk| risk.is_late).count() as f64);
+        at_risk.get_or_create(&labels).set(plan.risks.len() as f64);
+    }
+    registry.register("dates_late", "Due dates of orders, or of parts without one, that are missed or will be", late);
+    registry.register(
+        "dates_at_risk",
+        "Due dates that are late, or have less time left than plans are wrong by",
+        at_risk,
+    );
 }
 
 /// Registers whether each printer is in use, and how many builds lie in its queue folder.

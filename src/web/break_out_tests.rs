@@ -13,7 +13,26 @@ async fn post(dashboard: &TestDashboard, path: &str, form: &str, cookie: &str) -
 }
 
 async fn say(dashboard: &TestDashboard, copy: u32, mark: &str, cookie: &str) -> TestResponse {
-    post(dashboard, PAGE, &format!("key=key&part=1&copy={copy}&at={copy}&mark={mark}"), cookie).await
+    let card = dashboard.get(&format!("{PAGE}?at={}", place_of(dashboard, copy).await)).await.text;
+    say_seeing(dashboard, &card, (copy, mark), cookie).await
+}
+
+/// Presses a button of a card that was shown a while ago.
+async fn say_seeing(dashboard: &TestDashboard, card: &str, (copy, mark): (u32, &str), cookie: &str) -> TestResponse {
+    let seen = card.split("class=\"card step\"").nth(1).and_then(|card| card.split("name=\"seen\" value=\"").nth(1));
+    let seen = seen.and_then(|seen| seen.split('"').next()).unwrap_or("0");
+    post(dashboard, PAGE, &format!("key=key&part=1&copy={copy}&at={copy}&seen={seen}&mark={mark}"), cookie).await
+}
+
+/// The place of a copy in the list.
+async fn place_of(dashboard: &TestDashboard, copy: u32) -> u32 {
+    for place in 1..=2 {
+        let page = dashboard.get(&format!("{PAGE}?at={place}")).await.text;
+        if page.split("class=\"card step\"").nth(1).is_some_and(|card| card.contains(&format!("Copy {copy}. "))) {
+            return place;
+        }
+    }
+    panic!("no card of copy {copy}")
 }
 
 /// The copy that the card asks about.
@@ -86,4 +105,32 @@ async fn forms_without_the_key_or_for_unknown_copies_change_nothing() {
     assert!(dashboard.get(PAGE).await.text.contains("0 of 2 copies"));
     assert_eq!(dashboard.get("/builds/7/break-out").await.status, StatusCode::NOT_FOUND);
     assert_eq!(dashboard.get("/builds/1/break-out?at=99").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn a_card_that_is_stale_overwrites_nothing_and_says_what_the_other_said() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let stale = dashboard.get(PAGE).await.text;
+    let copy = copy_asked(&stale);
+    say(&dashboard, copy, "bad", "nestd_name=Ann").await;
+    let late = say_seeing(&dashboard, &stale, (copy, "out"), "nestd_name=Ben").await.text;
+    assert!(late.contains("Not recorded") && late.contains("Ann said since"), "{late}");
+    assert!(late.contains("that this copy is out and bad. That stays."), "{late}");
+    assert_eq!(dashboard.ledger.picks_of_build(BuildId(1)).await.unwrap()[0].mark, ledger::PickMark::Bad);
+    // Whoever looks again may say otherwise.
+    say(&dashboard, copy, "open", "nestd_name=Ben").await;
+    assert!(dashboard.ledger.picks_of_build(BuildId(1)).await.unwrap().is_empty());
+}
+
+#[tokio::test]
+async fn what_is_waiting_with_a_due_date_changes_no_page_by_itself() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let part = ledger_fixtures::asked(ledger_fixtures::new_part("dated", 3), |terms| {
+        terms.due_at = Some("2099-01-01T00:00:00Z".parse().unwrap());
+    });
+    let part = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    dashboard.ledger.accept_solids(part, &[ledger_fixtures::solid(0, 3)]).await.unwrap();
+    let before = dashboard.web.change_token().await.ok().unwrap();
+    tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
 }

@@ -99,9 +99,11 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
     let (machine_name, printer, reason) = ("paper-200".to_owned(), "left".to_owned(), "its laser".to_owned());
     say(&dashboard, OperatorWord::PrinterDown { machine: machine_name, printer, reason }).await;
     let page = dashboard.get("/").await.text;
-    assert!(page.contains("Printer <b>left</b>: down since") && page.contains("by ann@farm: its laser."), "{page}");
-    assert!(page.contains("Printer <b>right</b>: 0 builds, free now"), "{page}");
-    assert!(!page.contains("Printer <b>cube</b>"), "one printer in use is no news");
+    assert!(
+        page.contains("left: down since today ") && page.contains("by ann@farm: its laser; right: free now."),
+        "{page}"
+    );
+    assert!(page.contains("class=\"state free\">free<") && !page.contains("cube: free"), "{page}");
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
     let printers = |name: &str| {
         let machines = farm["machines"].as_array().unwrap();

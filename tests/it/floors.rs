@@ -32,7 +32,7 @@ const FLOORS: [(&str, u32); 9] = [
     ("queue", 4),
     ("settings", 5),
     ("farm", 6),
-    ("metrics", 6),
+    ("metrics", 7),
     ("outbox", 6),
     ("tables", 7),
     ("web", 8),

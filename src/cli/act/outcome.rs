@@ -41,6 +41,8 @@ pub struct OutcomeArgs {
 /// The outcomes that an operator can record.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum OutcomeChoice {
+    /// The print has begun
+    Printing,
     /// Printed
     Complete,
     /// The machine stopped before the end
@@ -52,6 +54,7 @@ enum OutcomeChoice {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &OutcomeArgs) -> Result<CommandExit> {
     let outcome = match args.outcome {
+        OutcomeChoice::Printing => PrintOutcome::Printing,
         OutcomeChoice::Complete => PrintOutcome::Complete,
         OutcomeChoice::Interrupted => PrintOutcome::Interrupted,
         OutcomeChoice::Failed => PrintOutcome::Failed,

@@ -14,13 +14,13 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{PrinterView, printer_views},
+    farm::{PrinterFact, read_machine_facts},
     settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
 };
 
 /// Columns that are left out on a narrow terminal, the first of them first.
-const LEAST_COLUMNS: &[&str] = &["times", "told_by", "down_at"];
+const LEAST_COLUMNS: &[&str] = &["times", "free_at"];
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -59,12 +59,11 @@ pub fn run(common: &CommonArgs, args: &PrinterArgs) -> Result<CommandExit> {
     }
     let (printers, view) = with_ledger_to_read(common, async |settings, ledger| {
         let mut printers = Vec::new();
-        for profile in settings.profiles.values() {
-            printers.extend(printer_views(ledger, profile, Timestamp::now()).await?);
-        }
+        let facts = read_machine_facts(ledger, settings.profiles.values(), &[], Timestamp::now()).await?;
+        printers.extend(facts.into_iter().flat_map(|fact| fact.printers));
         if let Some(name) = &args.name {
             machine_of_printer(settings, name)?;
-            printers.retain(|printer: &PrinterView| printer.printer == *name);
+            printers.retain(|printer: &PrinterFact| printer.printer == *name);
         }
         Ok((printers, TimeView::current(&settings.time_zone)))
     })?;

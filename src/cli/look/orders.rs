@@ -1,6 +1,7 @@
 //! `nestd orders`: orders and what became of their copies.
 
 use anyhow::Result;
+use jiff::Timestamp;
 use ledger::{OrderQuery, OrderState};
 
 use crate::{
@@ -11,6 +12,7 @@ use crate::{
             table::{TextTable, print_json, print_text},
         },
     },
+    farm::{DatedOrder, read_plans},
     tables::{ORDER_COLUMNS, TimeView},
 };
 
@@ -36,7 +38,9 @@ pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
     let state = (!args.all && args.find.is_none()).then_some(OrderState::Open);
     let query = OrderQuery { name: args.find.clone(), state, limit: args.limit };
     let (sheets, view) = with_ledger_to_read(common, async |settings, ledger| {
-        Ok((ledger.order_summaries(&query).await?, TimeView::current(&settings.time_zone)))
+        let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
+        let orders = DatedOrder::of_plans(ledger.order_summaries(&query).await?, &plans);
+        Ok((orders, TimeView::current(&settings.time_zone)))
     })?;
     if args.json {
         return print_json(&sheets).map(|()| CommandExit::Success);

@@ -15,7 +15,10 @@ use crate::{
             watch::watch_terminal,
         },
     },
-    farm::{self, AlertKind, AlertSummary, FarmAlert, PrinterView, printer_views},
+    farm::{
+        self, AlertKind, AlertSummary, DateRisk, FarmAlert, MachineFact, PrinterFact, dates_at_risk, machine_fact,
+        read_machine_facts, read_plans,
+    },
     settings::{FarmZone, Settings},
     tables::{
         FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, PRINTER_COLUMNS, TimeView,
@@ -64,6 +67,8 @@ pub struct FarmStatus {
     attention: Vec<FarmAlert>,
     /// Machines, by name.
     machines: Vec<ListedMachine>,
+    /// What is late, or at risk to be, by due date.
+    dates_at_risk: Vec<DateRisk>,
     /// The requested parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     parts: Option<Vec<PartRow>>,
@@ -76,8 +81,6 @@ struct ListedMachine {
     configured: bool,
     #[serde(flatten)]
     forecast: MachineForecast,
-    /// Its printers; none if it is not configured.
-    printers: Vec<PrinterView>,
 }
 
 /// Runs the command.
@@ -122,13 +125,17 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
     run_with_ledger(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
         let mut status = read_status(ledger, &settings.node.name, &names, with_parts).await?;
-        for machine in &mut status.machines {
-            let profile = settings.profiles.get(&machine.forecast.status.machine);
-            machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
-            if let Some(profile) = profile {
-                machine.printers = printer_views(ledger, profile, Timestamp::now()).await?;
+        let statuses: Vec<MachineStatus> =
+            status.machines.iter().map(|machine| machine.forecast.status.clone()).collect();
+        let now = Timestamp::now();
+        let mut facts = read_machine_facts(ledger, settings.profiles.values(), &statuses, now).await?;
+        for (machine, of_ledger) in status.machines.iter_mut().zip(statuses) {
+            if let Some(place) = facts.iter().position(|fact| fact.machine == of_ledger.machine) {
+                let (profile, fact) = (settings.profiles.get(&of_ledger.machine), facts.swap_remove(place));
+                machine.forecast = MachineForecast::new(of_ledger, profile, fact, now);
             }
         }
+        status.dates_at_risk = dates_at_risk(read_plans(ledger, settings.profiles.values(), now).await?);
         Ok(status)
     })
 }
@@ -138,8 +145,11 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     let known = ledger.machine_statuses().await?;
     let machine = |configured: bool, status: MachineStatus| ListedMachine {
         configured,
-        forecast: MachineForecast::new(status, None),
-        printers: Vec::new(),
+        forecast: {
+            let now = Timestamp::now();
+            let fact = machine_fact(&status, None, Vec::new(), now);
+            MachineForecast::new(status, None, fact, now)
+        },
     };
     let mut machines: Vec<ListedMachine> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.machine == **name))
@@ -160,7 +170,16 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served_by(node).await?);
     let nodes = list_farm_nodes(ledger).await?;
     let silence_hint = ledger.silence_hint();
-    Ok(FarmStatus { daemon, nodes, is_served, silence_hint, attention: Vec::new(), machines, parts })
+    Ok(FarmStatus {
+        daemon,
+        nodes,
+        is_served,
+        silence_hint,
+        attention: Vec::new(),
+        machines,
+        dates_at_risk: Vec::new(),
+        parts,
+    })
 }
 
 async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -172,16 +191,6 @@ async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
         ledger.parts_in_state_between(PartState::Refused, Timestamp::MIN, Timestamp::MAX, REFUSED_LISTED).await?,
     );
     Ok(parts)
-}
-
-impl ListedMachine {
-    /// Its printers, unless it has only one, which is in use.
-    fn shown_printers(&self) -> &[PrinterView] {
-        match self.printers.as_slice() {
-            [only] if only.down.is_none() => &[],
-            all => all,
-        }
-    }
 }
 
 impl FarmStatus {
@@ -199,11 +208,17 @@ impl FarmStatus {
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text =
             format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_essentials(columns, LEAST_COLUMNS));
-        let printers: Vec<PrinterView> =
-            self.machines.iter().flat_map(ListedMachine::shown_printers).cloned().collect();
+        let facts = self.machines.iter().map(|machine| &machine.forecast.fact);
+        let printers: Vec<PrinterFact> = facts.flat_map(MachineFact::shown_printers).cloned().collect();
         if !printers.is_empty() {
             let table = TextTable::of(PRINTER_COLUMNS, &printers, &view);
-            text += &format!("\n{}", table.fit_essentials(columns, &["times", "told_by", "down_at"]));
+            text += &format!("\n{}", table.fit_essentials(columns, &["times", "free_at"]));
+        }
+        for risk in &self.dates_at_risk {
+            text += &format!("\n{}: {}.", risk.subject_text(), risk.in_words(zone, now));
+        }
+        if !self.dates_at_risk.is_empty() {
+            text += "\n";
         }
         if self.nodes.len() > 1 {
             text += &format!(

@@ -4,7 +4,7 @@
 use std::{
     collections::{HashMap, HashSet},
     path::PathBuf,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use intake::InboxWatcher;
@@ -17,6 +17,7 @@ use crate::{
         files::standing_claim::StandingClaim,
         leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
         nesting::running_searches::RunningSearches,
+        planning::DateRisk,
         process::{
             ledger_changes::LedgerChangeDetector, retry_backoff::RetryBackoff, tick_tasks::TaskTimes,
             time_source::TimeSource, wall_clock::WallClockMonitor,
@@ -102,6 +103,36 @@ pub(crate) struct DisplayState {
     pub(crate) status_line: String,
     /// When the status was last updated.
     pub(crate) updated_at: Option<Instant>,
+    /// What is late, or at risk to be, according to the last plans.
+    pub(crate) dates: PlannedDates,
+}
+
+/// What is late, or at risk to be, according to plans that were made a moment ago.
+#[derive(Debug, Default)]
+pub(crate) struct PlannedDates {
+    pub(crate) risks: Vec<DateRisk>,
+    /// When the plans were made, after which event, and how long that took.
+    made: Option<(Instant, i64, Duration)>,
+}
+
+impl PlannedDates {
+    /// Plans are made anew after this time although nothing happened.
+    const INTERVAL: Duration = Duration::from_secs(60);
+    /// Where things happen, plans are made anew after so many times the time that this takes.
+    const REST: u32 = 50;
+
+    /// Whether plans are to be made anew, now that this is the last event.
+    pub(crate) fn is_due(&self, event: i64, now: Instant) -> bool {
+        self.made.is_none_or(|(at, seen, took)| {
+            let rest = if seen == event { Self::INTERVAL } else { (Self::REST * took).min(Self::INTERVAL) };
+            now.saturating_duration_since(at) >= rest
+        })
+    }
+
+    /// Takes in what new plans say.
+    pub(crate) fn take_in(&mut self, risks: Vec<DateRisk>, event: i64, now: Instant, took: Duration) {
+        (self.risks, self.made) = (risks, Some((now, event, took)));
+    }
 }
 
 /// The watch on the hot folders of all machines.

@@ -62,12 +62,12 @@ fn contents_text(row: &MachineStatus) -> String {
 }
 
 /// When the next build of a machine fires because of the time alone.
-pub fn forecast_fire(profile: &MachineProfile, row: &MachineStatus) -> Option<FireForecast> {
+pub fn forecast_fire(profile: &MachineProfile, row: &MachineStatus, now: Timestamp) -> Option<FireForecast> {
     if row.paused.is_some() || row.waiting_parts == 0 || !has_machine_room(profile, &row.ahead) {
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
-    let (oldest, outlook) = (row.waits_since?.0, PrinterOutlook::of_status(profile, row));
+    let (oldest, outlook) = (row.waits_since?.0, PrinterOutlook::of_status(profile, row, now));
     let facts = |newest: Timestamp| TriggerFacts {
         copies: row.waiting_copies.max(1) as usize,
         oldest,

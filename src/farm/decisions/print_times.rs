@@ -55,6 +55,11 @@ impl PrintTimes {
         self.hours_per_mm * height_mm
     }
 
+    /// How long the print of a build of this height takes, without cooling.
+    pub fn printed(&self, height_mm: f64) -> SignedDuration {
+        SignedDuration::try_from_secs_f64(3600.0 * self.print_hours(height_mm)).unwrap_or(SignedDuration::MAX)
+    }
+
     /// How long a build of this height occupies its printer.
     pub fn occupied(&self, height_mm: f64) -> SignedDuration {
         let hours = self.print_hours(height_mm) + self.cool_down_hours;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildId, BuildState, OccupyingBuild};
 
 use super::print_times::PrintTimes;
@@ -24,10 +24,44 @@ pub struct BuildSpan {
     pub build: BuildId,
     /// When its print begins, or began.
     pub begins_at: Timestamp,
+    /// When the print itself ends, without cooling.
+    pub printed_at: Timestamp,
     /// When the printer is free of it.
     pub ends_at: Timestamp,
-    /// Whether its file was taken out of the queue.
+    /// Whether its file was put into the queue.
+    pub is_published: bool,
+    /// Whether its print has begun: that was told, or its file was taken out of the queue.
     pub is_taken: bool,
+    /// Whether somebody told that its print began.
+    pub is_told: bool,
+}
+
+/// How far a build is that occupies a printer, as far as is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BuildStage {
+    /// It is made for it.
+    Made,
+    /// Its file lies in the queue, or in the printer behind others.
+    Queued,
+    /// It is printed.
+    Printing,
+    /// It cools, and is unpacked.
+    Cooling,
+    /// It should be done.
+    Ended,
+}
+
+impl BuildSpan {
+    /// How far it is.
+    pub fn stage(&self, now: Timestamp) -> BuildStage {
+        match () {
+            () if self.is_taken && now >= self.ends_at => BuildStage::Ended,
+            () if self.is_taken && now >= self.printed_at => BuildStage::Cooling,
+            () if self.is_taken && now >= self.begins_at => BuildStage::Printing,
+            () if self.is_published => BuildStage::Queued,
+            () => BuildStage::Made,
+        }
+    }
 }
 
 /// The load of each printer of a machine.
@@ -50,7 +84,7 @@ pub fn printer_loads(
 /// The load of a printer with these builds, whatever its hours.
 pub fn load_of_spans(spans: &[BuildSpan], now: Timestamp) -> PrinterLoad {
     let free_at = spans.last().map_or(now, |span| span.ends_at.max(now));
-    PrinterLoad { free_at, builds: spans.iter().filter(|span| span.ends_at >= now).count() }
+    PrinterLoad { free_at, builds: spans.iter().filter(|span| span.is_told || span.ends_at >= now).count() }
 }
 
 /// When the builds of each printer of a machine are printed. Published builds without a printer are those of the first; a
@@ -92,14 +126,19 @@ fn spans_of<'b>(
                 rules.begins_at(ready_at.max(free_at), &profile.time_zone)
             }
         };
-        let occupied = times.occupied(build.height_mm.unwrap_or(0.0));
-        free_at = begins_at.checked_add(occupied).unwrap_or(Timestamp::MAX);
-        // Somebody said that it is printed: it is, however long that takes.
-        if build.state == BuildState::Printing {
-            free_at = free_at.max(now);
-        }
-        let is_taken = build.begun_at.is_some() || build.printer.is_none() || build.state == BuildState::Printing;
-        spans.push(BuildSpan { build: build.build, begins_at, ends_at: free_at, is_taken });
+        let height_mm = build.height_mm.unwrap_or(0.0);
+        let after = |span: SignedDuration| begins_at.checked_add(span).unwrap_or(Timestamp::MAX);
+        free_at = after(times.occupied(height_mm));
+        let is_told = build.state == BuildState::Printing;
+        spans.push(BuildSpan {
+            build: build.build,
+            begins_at,
+            printed_at: after(times.printed(height_mm)),
+            ends_at: free_at,
+            is_published: build.published_at.is_some(),
+            is_taken: build.begun_at.is_some() || build.printer.is_none() || is_told,
+            is_told,
+        });
     }
     spans
 }

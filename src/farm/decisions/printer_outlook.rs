@@ -60,10 +60,10 @@ impl PrinterOutlook {
     }
 
     /// As the status of a machine tells it.
-    pub fn of_status(profile: &MachineProfile, row: &MachineStatus) -> Self {
+    pub fn of_status(profile: &MachineProfile, row: &MachineStatus, now: Timestamp) -> Self {
         let is_down = |name: &str| row.ahead.iter().any(|ahead| ahead.printer == name && ahead.is_down);
         let times = PrintTimes::learn(profile, &row.told_prints);
-        Self::new(profile, &row.occupying, times, |name| !is_down(name), row.read_at.map_or(Timestamp::MIN, |at| at.0))
+        Self::new(profile, &row.occupying, times, |name| !is_down(name), now)
     }
 
     /// What tells when the print of a build of this height must begin.

@@ -346,6 +346,10 @@ impl HandDrivenFarm {
         self.farm.as_ref().unwrap().machines[MACHINE].status.0.clone()
     }
 
+    pub fn status_text_of(&self, machine: &str) -> String {
+        self.farm.as_ref().unwrap().machines[machine].status.0.clone()
+    }
+
     /// What `status.json` says next.
     pub fn status_json(&self) -> serde_json::Value {
         self.farm.as_ref().unwrap().machines[MACHINE].status.1.clone()

@@ -5,10 +5,7 @@ use jiff::SignedDuration;
 use ledger::ObservedMachine;
 
 use crate::farm::{
-    alerts::{
-        alert::{AlertKind, FarmAlert},
-        alert_registry::AlertRegistry,
-    },
+    alerts::alert::{AlertKind, FarmAlert},
     core::{desks::Showing, machine_state::MachineState},
     receive::scan_jobs::HotFolderScanJob,
 };
@@ -27,11 +24,6 @@ const UNAVAILABLE_KINDS: [AlertKind; 8] = [
     AlertKind::FoldersMissing,
     AlertKind::BuildFailed,
 ];
-
-/// Whether a machine cannot claim parts or publish builds at this moment.
-pub(crate) fn is_unavailable(alerts: &AlertRegistry, name: &str, machine: &MachineState) -> bool {
-    alerts.active_alerts().any(|alert| alert.machine == name && hinders(&alert, machine))
-}
 
 /// Whether an alert keeps its machine from claiming parts or publishing builds. The queue folder of one printer does not, as
 /// long as another printer's is open.

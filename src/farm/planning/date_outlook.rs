@@ -8,7 +8,7 @@ use super::{
     build_plan::{ComingBuild, add_secs},
     plan_facts::{PlanFacts, PlanHindrance},
 };
-use crate::settings::MachineProfile;
+use crate::{farm::decisions::printer_choice::BuildStage, settings::MachineProfile};
 
 /// What puts a due date at risk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -36,6 +36,8 @@ pub enum RiskCause {
     NotRead,
     /// A person has paused the machine.
     Paused,
+    /// The daemon found the machine unavailable.
+    Unavailable,
     /// No printer of the machine is in use.
     NoPrinter,
 }
@@ -91,6 +93,7 @@ pub fn outlook_of_coming(
     let Some(print) = build.print else {
         let cause = match facts.hindrance {
             Some(PlanHindrance::Paused) => RiskCause::Paused,
+            Some(PlanHindrance::Unavailable) => RiskCause::Unavailable,
             Some(PlanHindrance::NoPrinter) => RiskCause::NoPrinter,
             None => RiskCause::PrinterClosed,
         };
@@ -125,6 +128,8 @@ pub fn outlook_of_coming(
 pub struct MadeBuild {
     /// Its height, mm.
     pub height_mm: f64,
+    /// How far it is.
+    pub stage: BuildStage,
     /// Whether it waits for a person's yes.
     pub awaits_release: bool,
     /// When the builds before it are done.
@@ -143,9 +148,12 @@ pub fn outlook_of_made(
     due_at: Timestamp,
     now: Timestamp,
 ) -> Option<DateOutlook> {
-    let ends_at = build.ends_at.max(now);
+    let ends_at = build.ends_at;
     let is_late = ends_at > due_at;
-    let held_back = reserve.span_of(facts, build.height_mm, true);
+    let held_back = match build.stage {
+        BuildStage::Ended => SignedDuration::ZERO,
+        _ => reserve.span_of(facts, build.height_mm, true),
+    };
     let limit = if is_late { due_at } else { due_at.checked_sub(held_back).unwrap_or(Timestamp::MIN) };
     if ends_at <= limit {
         return None;
@@ -188,6 +196,7 @@ impl DateOutlook {
             RiskCause::FileMissing => "its file is damaged or being fetched".to_owned(),
             RiskCause::NotRead => "its file is not read yet".to_owned(),
             RiskCause::Paused => "the machine is paused".to_owned(),
+            RiskCause::Unavailable => "the machine is unavailable".to_owned(),
             RiskCause::NoPrinter => "no printer of the machine is in use".to_owned(),
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use jiff::Timestamp;
-use ledger::{BuildId, BuildState, PartId, PartRow, PartState, UtcTimestamp};
+use ledger::{BuildId, PartId, PartRow, PartState, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -13,7 +13,13 @@ use super::{
     plan_facts::PlanHindrance,
     plan_reading::{BuildUnderWay, PlanReading},
 };
-use crate::{farm::decisions::trigger::FireTrigger, settings::MachineProfile};
+use crate::{
+    farm::{
+        decisions::{printer_choice::BuildStage, trigger::FireTrigger},
+        process::time_text::known_minute,
+    },
+    settings::{FarmZone, MachineProfile},
+};
 
 /// The plan of a machine. It holds as long as nothing more arrives.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -38,6 +44,10 @@ pub struct MachinePlan {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PlanStage {
+    /// It should be done, and nobody told how it printed.
+    Ended,
+    /// It cools, and is unpacked.
+    Cooling,
     /// It is printed, as far as is known.
     Printing,
     /// Its file lies in a queue folder.
@@ -97,10 +107,14 @@ pub struct PlannedPart {
 /// A due date that is at risk: that of an order, or of a part without one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DateRisk {
+    /// The machine.
+    pub machine: String,
     /// The order; "" = the part has none.
     pub order: String,
     /// The parts that put it at risk.
     pub parts: Vec<String>,
+    /// Their numbers.
+    pub numbers: Vec<PartId>,
     /// When it is due.
     pub due_at: UtcTimestamp,
     /// The date as it was given.
@@ -120,13 +134,14 @@ pub fn make_plan(profile: &MachineProfile, reading: &PlanReading, now: Timestamp
     let facts = &reading.facts;
     let coming = plan_builds(profile, facts, now);
     let fired = |build: BuildId| coming.iter().find(|coming| coming.fires.is_none() && coming.build == Some(build));
-    let under_way = reading.under_way.iter().map(|build| view_under_way(profile, build, fired(build.id()), now));
+    let under_way = reading.under_way.iter().map(|build| view_under_way(profile, build, fired(build.id())));
     let to_come = coming.iter().filter(|build| !build.lines.is_empty()).map(|build| view_coming(profile, build));
     MachinePlan {
         machine: profile.name.clone(),
         planned_at: UtcTimestamp(now),
         hindered: facts.hindrance.map(|hindrance| match hindrance {
             PlanHindrance::Paused => RiskCause::Paused,
+            PlanHindrance::Unavailable => RiskCause::Unavailable,
             PlanHindrance::NoPrinter => RiskCause::NoPrinter,
         }),
         builds: under_way.chain(to_come).collect(),
@@ -136,30 +151,24 @@ pub fn make_plan(profile: &MachineProfile, reading: &PlanReading, now: Timestamp
     }
 }
 
-fn view_under_way(
-    profile: &MachineProfile,
-    build: &BuildUnderWay,
-    fired: Option<&ComingBuild>,
-    now: Timestamp,
-) -> PlannedBuild {
+fn view_under_way(profile: &MachineProfile, build: &BuildUnderWay, fired: Option<&ComingBuild>) -> PlannedBuild {
     let print = fired.and_then(|fired| fired.print);
     let (begins_at, ends_at) = match &build.made {
-        Some((_, made)) => (Some(made.begins_at), Some(made.ends_at.max(now))),
+        Some((_, made)) => (Some(made.begins_at), Some(made.ends_at)),
         None => (print.map(|print| print.begins_at), print.map(|print| print.ends_at)),
     };
     let printer = match &build.made {
         Some((printer, _)) => Some(printer.clone()),
         None => print.map(|print| profile.printers[print.place].name.clone()),
     };
-    // A file that lies in the queue is not printed yet, however free its printer is.
-    let has_begun = build.row.place.taken_at.is_some();
     PlannedBuild {
         build: Some(build.id()),
-        stage: match build.row.state {
-            BuildState::Printing => PlanStage::Printing,
-            BuildState::Published if has_begun => PlanStage::Printing,
-            BuildState::Published => PlanStage::Queued,
-            _ => PlanStage::Made,
+        stage: match build.made.as_ref().map(|(_, made)| made.stage) {
+            Some(BuildStage::Queued) => PlanStage::Queued,
+            Some(BuildStage::Printing) => PlanStage::Printing,
+            Some(BuildStage::Cooling) => PlanStage::Cooling,
+            Some(BuildStage::Ended) => PlanStage::Ended,
+            Some(BuildStage::Made) | None => PlanStage::Made,
         },
         printer,
         copies: build.parts.iter().map(|(_, copies)| copies).sum(),
@@ -167,8 +176,8 @@ fn view_under_way(
         is_nested: build.row.measures.height_mm.is_some(),
         fires_at: None,
         fires_by: None,
-        begins_at: known(begins_at),
-        ends_at: known(ends_at),
+        begins_at: begins_at.and_then(known_minute),
+        ends_at: ends_at.and_then(known_minute),
         awaits_release: build.made.as_ref().is_some_and(|(_, made)| made.awaits_release),
         parts: build.parts.iter().map(|(part, copies)| planned_part(part, *copies)).collect(),
     }
@@ -198,17 +207,11 @@ fn view_coming(profile: &MachineProfile, build: &ComingBuild) -> PlannedBuild {
         // As it is, for the same is told in other places.
         fires_at: build.fires.map(|(at, _)| UtcTimestamp(at)).filter(|at| at.0 < Timestamp::MAX),
         fires_by: build.fires.map(|(_, by)| by),
-        begins_at: known(print.map(|print| print.begins_at)),
-        ends_at: known(print.map(|print| print.ends_at)),
+        begins_at: print.map(|print| print.begins_at).and_then(known_minute),
+        ends_at: print.map(|print| print.ends_at).and_then(known_minute),
         awaits_release: false,
         parts: listed.into_iter().flatten().collect(),
     }
-}
-
-/// A time to the minute, unless it is the end of all time.
-fn known(at: Option<Timestamp>) -> Option<UtcTimestamp> {
-    let at = at.filter(|at| *at < Timestamp::MAX)?;
-    Some(UtcTimestamp(at.round(jiff::Unit::Minute).unwrap_or(at)))
 }
 
 fn planned_part(part: &PartRow, copies: u32) -> PlannedPart {
@@ -293,22 +296,49 @@ fn note_risk(
     let (Some(outlook), Some(due_at)) = (outlook, part.terms.due_at) else { return };
     let order = part.terms.order_name.clone();
     let alone = order.is_empty().then_some(part.id);
-    let risk = |outlook: &DateOutlook, parts: Vec<String>| DateRisk {
+    let risk = |outlook: &DateOutlook, (parts, numbers): (Vec<String>, Vec<PartId>)| DateRisk {
+        machine: profile.name.clone(),
         order: order.clone(),
         parts,
+        numbers,
         due_at,
         due_text: part.terms.due_text.clone(),
-        done_at: known(outlook.done_at),
+        done_at: outlook.done_at.and_then(known_minute),
         is_late: outlook.is_late,
         cause: outlook.cause,
         reason: outlook.reason_text(profile),
     };
     let entry = found.entry((order.clone(), alone, due_at));
-    let (worst, noted) = entry.or_insert_with(|| (outlook, risk(&outlook, Vec::new())));
+    let (worst, noted) = entry.or_insert_with(|| (outlook, risk(&outlook, Default::default())));
     *worst = worst.worse(outlook);
-    let mut parts = std::mem::take(&mut noted.parts);
-    if !parts.contains(&part.full_name()) {
+    let (mut parts, mut numbers) = (std::mem::take(&mut noted.parts), std::mem::take(&mut noted.numbers));
+    if !numbers.contains(&part.id) {
+        numbers.push(part.id);
         parts.push(part.full_name());
     }
-    *noted = risk(worst, parts);
+    *noted = risk(worst, (parts, numbers));
+}
+
+impl DateRisk {
+    /// The order with its parts that are at risk, or the part.
+    pub fn subject_text(&self) -> String {
+        let named = match self.parts.as_slice() {
+            [] => String::new(),
+            [one] => one.clone(),
+            [one, rest @ ..] => format!("{one} and {} more", rest.len()),
+        };
+        if self.order.is_empty() { named } else { format!("{}: {named}", self.order) }
+    }
+
+    /// `late`, or `tight` where the time left is less than such plans are wrong by.
+    pub fn word(&self) -> &'static str {
+        if self.is_late { "late" } else { "tight" }
+    }
+
+    /// What follows the subject in a sentence: `due 2026-11-27, late, done about tomorrow 03:45: its print takes too long for that`.
+    pub fn in_words(&self, zone: &FarmZone, now: Timestamp) -> String {
+        let due = zone.format_due(self.due_at.0, &self.due_text);
+        let done = self.done_at.map_or_else(String::new, |at| format!(", done about {}", zone.format_near(at.0, now)));
+        format!("due {due}, {}{done}: {}", self.word(), self.reason)
+    }
 }

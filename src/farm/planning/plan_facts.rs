@@ -49,6 +49,8 @@ pub struct FiredBuild {
 pub enum PlanHindrance {
     /// A person has paused the machine.
     Paused,
+    /// The daemon found it unavailable.
+    Unavailable,
     /// All its printers are down.
     NoPrinter,
 }

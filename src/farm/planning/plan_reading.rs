@@ -8,18 +8,16 @@ use ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, Publish
 
 use super::{
     date_outlook::{EndReserve, MadeBuild},
+    occupation::{awaits_release, read_occupation},
     packing_experience::{self, PackingExperience, upper_end},
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, StandingLayout},
 };
 use crate::{
-    farm::{
-        decisions::{
-            layout::{CopyId, LayoutPlacement, placed_from_json},
-            print_times::{PrintTimes, print_excess_hours},
-            printer_choice::{BuildSpan, build_spans},
-            printer_outlook::PrinterOutlook,
-        },
-        printers::{printers::occupation_of, release_preview::awaits_release},
+    farm::decisions::{
+        layout::{CopyId, LayoutPlacement, placed_from_json},
+        print_times::{PrintTimes, print_excess_hours},
+        printer_choice::{BuildSpan, build_spans},
+        printer_outlook::PrinterOutlook,
     },
     settings::MachineProfile,
 };
@@ -62,8 +60,8 @@ pub struct PlanReading {
 /// # Errors
 /// The ledger cannot be read.
 pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<PlanReading> {
-    let (occupying, times) = occupation_of(ledger, profile, now).await?;
     let experience = ledger.published_experience(&profile.name, packing_experience::LEARN_FROM).await?;
+    let (occupying, times) = read_occupation(ledger, profile, now).await?;
     let status = ledger.machine_statuses().await?.into_iter().find(|row| row.machine == profile.name);
     let open = status.as_ref().and_then(|row| row.open.as_ref()).map(|open| open.build);
     let open = match open {
@@ -78,6 +76,8 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
     let spans = build_spans(profile, &occupying, &times, now);
     let outlook = PrinterOutlook::new(profile, &occupying, times, |name| !is_down(name), now);
     let is_paused = status.as_ref().is_some_and(|row| row.paused.is_some());
+    let is_away =
+        ledger.list_machines().await?.iter().any(|row| row.machine == profile.name && !row.trouble.is_empty());
     let is_homeless = |build: &&OccupyingBuild| build.printer.is_none() && build.published_at.is_none();
     let fired = |build: &OccupyingBuild| FiredBuild { build: build.build, height_mm: build.height_mm.unwrap_or(0.0) };
     let reserve = EndReserve { print_hours: excess_hours(ledger, profile, &times, &experience).await? };
@@ -86,10 +86,11 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
         layout,
         newest: ledger.newest_arrival(&profile.name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0),
         fired: occupying.iter().filter(is_homeless).map(fired).collect(),
-        hindrance: match (is_paused, outlook.printers.is_empty()) {
-            (true, _) => Some(PlanHindrance::Paused),
-            (false, true) => Some(PlanHindrance::NoPrinter),
-            (false, false) => None,
+        hindrance: match () {
+            () if is_paused => Some(PlanHindrance::Paused),
+            () if is_away => Some(PlanHindrance::Unavailable),
+            () if outlook.printers.is_empty() => Some(PlanHindrance::NoPrinter),
+            () => None,
         },
         outlook,
         packing: PackingExperience::learn(profile, &experience),
@@ -144,19 +145,19 @@ async fn read_under_way(
     for build in occupying {
         let Some(row) = ledger.find_build(build.build).await? else { continue };
         let mut counts: BTreeMap<PartId, u32> = BTreeMap::new();
-        for (part, _) in ledger.copies_of_build(build.build).await? {
+        for (part, _) in ledger.counted_copies(build.build).await? {
             *counts.entry(part).or_default() += 1;
         }
         let parts = ledger.parts_of_build(build.build).await?;
-        let parts = parts.into_iter().map(|part| (counts.get(&part.id).copied().unwrap_or(0), part));
+        let parts = parts.into_iter().filter_map(|part| Some((counts.remove(&part.id)?, part)));
         let parts = parts.map(|(copies, part)| (part, copies)).collect();
         let made = spans.iter().find_map(|(printer, spans)| {
             let at = spans.iter().position(|span| span.build == build.build)?;
             let free_at = at.checked_sub(1).map_or(now, |before| spans[before].ends_at);
-            let BuildSpan { begins_at, ends_at, .. } = spans[at];
+            let (BuildSpan { begins_at, ends_at, .. }, stage) = (spans[at], spans[at].stage(now));
             let height_mm = build.height_mm.unwrap_or(0.0);
             let awaits_release = awaits_release(profile, &row);
-            Some((printer.clone(), MadeBuild { height_mm, awaits_release, free_at, begins_at, ends_at }))
+            Some((printer.clone(), MadeBuild { height_mm, stage, awaits_release, free_at, begins_at, ends_at }))
         });
         under_way.push(BuildUnderWay { row, parts, made });
     }

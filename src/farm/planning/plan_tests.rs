@@ -16,6 +16,7 @@ use super::{
 use crate::{
     farm::decisions::{
         print_times::PrintTimes,
+        printer_choice::BuildStage,
         printer_outlook::{PrinterAhead, PrinterOutlook},
         trigger::tests::machine_with_triggers,
     },
@@ -225,6 +226,7 @@ fn a_build_that_waits_for_a_yes_or_behind_others_is_named_by_that() {
     let facts = facts(&profile, Vec::new());
     let made = |free: f64, begins: f64, awaits_release: bool| MadeBuild {
         height_mm: 40.0,
+        stage: BuildStage::Queued,
         awaits_release,
         free_at: at(free),
         begins_at: at(begins),

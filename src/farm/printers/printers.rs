@@ -1,11 +1,8 @@
 //! The printers of the machines: which of them people took out of use, and which one a build is made for.
 
 use anyhow::Result;
-use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildRow, DownPrinter, Ledger, LedgerError, OccupyingBuild, UtcTimestamp, WaitingPart};
-use schemars::JsonSchema;
-use serde::Serialize;
+use ledger::{BuildRow, Ledger, LedgerError, WaitingPart};
 
 use crate::{
     farm::{
@@ -14,70 +11,14 @@ use crate::{
             printer_state::PrinterState,
         },
         decisions::{
-            print_times::PrintTimes,
-            printer_choice::{PrinterLoad, choose_printer, printer_loads},
-            printer_outlook::PrinterOutlook,
+            print_times::PrintTimes, printer_choice::choose_printer, printer_outlook::PrinterOutlook,
             queue_depth::queue_room,
         },
+        planning::read_occupation,
         scanning::machine_fit::find_misfit,
     },
-    settings::{FarmZone, MachineProfile, PrinterRules},
+    settings::{MachineProfile, PrinterRules},
 };
-
-/// What people see of a printer.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct PrinterView {
-    /// Its name.
-    pub printer: String,
-    /// Its machine.
-    pub machine: String,
-    /// Its queue folder.
-    pub queue: String,
-    /// Since when and why it takes no builds; `None` = it is in use.
-    pub down: Option<DownPrinter>,
-    /// Builds that are made for it, lie in its queue or are printed, as far as is known.
-    pub builds: u32,
-    /// Whether its next print could begin now.
-    pub is_free: bool,
-    /// When its next print could begin, as far as is known, to the minute; `None` = now, or it is down, or no day is open.
-    pub free_at: Option<UtcTimestamp>,
-    /// Hours of printing per mm of build height.
-    pub hours_per_mm: f64,
-    /// Hours beside that.
-    pub cool_down_hours: f64,
-    /// Number of told prints that these were learned from; 0 = they are the settings.
-    pub learned_from: u32,
-}
-
-/// What people see of the printers of a machine.
-///
-/// # Errors
-/// The ledger cannot be read.
-pub async fn printer_views(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<Vec<PrinterView>> {
-    let (builds, times) = occupation_of(ledger, profile, now).await?;
-    let down = ledger.down_printers().await?;
-    let loads = printer_loads(profile, &builds, &times, now);
-    let view = |rules: &PrinterRules| {
-        let down = down.iter().find(|down| down.machine == profile.name && down.printer == rules.name);
-        let down = down.cloned();
-        let load = loads.get(&rules.name).copied().unwrap_or(PrinterLoad { free_at: now, builds: 0 });
-        let is_free = down.is_none() && load.free_at <= now;
-        let free_at = Some(load.free_at).filter(|at| down.is_none() && !is_free && *at < Timestamp::MAX);
-        PrinterView {
-            printer: rules.name.clone(),
-            machine: profile.name.clone(),
-            queue: rules.queue.to_string(),
-            down,
-            builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
-            is_free,
-            free_at: free_at.map(|at| UtcTimestamp(at.round(jiff::Unit::Minute).unwrap_or(at))),
-            hours_per_mm: times.hours_per_mm,
-            cool_down_hours: times.cool_down_hours,
-            learned_from: u32::try_from(times.learned_from).unwrap_or(u32::MAX),
-        }
-    };
-    Ok(profile.printers.iter().map(view).collect())
-}
 
 /// What becomes of the builds that lie at a printer that is down, in sentences.
 ///
@@ -109,50 +50,6 @@ pub(super) fn rules_of_build<'p>(profile: &'p MachineProfile, build: &BuildRow) 
     named.or_else(|| profile.printers.first())
 }
 
-impl PrinterView {
-    /// `0.100 h per mm and 4.0 h, from 12 prints`.
-    pub fn times_text(&self) -> String {
-        let from = match self.learned_from {
-            0 => "as set".to_owned(),
-            prints => format!("from {prints} prints"),
-        };
-        format!("{:.3} h per mm and {:.1} h, {from}", self.hours_per_mm, self.cool_down_hours)
-    }
-
-    /// What it does: `2 builds, free from 2026-11-25 14:00 CET`, or since when it is down, and why.
-    pub fn state_text(&self, zone: &FarmZone) -> String {
-        if let Some(down) = &self.down {
-            let why = if down.reason.is_empty() { String::new() } else { format!(": {}", down.reason) };
-            return format!("down since {} by {}{why}", zone.format_minute(down.down_at.0), down.told_by);
-        }
-        let builds = format_count(self.builds, "build", "builds");
-        match self.free_at {
-            _ if self.is_free => format!("{builds}, free now"),
-            Some(at) => format!("{builds}, free from {}", zone.format_minute(at.0)),
-            None => format!("{builds}; its calendar is not open again"),
-        }
-    }
-}
-
-/// The lines of `STATUS.txt` on the printers of a machine; none for a machine of one printer that is in use.
-pub(crate) fn printer_lines(profile: &MachineProfile, printers: &[PrinterView]) -> Vec<String> {
-    let is_shown = profile.has_named_printers() || printers.iter().any(|printer| printer.down.is_some());
-    let line =
-        |printer: &PrinterView| format!("Printer {}: {}.", printer.printer, printer.state_text(&profile.time_zone));
-    if is_shown { printers.iter().map(line).collect() } else { Vec::new() }
-}
-
-/// What a machine's prints take, and the builds that occupy its printers.
-pub(crate) async fn occupation_of(
-    ledger: &Ledger,
-    profile: &MachineProfile,
-    now: Timestamp,
-) -> Result<(Vec<OccupyingBuild>, PrintTimes)> {
-    let builds = ledger.occupying_builds(&profile.name, now.into()).await?;
-    let told = ledger.told_prints(&profile.name).await?;
-    Ok((builds, PrintTimes::learn(profile, &told)))
-}
-
 /// What lies ahead of the printers of a machine that can be used. It is read only where something that waits has a due date.
 pub(crate) async fn printer_outlook(
     ledger: &Ledger,
@@ -165,7 +62,7 @@ pub(crate) async fn printer_outlook(
         return Ok(PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(profile) });
     }
     let usable = usable_printers(machine);
-    let (builds, times) = occupation_of(ledger, profile, now).await?;
+    let (builds, times) = read_occupation(ledger, profile, now).await?;
     Ok(PrinterOutlook::new(profile, &builds, times, |printer| usable.contains(&printer), now))
 }
 
@@ -198,7 +95,7 @@ pub(crate) async fn choose_for_build(
     if usable.len() < 2 {
         return Ok(usable.first().map(|&name| name.to_owned()));
     }
-    let (builds, times) = occupation_of(ledger, &machine.profile, now).await?;
+    let (builds, times) = read_occupation(ledger, &machine.profile, now).await?;
     // A build that fired while there was room goes where it is.
     let depth = machine.profile.printing.queue_depth;
     let ahead = if depth > 0 { ledger.builds_ahead(&build.machine).await? } else { Vec::new() };

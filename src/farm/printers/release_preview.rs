@@ -4,13 +4,17 @@
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildId, BuildRow, BuildState, Ledger, OccupyingBuild, PartRow, UtcTimestamp};
+use ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::printers::{occupation_of, rules_of_build};
+use super::printers::rules_of_build;
 use crate::{
-    farm::{decisions::printer_choice::printer_loads, scanning::machine_fit::find_misfit},
+    farm::{
+        decisions::printer_choice::printer_loads,
+        planning::{awaits_release, read_occupation},
+        scanning::machine_fit::find_misfit,
+    },
     settings::{FarmZone, MachineProfile},
 };
 
@@ -61,16 +65,6 @@ pub struct LatePreview {
     pub due_text: String,
 }
 
-/// Whether a proved build waits for a person's yes. One that does not fit its machine any more is made again first.
-pub fn awaits_release(profile: &MachineProfile, build: &BuildRow) -> bool {
-    let share = build.measures.height_mm.unwrap_or_default() / profile.space.volume_mm.z;
-    build.state == BuildState::Verified
-        && build.place.released_at.is_none()
-        && build.staged.publishing_at.is_none()
-        && profile.printing.needs_release(share)
-        && find_misfit(profile, build).is_none()
-}
-
 /// The preview of a build that is not published yet.
 ///
 /// # Errors
@@ -81,7 +75,7 @@ pub async fn preview_release(
     build: &BuildRow,
     now: Timestamp,
 ) -> Result<ReleasePreview> {
-    let (builds, times) = occupation_of(ledger, profile, now).await?;
+    let (builds, times) = read_occupation(ledger, profile, now).await?;
     let others: Vec<OccupyingBuild> = builds.into_iter().filter(|other| other.build < build.id).collect();
     let printer = rules_of_build(profile, build);
     let height_mm = build.measures.height_mm.unwrap_or_default();

@@ -1,8 +1,8 @@
 //! The line in `STATUS.txt` that shows whether the file is current.
 
-use jiff::Timestamp;
-
 use build_file::format_count;
+use jiff::Timestamp;
+use ledger::UtcTimestamp;
 
 use crate::settings::FarmZone;
 
@@ -17,6 +17,11 @@ pub(crate) fn written_stamp(scan_secs: f64, zone: &FarmZone) -> (String, Timesta
         format_count(minutes, "minute", "minutes")
     );
     (line, now, 60 * minutes)
+}
+
+/// A time down to the minute, unless it is the end of all time.
+pub(crate) fn known_minute(time: Timestamp) -> Option<UtcTimestamp> {
+    (time < Timestamp::MAX).then(|| UtcTimestamp(floor_to_minute(time)))
 }
 
 /// Rounds down to the minute: an unchanged status is written at most once a minute.

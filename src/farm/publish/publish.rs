@@ -11,7 +11,8 @@ use crate::{
         alerts::alert::AlertKind,
         core::{desks::Building, farm::Farm, machine_state::MachineState, state::NestingState},
         decisions::publish_decision::{PublishDecision, PublishFacts, decide_publishing},
-        printers::{printers, queues, release_preview::awaits_release},
+        planning::awaits_release,
+        printers::{printers, queues},
         receive::forget,
         records::{
             forgettable::Forgettable,

@@ -1,7 +1,10 @@
 //! The status of the farm: one line for the service manager, a heartbeat in the ledger, and `STATUS.txt` and
 //! `status.json` in each hot folder.
 
-use std::{path::Path, time::Duration};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use anyhow::Result;
 use build_file::format_count;
@@ -20,9 +23,13 @@ use crate::farm::{
         machine_state::MachineState,
     },
     decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
+    facts::{
+        machine_fact::MachineFact,
+        read_facts::{dates_at_risk, read_machine_facts, read_plans},
+    },
     nodes::machine_availability,
     open_build::due_dates,
-    printers::printers::{PrinterView, printer_lines, printer_views},
+    planning::DateRisk,
     process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
     receive::{control_files, scan_jobs::HotFolderScanJob},
     records::lost_ledger,
@@ -68,18 +75,26 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     let rows = desk.shared.ledger.machine_statuses().await?;
     let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
     let now = desk.shared.date();
-    for (name, machine) in desk.machines.iter_mut() {
-        let printers = printer_views(desk.shared.ledger, &machine.profile, now).await?;
-        if let Some(row) = rows.iter().find(|row| row.machine == *name) {
-            let text = status_text(machine, row, &printers) + &part_questions::questions_text(name, &asked);
-            let mut json = status_json(machine, row);
-            json["printers"] = json!(printers);
-            json["questions"] = part_questions::questions_json(name, &asked);
-            machine.status = (text, json);
-        }
+    let profiles: Vec<_> = desk.machines.values().map(|machine| machine.profile.clone()).collect();
+    let facts = read_machine_facts(desk.shared.ledger, profiles.iter().map(|profile| &**profile), &rows, now).await?;
+    let event = desk.shared.ledger.last_event_id().await?;
+    if desk.display.dates.is_due(event, desk.shared.now()) {
+        let began = Instant::now();
+        let plans = read_plans(desk.shared.ledger, profiles.iter().map(|profile| &**profile), now).await?;
+        desk.display.dates.take_in(dates_at_risk(plans), event, desk.shared.now(), began.elapsed());
+    }
+    let risks = &desk.display.dates.risks;
+    for ((name, machine), fact) in desk.machines.iter_mut().zip(&facts) {
+        let risks: Vec<&DateRisk> = risks.iter().filter(|risk| risk.machine == *name).collect();
+        let row = rows.iter().find(|row| row.machine == *name).cloned();
+        let row = row.unwrap_or_else(|| MachineStatus { machine: name.clone(), ..MachineStatus::default() });
+        let text = status_text(machine, &row, (fact, &risks), now) + &part_questions::questions_text(name, &asked);
+        let mut json = status_json(machine, &row, (fact, &risks), now);
+        json["questions"] = part_questions::questions_json(name, &asked);
+        machine.status = (text, json);
     }
     status_alerts::update_ledger_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts, &rows).await?;
-    due_dates::check_due_dates(&desk.shared, desk.machines).await?;
+    due_dates::check_due_dates(&desk.shared, desk.machines, &desk.display.dates.risks).await?;
     let line = farm_summary(desk.machines.len(), rows.iter());
     if line != desk.display.status_line {
         systemd::notify_status(&line);
@@ -205,9 +220,15 @@ pub(super) fn describe_node(desk: &Showing<'_>) -> NodeHeartbeat {
 }
 
 /// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.
-fn status_text(machine: &MachineState, row: &MachineStatus, printers: &[PrinterView]) -> String {
+fn status_text(
+    machine: &MachineState,
+    row: &MachineStatus,
+    (fact, risks): (&MachineFact, &[&DateRisk]),
+    now: Timestamp,
+) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
-    let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
+    let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name), format!("Now: {}.", fact.doing)];
+    lines.extend(risks.iter().map(|risk| format!("{}: {}.", risk.subject_text(), risk.in_words(zone, now))));
     if let Some(paused) = &row.paused {
         lines.push(format!(
             "PAUSED by {} since {}: nothing is fired.",
@@ -235,7 +256,7 @@ fn status_text(machine: &MachineState, row: &MachineStatus, printers: &[PrinterV
             lines.push(format!("While it waits: {night}."));
         }
     }
-    if let Some(fires) = forecast_fire(profile, row) {
+    if let Some(fires) = forecast_fire(profile, row, now) {
         lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
     }
     lines.extend(held_text(profile, row).map(|held| format!("The open build waits: {held}.")));
@@ -243,10 +264,6 @@ fn status_text(machine: &MachineState, row: &MachineStatus, printers: &[PrinterV
         lines.push(machine.inbox.controls.answer.clone());
     }
     lines.extend(machine.left_out.texts().map(str::to_owned));
-    for build in &row.nesting {
-        lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
-    }
-    lines.extend(printer_lines(profile, printers));
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
         lines.push(format!(
@@ -286,12 +303,22 @@ pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r MachineS
     format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
 }
 
-fn status_json(machine: &MachineState, row: &MachineStatus) -> serde_json::Value {
-    let fires = forecast_fire(&machine.profile, row);
+fn status_json(
+    machine: &MachineState,
+    row: &MachineStatus,
+    (fact, risks): (&MachineFact, &[&DateRisk]),
+    now: Timestamp,
+) -> serde_json::Value {
+    let fires = forecast_fire(&machine.profile, row, now);
     let nothing = BatchLayout::default();
     let open = if is_layout_current(machine, row) { &machine.open.layout } else { &nothing };
     json!({
         "machine": row.machine,
+        "state": fact.state,
+        "doing": fact.doing,
+        "free_at": fact.free_at,
+        "printers": fact.printers,
+        "dates_at_risk": risks,
         "paused": row.paused.is_some(),
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,

@@ -11,7 +11,8 @@ use ledger::{BuildState, Ledger, MachineStatus, PauseCause};
 use crate::farm::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
     core::machine_state::MachineStates,
-    printers::release_preview::{awaits_release, preview_release},
+    planning::awaits_release,
+    printers::release_preview::preview_release,
 };
 
 /// Maximum number of parts or builds that an alert names.

@@ -55,6 +55,19 @@ impl FarmZone {
         }
     }
 
+    /// A time as people say it, `today 05:49`; with its date and zone where it is not on the day of `now`, before or after it.
+    pub fn format_near(&self, at: Timestamp, now: Timestamp) -> String {
+        let [at_zoned, now] = [at, now].map(|time| time.to_zoned(self.0.clone()));
+        let days = now.date().until(at_zoned.date()).map_or(i32::MAX, |span| span.get_days());
+        let day = match days {
+            -1 => "yesterday",
+            0 => "today",
+            1 => "tomorrow",
+            _ => return self.format_minute(at),
+        };
+        format!("{day} {}", at_zoned.strftime("%H:%M"))
+    }
+
     /// A due date: the day that was given, else the time with its zone. `text` is the date as it was given, "" = not known.
     pub fn format_due(&self, at: Timestamp, text: &str) -> String {
         match text.parse::<civil::Date>() {
@@ -99,6 +112,12 @@ mod tests {
         assert_eq!(berlin.format_time(at("2026-10-25T01:00:00Z")), "2026-10-25 02:00:00 CET");
         assert_eq!(berlin.format_clock(at("2026-10-25T13:20:00Z"), at("2026-10-25T00:10:00Z")), "14:20 CET");
         assert_eq!(berlin.format_clock(at("2026-10-25T23:20:00Z"), at("2026-10-25T00:10:00Z")), "2026-10-26 00:20 CET");
+        let near = |text: &str| berlin.format_near(at(text), at("2026-10-25T00:10:00Z"));
+        assert_eq!([near("2026-10-25T13:20:00Z"), near("2026-10-25T23:20:00Z")], ["today 14:20", "tomorrow 00:20"]);
+        assert_eq!(
+            [near("2026-10-24T21:00:00Z"), near("2026-10-27T09:00:00Z")],
+            ["yesterday 23:00", "2026-10-27 10:00 CET"]
+        );
         assert_eq!(FarmZone(TimeZone::UTC).format_minute(at("2026-10-25T00:59:59Z")), "2026-10-25 00:59 UTC");
     }
 

@@ -60,6 +60,11 @@ impl TimeView {
         self.zone.format_time(at.0)
     }
 
+    /// A time as people say it: `today 05:49`.
+    pub fn near_text(&self, at: UtcTimestamp) -> String {
+        self.now.map_or_else(|| self.zone.format_minute(at.0), |now| self.zone.format_near(at.0, now))
+    }
+
     /// A due date with the time that is left: `2026-12-24, in 32d 4h`.
     pub fn due_text(&self, due: &GivenDate) -> String {
         let date = self.zone.format_due(due.due_at.0, &due.text);

@@ -2,30 +2,35 @@
 
 use std::collections::BTreeMap;
 
-use ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp};
+use ledger::{BuildId, BuildState, OrderLine, PartId, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::tables::{
-    columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
-    fields,
+use crate::{
+    farm::DatedOrder,
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
+        fields,
+    },
 };
 
 /// Orders, with what became of their copies.
-pub const ORDER_COLUMNS: &[TableColumn<OrderSummary>] = &[
-    TableColumn::new("name", fields::ORDER, |order| CellValue::Order(order.order.name.clone())),
-    TableColumn::new("state", fields::STATE, |order| order.order.state.into()),
-    TableColumn::new("lines", fields::LINES, |order| order.lines.into()),
-    TableColumn::new("wanted", fields::COPIES_WANTED, |order| order.copies.wanted.into()),
-    TableColumn::new("waiting", fields::COPIES_WAITING, |order| order.copies.waiting.into()),
-    TableColumn::new("in_builds", fields::COPIES_IN_BUILDS, |order| order.copies.in_builds.into()),
-    TableColumn::new("printed", fields::COPIES_PRINTED, |order| order.copies.printed.into()),
-    TableColumn::new("good", fields::COPIES_GOOD, |order| order.copies.good.into()),
-    TableColumn::new("refused", fields::COPIES_REFUSED, |order| order.copies.refused.into()),
-    TableColumn::new("bad", fields::COPIES_BAD, |order| order.copies.bad.into()),
-    TableColumn::new("cancelled", fields::COPIES_CANCELLED, |order| order.copies.cancelled.into()),
-    TableColumn::new("due_at", fields::DUE, |order| GivenDate::new(order.due_at, &order.due_text).into()),
-    TableColumn::new("opened_at", fields::OPENED, |order| order.order.opened_at.into()),
+pub const ORDER_COLUMNS: &[TableColumn<DatedOrder>] = &[
+    TableColumn::new("name", fields::ORDER, |order| CellValue::Order(order.order.order.name.clone())),
+    TableColumn::new("state", fields::STATE, |order| order.order.order.state.into()),
+    TableColumn::new("lines", fields::LINES, |order| order.order.lines.into()),
+    TableColumn::new("wanted", fields::COPIES_WANTED, |order| order.order.copies.wanted.into()),
+    TableColumn::new("waiting", fields::COPIES_WAITING, |order| order.order.copies.waiting.into()),
+    TableColumn::new("in_builds", fields::COPIES_IN_BUILDS, |order| order.order.copies.in_builds.into()),
+    TableColumn::new("printed", fields::COPIES_PRINTED, |order| order.order.copies.printed.into()),
+    TableColumn::new("good", fields::COPIES_GOOD, |order| order.order.copies.good.into()),
+    TableColumn::new("refused", fields::COPIES_REFUSED, |order| order.order.copies.refused.into()),
+    TableColumn::new("bad", fields::COPIES_BAD, |order| order.order.copies.bad.into()),
+    TableColumn::new("cancelled", fields::COPIES_CANCELLED, |order| order.order.copies.cancelled.into()),
+    TableColumn::new("due_at", fields::DUE, |order| GivenDate::new(order.order.due_at, &order.order.due_text).into()),
+    TableColumn::new("done_at", fields::UNPACKED, |order| order.fact.done_at.into()),
+    TableColumn::for_people("risk", fields::RISK, |order| order.fact.risk_word().map(str::to_owned).into()),
+    TableColumn::new("opened_at", fields::OPENED, |order| order.order.order.opened_at.into()),
 ];
 
 /// Lines of an order, with what became of their copies.

@@ -14,7 +14,7 @@ use crate::{
 /// The builds of a plan.
 pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
     TableColumn::new("build", fields::BUILD, |row| row.build.into()),
-    TableColumn::for_people("stage", fields::STATE, |row| row.stage_text().into()),
+    TableColumn::for_people("stage", fields::STATE, |row| row.stage.word(row.awaits_release).into()),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
     TableColumn::for_people("height", fields::ABOUT_HEIGHT, |row| row.height_text().into()),
     TableColumn::new("fires_at", fields::FIRES_AT, |row| row.fires_at.into()),
@@ -32,22 +32,11 @@ pub const RISK_COLUMNS: &[TableColumn<DateRisk>] = &[
     TableColumn::for_people("of", fields::ORDER_OR_PART, |row| row.subject_text().into()),
     TableColumn::for_people("due", fields::DUE, |row| GivenDate::new(Some(row.due_at), &row.due_text).into()),
     TableColumn::new("done_at", fields::UNPACKED, |row| row.done_at.into()),
-    TableColumn::for_people("risk", fields::RISK, |row| (if row.is_late { "late" } else { "tight" }).into()),
+    TableColumn::for_people("risk", fields::RISK, |row| row.word().into()),
     TableColumn::new("reason", fields::REASON, |row| (&row.reason).into()),
 ];
 
 impl PlannedBuild {
-    fn stage_text(&self) -> &'static str {
-        match self.stage {
-            PlanStage::Printing => "printing",
-            PlanStage::Queued => "in the queue",
-            PlanStage::Made if self.awaits_release => "waits for a yes",
-            PlanStage::Made => "being made",
-            PlanStage::Open => "open",
-            PlanStage::Later => "later",
-        }
-    }
-
     /// The height of a layout, or `about` an estimate.
     fn height_text(&self) -> String {
         match self.is_nested {
@@ -57,29 +46,19 @@ impl PlannedBuild {
     }
 }
 
-impl DateRisk {
-    /// The order with its parts that are at risk, or the part.
-    fn subject_text(&self) -> String {
-        let named = match self.parts.as_slice() {
-            [] => String::new(),
-            [one] => one.clone(),
-            [one, rest @ ..] => format!("{one} and {} more", rest.len()),
-        };
-        if self.order.is_empty() { named } else { format!("{}: {named}", self.order) }
-    }
-}
-
 /// What is to be said of a plan beside its tables, in sentences.
 pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(hindered) = plan.hindered {
         let why = match hindered {
             crate::farm::RiskCause::Paused => "it is paused",
+            crate::farm::RiskCause::Unavailable => "it is unavailable",
             _ => "none of its printers is in use",
         };
         notes.push(format!("Nothing of {} fires: {why}.", plan.machine));
     }
-    let last = plan.builds.iter().filter_map(|build| build.ends_at).max();
+    let to_come = plan.builds.iter().filter(|build| build.stage != PlanStage::Ended);
+    let last = to_come.filter_map(|build| build.ends_at).max();
     notes.push(match (plan.builds.len(), last) {
         (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.machine),
         (_, Some(last)) => {

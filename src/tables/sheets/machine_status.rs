@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::build_sheet::joined;
 use crate::{
-    farm::{FireTrigger, forecast_fire, held_text, night_gain_text},
+    farm::{FireTrigger, MachineFact, forecast_fire, held_text, night_gain_text},
     settings::MachineProfile,
     tables::{
         columns::{
@@ -35,6 +35,9 @@ pub struct MachineForecast {
     pub fires_by: Option<FireTrigger>,
     /// Why the open build waits although a trigger may hold; `None` = it does not.
     pub held: Option<String>,
+    /// What it does, and its printers; none where it is not configured.
+    #[serde(flatten)]
+    pub fact: MachineFact,
 }
 
 /// The state of a machine at one point in time, for display.
@@ -70,15 +73,16 @@ pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
 ];
 
 impl MachineForecast {
-    /// Creates the forecast. `profile` is the machine's configuration, if it has one.
-    pub fn new(status: MachineStatus, profile: Option<&MachineProfile>) -> Self {
-        let fires = profile.and_then(|profile| forecast_fire(profile, &status));
+    /// Creates the forecast. `profile` is the machine's configuration, if it has one, and `fact` what is so of it.
+    pub fn new(status: MachineStatus, profile: Option<&MachineProfile>, fact: MachineFact, now: Timestamp) -> Self {
+        let fires = profile.and_then(|profile| forecast_fire(profile, &status, now));
         Self {
             fires_at: fires.map(|fires| fires.at),
             fires_at_latest: fires.map(|fires| fires.latest),
             fires_by: fires.map(|fires| fires.by),
             held: profile.and_then(|profile| held_text(profile, &status)),
             status,
+            fact,
         }
     }
 
@@ -117,23 +121,10 @@ impl MachineForecast {
 
 impl MachineNow {
     fn doing(&self) -> String {
-        let status = &self.forecast.status;
-        let mut doing: Vec<String> = Vec::new();
-        match &self.other_node {
-            Some(node) => doing.push(format!("served by {node}")),
-            None if !self.is_configured => doing.push("not configured".to_owned()),
-            None => {}
-        }
-        if let Some(pause) = &status.paused {
-            doing.push(format!("paused by {}", if pause.paused_by.is_empty() { "-" } else { &pause.paused_by }));
-        }
-        let copies = |copies| format_count(copies, "copy", "copies");
-        doing.extend(status.nesting.iter().map(|b| format!("build {} {} ({})", b.build, b.state, copies(b.copies))));
-        match (doing.is_empty(), status.claimed_parts, status.waiting_parts) {
-            (false, _, _) => doing.join(", "),
-            (true, 0, 0) => "idle".to_owned(),
-            (true, 0, _) => "collecting".to_owned(),
-            (true, reading, _) => format!("reading {reading}"),
-        }
+        let node = match &self.other_node {
+            Some(node) => Some(format!("served by {node}")),
+            None => (!self.is_configured).then(|| "not configured".to_owned()),
+        };
+        joined([node, Some(self.forecast.fact.doing.clone())], "; ")
     }
 }

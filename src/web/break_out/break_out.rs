@@ -70,7 +70,7 @@ fn last_line(web: &DashboardState, state: &BreakOutState, user: &str, view: &Tim
         div.undo {
             p { "Last: " (copy.number) " " (copy.name) ", copy " (copy.copy) ", " (mark_word(row.mark)) ", by "
                 (name_of_user(&row.told_by)) ", " (view.time_text(row.told_at)) "." }
-            @if web.orders { (mark_form(web, state, copy, PickMark::Open, "Undo", "undo", copy.number)) }
+            @if web.orders { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "Undo", "undo")) }
         }
     }
 }
@@ -83,6 +83,9 @@ pub(crate) struct MarkForm {
     copy: u32,
     /// Number of the copy that was shown.
     at: usize,
+    /// Number of the mark of it that was shown; 0 = none.
+    #[serde(default)]
+    seen: i64,
     mark: PickMark,
 }
 
@@ -95,7 +98,7 @@ pub(crate) async fn post_mark(
 ) -> HandlerResult<FormAnswer> {
     let copy = (PartId(form.part), form.copy.saturating_sub(1));
     let address = format!("/builds/{number}/break-out");
-    let told = match web.ledger.mark_pick(BuildId(number), copy, form.mark, &by).await {
+    let told = match web.ledger.mark_pick(BuildId(number), copy, form.mark, form.seen, &by).await {
         Ok(told) => told,
         Err(error) => return answer_form(Err(error), &address),
     };
@@ -106,13 +109,26 @@ pub(crate) async fn post_mark(
     };
     let back = next.map_or_else(|| address.clone(), |at| format!("{address}?at={at}"));
     let Some(first) = told else { return Ok(FormAnswer::back_to(&back)) };
-    let sentence = format!(
-        "{} said so before, {}: {}. Is it another copy that you have in hand?",
-        name_of_user(&first.told_by),
-        web.time_view().time_text(first.told_at),
-        mark_word(first.mark)
-    );
-    Ok(FormAnswer::told("Said already", vec![sentence], &back))
+    let (who, when) = (name_of_user(&first.told_by), web.time_view().time_text(first.told_at));
+    let (title, sentence) = match first.mark == form.mark {
+        true => (
+            "Said already",
+            format!(
+                "{who} said so before, {when}: {}. Is it another copy that you have in hand?",
+                mark_word(first.mark)
+            ),
+        ),
+        false => (
+            "Not recorded",
+            format!(
+                "{who} said since, {when}, that this copy is {}. That stays. Look at the copy again to say otherwise.",
+                mark_word(first.mark)
+            ),
+        ),
+    };
+    // Whoever says otherwise looks at the same copy first.
+    let back = if first.mark == form.mark { back } else { format!("{address}?at={}", form.at) };
+    Ok(FormAnswer::told(title, vec![sentence], &back))
 }
 
 /// A button that concerns all copies.

@@ -2,7 +2,7 @@
 
 use build_file::kind_colour_code;
 use glam::DVec2;
-use ledger::{BuildState, PickMark};
+use ledger::{BuildState, PickMark, PickMarkRow};
 use maud::{Markup, html};
 
 use super::break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of};
@@ -56,7 +56,7 @@ pub(super) fn current_card(web: &DashboardState, state: &BreakOutState, at: usiz
                 CopyState::ToldBad => { p.warn { "It was told bad, and waits to be printed again." } (next_link(state, at)) }
                 CopyState::Marked(row) => {
                     p.warn { "It is " (mark_word(row.mark)) ", as " (name_of_user(&row.told_by)) " said, " (view.time_text(row.told_at)) "." }
-                    @if web.orders { div.step-buttons { (mark_form(web, state, copy, PickMark::Open, "It is still in the cake", "", copy.number)) } }
+                    @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "It is still in the cake", "")) } }
                     (next_link(state, at))
                 }
             }
@@ -82,9 +82,9 @@ fn step_buttons(web: &DashboardState, state: &BreakOutState, at: usize) -> Marku
     html! {
         @if web.orders {
             div.step-buttons {
-                (mark_form(web, state, copy, PickMark::Out, "Out", "good", copy.number))
-                (mark_form(web, state, copy, PickMark::Bad, "Bad", "spoilt", copy.number))
-                (mark_form(web, state, copy, PickMark::Missing, "Not found", "", copy.number))
+                (mark_form(web, state, (copy, None), PickMark::Out, "Out", "good"))
+                (mark_form(web, state, (copy, None), PickMark::Bad, "Bad", "spoilt"))
+                (mark_form(web, state, (copy, None), PickMark::Missing, "Not found", ""))
             }
         }
         (next_link(state, at))
@@ -187,22 +187,22 @@ pub(super) fn summary_section(web: &DashboardState, state: &BreakOutState, count
     }
 }
 
-/// A button that says something of a copy. The page shows what follows number `then` afterwards.
+/// A button that says something of a copy, of which this mark is shown. The page shows what follows it afterwards.
 pub(super) fn mark_form(
     web: &DashboardState,
     state: &BreakOutState,
-    copy: &PickedCopy,
+    (copy, shown): (&PickedCopy, Option<&PickMarkRow>),
     mark: PickMark,
     label: &str,
     class: &str,
-    then: usize,
 ) -> Markup {
     html! {
         form.order method="post" action=(state.address()) {
             (key_field(web))
             input type="hidden" name="part" value=(copy.part);
             input type="hidden" name="copy" value=(copy.copy);
-            input type="hidden" name="at" value=(then);
+            input type="hidden" name="at" value=(copy.number);
+            input type="hidden" name="seen" value=(shown.map_or(0, |row| row.id));
             button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { ": " (copy.name) ", copy " (copy.copy) } }
         }
     }

@@ -3,12 +3,13 @@
 use std::sync::{Arc, PoisonError};
 
 use axum::body::Bytes;
-use ledger::Ledger;
+use jiff::Timestamp;
+use ledger::{BuildId, Ledger, MachineStatus};
 use tokio::sync::{Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
 use crate::{
-    farm::{self, QuoteMeshes, ServiceBridge},
+    farm::{self, PrinterWord, QuoteMeshes, ServiceBridge, read_machine_facts},
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
     tables::TimeView,
@@ -74,7 +75,14 @@ impl DashboardState {
         TimeView::current(&self.current_settings().time_zone)
     }
 
-    /// A text that changes whenever anything changes that the pages show.
+    /// What each printer does, in a word that time alone changes too.
+    async fn read_doings(&self, status: &[MachineStatus]) -> HandlerResult<Vec<(PrinterWord, Option<BuildId>)>> {
+        let settings = self.current_settings();
+        let facts = read_machine_facts(&self.ledger, settings.profiles.values(), status, Timestamp::now()).await?;
+        Ok(facts.iter().flat_map(|fact| &fact.printers).map(|printer| (printer.state, printer.build)).collect())
+    }
+
+    /// A text that changes whenever anything changes that the pages show, and never otherwise.
     pub(crate) async fn change_token(&self) -> HandlerResult<String> {
         if let Some(halted) = self.farm.halt_reason() {
             return Ok(halted);
@@ -83,6 +91,7 @@ impl DashboardState {
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
         let picked = self.ledger.last_pick_id().await?;
-        Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?}"))
+        let doing = self.read_doings(&status).await?;
+        Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?} {doing:?}"))
     }
 }

@@ -13,7 +13,10 @@ use serde::Serialize;
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
-    farm::{AlertSummary, PrinterView, load_placed_parts, printer_views, read_stored_alerts},
+    farm::{
+        AlertSummary, DateRisk, MachineFact, dates_at_risk, load_placed_parts, read_machine_facts, read_plans,
+        read_stored_alerts,
+    },
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::error::{HandlerError, HandlerResult},
@@ -36,6 +39,8 @@ pub(crate) struct FarmResponse {
     needs_a_person: Vec<AlertSummary>,
     /// The machines that are configured.
     machines: Vec<MachineResource>,
+    /// What is late, or at risk to be, by due date.
+    dates_at_risk: Vec<DateRisk>,
 }
 
 /// A machine as it stands.
@@ -51,19 +56,15 @@ struct MachineResource {
     trouble: Option<String>,
     /// Since when it is unavailable.
     trouble_at: Option<UtcTimestamp>,
-    /// Its printers.
-    printers: Vec<PrinterView>,
 }
 
 /// The current state of the farm.
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
     let (status, settings) = (web.ledger.machine_statuses().await?, web.current_settings());
     let machines = web.ledger.list_machines().await?;
-    let mut printers = Vec::new();
-    for profile in settings.profiles.values() {
-        printers.extend(printer_views(&web.ledger, profile, Timestamp::now()).await?);
-    }
-    let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
+    let now = Timestamp::now();
+    let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
+    let machine = |((name, profile), fact): ((&String, &crate::settings::MachineProfile), MachineFact)| {
         let nothing = || MachineStatus { machine: name.clone(), ..MachineStatus::default() };
         let status = status.iter().find(|s| s.machine == *name).cloned().unwrap_or_else(nothing);
         let observed = machines.iter().find(|observed| observed.machine == *name);
@@ -72,14 +73,20 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
             available: observed.map(|observed| observed.trouble.is_empty()),
             trouble: observed.map(|observed| observed.trouble.clone()).filter(|trouble| !trouble.is_empty()),
             trouble_at: observed.and_then(|observed| observed.trouble_at),
-            printers: printers.iter().filter(|printer| printer.machine == *name).cloned().collect(),
-            forecast: MachineForecast::new(status, Some(profile)),
+            forecast: MachineForecast::new(status, Some(profile), fact, now),
         }
     };
-    let resources = settings.profiles.iter().map(machine).collect();
+    let resources = settings.profiles.iter().zip(facts).map(machine).collect();
     let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
+    let at_risk = dates_at_risk(read_plans(&web.ledger, settings.profiles.values(), now).await?);
     let daemon = web.ledger.find_node(&settings.node.name).await?;
-    Ok(Json(FarmResponse { daemon, nodes: list_farm_nodes(&web.ledger).await?, needs_a_person, machines: resources }))
+    Ok(Json(FarmResponse {
+        daemon,
+        nodes: list_farm_nodes(&web.ledger).await?,
+        needs_a_person,
+        machines: resources,
+        dates_at_risk: at_risk,
+    }))
 }
 
 /// The history, filtered as the page is.

@@ -10,7 +10,7 @@ use axum::{
     http::Method,
     routing::{MethodFilter, on},
 };
-use ledger::{HeightSummary, HistoryRow, OrderSummary};
+use ledger::{HeightSummary, HistoryRow};
 
 use super::{
     api,
@@ -19,7 +19,7 @@ use super::{
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
 use crate::{
-    farm::{MachinePlan, OrderQuote},
+    farm::{DatedOrder, MachinePlan, OrderQuote},
     tables::PickList,
     web::{
         core::state::DashboardState,
@@ -95,7 +95,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "/api/v1/orders",
             "orders",
             "Orders with what became of their copies, open ones first, newest first",
-            schema_of::<Vec<OrderSummary>>,
+            schema_of::<Vec<DatedOrder>>,
             |method| on(method, order::get_orders),
         )
     },

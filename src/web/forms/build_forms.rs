@@ -55,6 +55,7 @@ pub(crate) struct BuildTellForm {
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum BuildFormAct {
+    Printing,
     Complete,
     Interrupted,
     Failed,
@@ -72,6 +73,9 @@ pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
     html! {
         @if web.orders && build.times.published_at.is_some() {
             section.forms #told aria-label="What became of the print" {
+                @if build.state == BuildState::Published && !build.place.is_on_its_way() {
+                    (act_form(web, build.id, "printing", "It prints"))
+                }
                 @if build.place.withdrawn_at.is_none() { (outcome_form(web, build, &bad_text(build, placements), is_told)) }
                 @if has_counted {
                     details { summary { "Print again" }
@@ -194,6 +198,7 @@ pub(crate) async fn post_told(
 /// The word about the build that a form says.
 fn word_of(build: BuildId, form: &BuildTellForm, bad: Vec<(PartId, u32)>, by: &str) -> OperatorWord {
     let outcome = match form.act {
+        BuildFormAct::Printing => PrintOutcome::Printing,
         BuildFormAct::Complete => PrintOutcome::Complete,
         BuildFormAct::Interrupted => PrintOutcome::Interrupted,
         BuildFormAct::Failed => PrintOutcome::Failed,

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use jiff::Timestamp;
 use ledger::{BuildRow, BuildState, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
 use super::machine_card::fire_forecast_text;
 use crate::{
-    farm::{CakeCopy, load_placed_parts},
+    farm::{CakeCopy, build_fact, load_placed_parts, plan_machine},
     settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
     web::{
@@ -49,8 +50,14 @@ pub(crate) async fn show_build(
         Some(machine) => release_form(&web, &build, machine).await?,
         None => Markup::default(),
     };
+    let plan = match &machine {
+        Some(machine) => Some(plan_machine(&web.ledger, machine, Timestamp::now()).await?),
+        None => None,
+    };
+    let fact = build_fact(&build, plan.as_ref());
     let content = html! {
-        h1 { "Build " (build.id) " on " (build.machine) ": " (build.state_word()) }
+        h1 { "Build " (build.id) " on " (build.machine) ": " (fact.word) }
+        @if let Some(ends) = fact.ends_at { p { "Its parts can be unpacked about " (view.near_text(ends)) ", as far as is known." } }
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
             p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
@@ -92,7 +99,7 @@ async fn fire_forecast(
     Ok(status
         .iter()
         .find(|status| status.machine == build.machine)
-        .and_then(|status| fire_forecast_text(profile, status)))
+        .and_then(|status| fire_forecast_text(profile, status, Timestamp::now())))
 }
 
 /// A text that changes when the layout of the build changes. A proved build does not change any more.

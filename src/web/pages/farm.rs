@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use jiff::{SignedDuration, Timestamp};
-use ledger::{BuildId, BuildRow, DuePartRow, HeightSummary, HistoryQuery, MachineStatus, NodeRow};
+use ledger::{BuildId, BuildRow, HeightSummary, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
 use super::{
@@ -12,7 +12,9 @@ use super::{
     needs::needs_section,
 };
 use crate::{
-    farm::{farm_summary, halt_summary, printer_views, read_stored_alerts},
+    farm::{
+        MachineFact, dates_at_risk, farm_summary, halt_summary, read_machine_facts, read_plans, read_stored_alerts,
+    },
     settings::{MachineProfile, Settings},
     tables::{FarmNode, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{
@@ -42,18 +44,20 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let nothing = |name: &str| MachineStatus { machine: name.to_owned(), ..MachineStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.machine == name).cloned().unwrap_or_else(|| nothing(name));
     let builds = MachineBuilds::read_for(&web, now).await?;
+    let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
+    let at_risk = dates_at_risk(read_plans(&web.ledger, settings.profiles.values(), now).await?);
     let mut cards = Vec::with_capacity(settings.profiles.len());
-    for (name, profile) in &settings.profiles {
+    for ((name, profile), fact) in settings.profiles.iter().zip(&facts) {
         let status = of(name);
         let picture_html = picture::machine_picture(&web, &status).await?;
         let card = MachineCard {
             profile,
-            printers: printer_views(&web.ledger, profile, now).await?,
+            fact,
             status: &status,
             observed: machines.iter().find(|observed| observed.machine == *name),
             nesting: find_builds(&web, status.nesting.iter().map(|build| build.build)).await?,
             last: find_builds(&web, status.last_published.iter().map(|build| build.build)).await?.pop(),
-            at_risk: builds.at_risk.iter().filter(|part| part.machine == *name).collect(),
+            at_risk: at_risk.iter().filter(|risk| risk.machine == *name).collect(),
             usual_density: builds.usual.iter().find(|sum| sum.machine == *name).and_then(|sum| sum.mean_density),
         };
         cards.push(card.draw_card(&web, &picture_html, &view));
@@ -65,7 +69,7 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         h1 { "Farm" }
         (daemon_line(daemon, &activity, web.ledger.silence_hint(), now))
         (nodes_section(&nodes, &view))
-        (machine_strip(&settings, &status, now))
+        (machine_strip(&settings, &status, &facts, now))
         (needs_section(&web, &alerts, now).await?)
         div.cards {
             @for card in &cards { (card) }
@@ -84,19 +88,18 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
 }
 
 /// A line per machine, for a phone, where the cards come after what needs a person.
-fn machine_strip(settings: &Settings, statuses: &[MachineStatus], now: Timestamp) -> Markup {
-    let line = |(name, profile): (&String, &MachineProfile)| {
+fn machine_strip(settings: &Settings, statuses: &[MachineStatus], facts: &[MachineFact], now: Timestamp) -> Markup {
+    let line = |((name, profile), fact): ((&String, &MachineProfile), &MachineFact)| {
         let status = statuses.iter().find(|status| status.machine == *name);
         html! {
-            li { a href=(format!("#{name}")) { (name) } " " span.soft { (status.map_or_else(|| "free".to_owned(), |status| brief_state(profile, status, now))) } }
+            li { a href=(format!("#{name}")) { (name) } " " span.soft { (brief_state(profile, status, fact, now)) } }
         }
     };
-    html! { ul.strip aria-label="Machines" { @for machine in &settings.profiles { (line(machine)) } } }
+    html! { ul.strip aria-label="Machines" { @for machine in settings.profiles.iter().zip(facts) { (line(machine)) } } }
 }
 
 /// What the cards of all machines show of builds and due dates.
 struct MachineBuilds {
-    at_risk: Vec<DuePartRow>,
     /// The builds of the last weeks.
     usual: Vec<HeightSummary>,
 }
@@ -104,7 +107,7 @@ struct MachineBuilds {
 impl MachineBuilds {
     async fn read_for(web: &DashboardState, now: Timestamp) -> HandlerResult<Self> {
         let usual = HistoryQuery { since: now.checked_sub(USUAL_PERIOD).ok(), ..HistoryQuery::default() };
-        Ok(Self { at_risk: web.ledger.parts_at_risk().await?, usual: web.ledger.height_summaries(&usual).await? })
+        Ok(Self { usual: web.ledger.height_summaries(&usual).await? })
     }
 }
 

@@ -2,13 +2,12 @@
 
 use jiff::Timestamp;
 use ledger::{
-    BuildRow, BuildState, CommandKind, DuePartRow, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast,
-    UtcTimestamp,
+    BuildRow, BuildState, CommandKind, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast, UtcTimestamp,
 };
 use maud::{Markup, html};
 
 use crate::{
-    farm::{PrinterView, forecast_fire, held_text, night_text},
+    farm::{DateRisk, MachineFact, forecast_fire, held_text, night_text},
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields},
     web::{
@@ -24,7 +23,7 @@ const MAX_AT_RISK: usize = 5;
 /// What a card shows.
 pub(crate) struct MachineCard<'a> {
     pub(crate) profile: &'a MachineProfile,
-    pub(crate) printers: Vec<PrinterView>,
+    pub(crate) fact: &'a MachineFact,
     pub(crate) status: &'a MachineStatus,
     /// As the daemon saw it last.
     pub(crate) observed: Option<&'a MachineRow>,
@@ -32,8 +31,8 @@ pub(crate) struct MachineCard<'a> {
     pub(crate) nesting: Vec<BuildRow>,
     /// The build that was published last.
     pub(crate) last: Option<BuildRow>,
-    /// Its parts whose due dates are at risk, the earliest first.
-    pub(crate) at_risk: Vec<&'a DuePartRow>,
+    /// Its due dates at risk, the earliest first.
+    pub(crate) at_risk: Vec<&'a DateRisk>,
     /// Mean density of its builds of the last weeks, 0..1.
     pub(super) usual_density: Option<f64>,
 }
@@ -42,19 +41,19 @@ impl MachineCard<'_> {
     /// The card; `picture_html` shows the build.
     pub(super) fn draw_card(&self, web: &DashboardState, picture_html: &Markup, view: &TimeView) -> Markup {
         let (name, status) = (self.profile.name.as_str(), self.status);
-        let machine = MachineForecast::new(status.clone(), Some(self.profile));
         let now = view.now().unwrap_or_else(Timestamp::now);
+        let machine = MachineForecast::new(status.clone(), Some(self.profile), self.fact.clone(), now);
         html! {
             section.card id=(name) aria-label=(name) {
-                h2 { (name) " " span.state { (self.state_word()) } }
+                h2 { (name) " " span class=(format!("state {}", self.fact.state.word())) { (self.fact.state.word()) } }
+                p { (self.fact.doing) "." }
                 @for text in machine_warnings(status, self.observed, view) { p.bad role="status" { (text) } }
-                (self.dates_at_risk(view))
+                (self.dates_at_risk(now))
                 @for build in &status.nesting { (self.search_progress(build, now)) }
                 (picture_html)
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) } @else { p { "No open build." } }
                 (self.countdown(now))
-                (self.printer_list())
-                (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status), view)))
+                (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status, now), view)))
                 @if status.refused_parts > 0 {
                     p { a href=(format!("/parts?state=refused&machine={name}")) { (fields::REFUSED.label) ": " (status.refused_parts) } }
                 }
@@ -74,30 +73,18 @@ impl MachineCard<'_> {
         }
     }
 
-    /// What the machine does, in one word.
-    fn state_word(&self) -> &'static str {
-        match self.status {
-            _ if self.observed.is_some_and(|observed| !observed.trouble.is_empty()) => "unavailable",
-            status if status.paused.is_some() => "paused",
-            status if !status.nesting.is_empty() => "searching",
-            status if status.claimed_parts > 0 => "reading",
-            status if status.waiting_parts > 0 => "collecting",
-            _ => "free",
-        }
-    }
-
-    fn dates_at_risk(&self, view: &TimeView) -> Markup {
+    fn dates_at_risk(&self, now: Timestamp) -> Markup {
         let more = self.at_risk.len().saturating_sub(MAX_AT_RISK);
+        let part = |risk: &DateRisk| risk.numbers.first().map(|part| format!("/parts/{part}")).unwrap_or_default();
+        let page = |risk: &DateRisk| if risk.order.is_empty() { part(risk) } else { order_address(&risk.order) };
         html! {
             @if !self.at_risk.is_empty() {
                 div.bad role="status" {
                     p { b { "Late, or at risk to be" } }
-                    ul { @for part in self.at_risk.iter().take(MAX_AT_RISK) { li {
-                        a href=(format!("/parts/{}", part.id)) { (part.name) }
-                        @if !part.order_name.is_empty() { ", order " a href=(order_address(&part.order_name)) { (part.order_name) } }
-                        @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ": due " (view.due_text(&due)) }
+                    ul { @for risk in self.at_risk.iter().take(MAX_AT_RISK) { li {
+                        a href=(page(risk)) { (risk.subject_text()) } ": " (risk.in_words(&self.profile.time_zone, now)) "."
                     } } }
-                    @if more > 0 { p { (count(more as u32, "more part", "more parts")) "." } }
+                    @if more > 0 { p { (count(more as u32, "more date", "more dates")) "." } }
                 }
             }
         }
@@ -115,7 +102,7 @@ impl MachineCard<'_> {
                 ": " (count(build.copies, "copy", "copies"))
                 @if let Some(height) = fields::HEIGHT.with_unit(height) { ", began at " (height) }
                 @if let (true, Some(spent)) = (is_searching, spent_secs) { ", " (format!("{spent:.0} of {limit_secs:.0} s")) } "." }
-            @if let (true, Some(spent)) = (is_searching, spent_secs) {
+            @if let (true, Some(spent)) = (is_searching, spent_secs.filter(|spent| *spent < limit_secs)) {
                 progress max=(limit_secs) value=(format!("{spent:.0}")) aria-label=(format!("Search for build {}", build.build)) {}
             }
         }
@@ -140,25 +127,13 @@ impl MachineCard<'_> {
 
     /// How long until the next build fires.
     fn countdown(&self, now: Timestamp) -> Markup {
-        let fires = forecast_fire(self.profile, self.status);
+        let fires = forecast_fire(self.profile, self.status, now);
         html! {
             @if let Some(fires) = fires {
                 p { "Fires " b { @if fires.at <= now { "now" } @else { (UtcTimestamp(fires.at).distance_text(now).unwrap_or_default()) } }
                     @if fires.at < fires.latest { " if nothing more arrives" } "." }
             }
             @if let Some(held) = held_text(self.profile, self.status) { p { "It waits: " (held) "." } }
-        }
-    }
-
-    /// Its printers, unless it has only one, which is in use.
-    fn printer_list(&self) -> Markup {
-        let is_shown = self.printers.len() > 1 || self.printers.iter().any(|printer| printer.down.is_some());
-        html! {
-            @if is_shown {
-                ul { @for printer in &self.printers { li class=[printer.down.as_ref().map(|_| "bad")] {
-                    "Printer " b { (printer.printer) } ": " (printer.state_text(&self.profile.time_zone)) "."
-                } } }
-            }
         }
     }
 
@@ -180,17 +155,17 @@ impl MachineCard<'_> {
 }
 
 /// What a machine does and how full its next build is, in a few words.
-pub(super) fn brief_state(profile: &MachineProfile, status: &MachineStatus, now: Timestamp) -> String {
-    let doing = match status {
-        status if status.paused.is_some() => "paused",
-        status if !status.nesting.is_empty() => "searching",
-        status if status.waiting_parts > 0 => "collecting",
-        _ => return "free".to_owned(),
-    };
-    let height = status.open.as_ref().and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
-    let fires = forecast_fire(profile, status).and_then(|fires| UtcTimestamp(fires.at).distance_text(now));
-    let fires = fires.map(|fires| format!("fires {fires}"));
-    [Some(doing.to_owned()), height, fires].into_iter().flatten().collect::<Vec<_>>().join(", ")
+pub(super) fn brief_state(
+    profile: &MachineProfile,
+    status: Option<&MachineStatus>,
+    fact: &MachineFact,
+    now: Timestamp,
+) -> String {
+    let height =
+        status.and_then(|status| status.open.as_ref()).and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
+    let fires = status.and_then(|status| forecast_fire(profile, status, now));
+    let fires = fires.and_then(|fires| UtcTimestamp(fires.at).distance_text(now)).map(|fires| format!("fires {fires}"));
+    [Some(fact.state.word().to_owned()), height, fires].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
@@ -206,8 +181,8 @@ fn machine_warnings(status: &MachineStatus, observed: Option<&MachineRow>, view:
 }
 
 /// When the open build of a machine fires, and which trigger fires it.
-pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &MachineStatus) -> Option<String> {
-    Some(forecast_fire(profile, status)?.fire_text(profile, status))
+pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &MachineStatus, now: Timestamp) -> Option<String> {
+    Some(forecast_fire(profile, status, now)?.fire_text(profile, status))
 }
 
 /// What waits for a machine, and until when.

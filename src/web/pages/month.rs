@@ -18,6 +18,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    farm::{DateRisk, dates_at_risk, read_plans},
     settings::FarmZone,
     tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields},
     web::{
@@ -53,6 +54,8 @@ pub(crate) struct MonthResponse {
     before: Vec<MachineOutput>,
     /// Parts with a due date in this month that came late or are late.
     late: Vec<LatePart>,
+    /// Due dates in this month that will be missed, according to the plan.
+    will_be_late: Vec<DateRisk>,
     /// Builds of this month that failed or were interrupted.
     failed: Vec<HistoryRow>,
 }
@@ -117,10 +120,15 @@ async fn read_month(
     let (rows, machines) = read_output(web, month).await?;
     let (_, before) = read_output(web, &month.later(-1)).await?;
     let late = web.ledger.late_parts(month.begins_at(), month.later(1).begins_at(), now).await?;
+    let plans = read_plans(&web.ledger, web.current_settings().profiles.values(), now).await?;
+    let span = month.begins_at()..month.later(1).begins_at();
+    let is_new = |risk: &DateRisk| !late.iter().any(|part| risk.numbers.contains(&part.part));
+    let mut will_be_late = dates_at_risk(plans);
+    will_be_late.retain(|risk| risk.is_late && span.contains(&risk.due_at.0) && is_new(risk));
     let is_bad = |state: BuildState| matches!(state, BuildState::Failed | BuildState::Interrupted);
     let failed = |row: &&HistoryRow| is_bad(row.state) && row.withdrawn_at.is_none();
     let failed = rows.iter().filter(failed).cloned().collect();
-    Ok((rows, MonthResponse { month: month.key(), machines, before, late, failed }))
+    Ok((rows, MonthResponse { month: month.key(), machines, before, late, will_be_late, failed }))
 }
 
 /// The page of a month.
@@ -139,7 +147,7 @@ pub(crate) async fn show_month(
         p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Hours are the \
                   height times the machine's print_hours_per_mm. Yield: good copies of those of which somebody told how they came out." }
         (weekly_bars("Height by week, mm", &rows, &month.zone, &|row| row.measures.height_mm))
-        (late_section(&report.late, &month.zone, &view))
+        (late_section(&report, &month.zone, &view, now))
         (failed_section(&report.failed, &view))
         p.links {
             a href=(format!("/month.csv?at={}", month.key())) { "CSV" }
@@ -198,22 +206,26 @@ fn output_table(report: &MonthResponse, before: &str) -> Markup {
     }
 }
 
-fn late_section(late: &[LatePart], zone: &FarmZone, view: &TimeView) -> Markup {
+fn late_section(report: &MonthResponse, zone: &FarmZone, view: &TimeView, now: Timestamp) -> Markup {
+    let late = &report.late;
     let mut orders: BTreeMap<&str, Vec<&LatePart>> = BTreeMap::new();
     for part in late {
         orders.entry(part.order_name.as_str()).or_default().push(part);
     }
     html! {
         h2 { "Late" }
-        @if late.is_empty() { p { "Everything that was due in this month was in a queue in time." } }
-        @else {
-            p { (count(late.len() as u32, "part", "parts")) " of " (count(orders.len() as u32, "order", "orders")) " came into a queue after the due date, or are not there yet." }
+        @if late.is_empty() && report.will_be_late.is_empty() { p { "Nothing that was due in this month came late, or will." } }
+        @if !report.will_be_late.is_empty() {
+            ul { @for risk in &report.will_be_late { li { (risk.subject_text()) " on " (risk.machine) ": " (risk.in_words(zone, now)) "." } } }
+        }
+        @if !late.is_empty() {
+            p { (count(late.len() as u32, "part", "parts")) " of " (count(orders.len() as u32, "order", "orders")) " came after the due date, or are not printed yet." }
             ul { @for (order, parts) in &orders { li {
                 @if order.is_empty() { "Without an order" } @else { a href=(order_address(order)) { (order) } }
                 ul { @for part in parts { li {
                     a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.machine)
                     @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (TimeView::kept(zone).due_text(&due)) }
-                    @match part.built_at { Some(at) => { ", built " (view.time_text(at)) } None => { ", " b { (part.state) } } }
+                    @match part.done_at { Some(at) => { ", done " (view.time_text(at)) } None => { ", " b { (part.state) } } }
                 } } }
             } } }
         }

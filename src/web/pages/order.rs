@@ -6,6 +6,7 @@ use axum::{
     Json,
     extract::{Path, Query, State},
 };
+use jiff::Timestamp;
 use ledger::{
     EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
 };
@@ -14,6 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    farm::{DatedOrder, MachinePlan, OrderFact, order_fact, read_plans},
     tables::{
         BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
         fields,
@@ -66,6 +68,9 @@ pub(crate) struct OrderResponse {
     /// What became of its copies.
     #[serde(flatten)]
     copies: LineCopies,
+    /// When it is done, and whether that is late.
+    #[serde(flatten)]
+    fact: OrderFact,
     /// Its lines, oldest first.
     lines: Vec<OrderLineResource>,
     /// Lines that came by request and are no parts yet.
@@ -83,7 +88,7 @@ pub(crate) struct OrderLineResource {
 }
 
 /// The orders that match the filter, and whether more may follow.
-async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResult<(Vec<OrderSummary>, bool)> {
+async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResult<(Vec<DatedOrder>, bool)> {
     let limit = parse_field::<u32>(&filter.limit, "a number of orders")?.unwrap_or(USUAL_ORDERS).clamp(1, MAX_ORDERS);
     let query = OrderQuery {
         name: Some(filter.find.trim().to_owned()).filter(|text| !text.is_empty()),
@@ -93,7 +98,12 @@ async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResul
     let mut orders = web.ledger.order_summaries(&query).await?;
     let more = orders.len() > limit as usize;
     orders.truncate(limit as usize);
-    Ok((orders, more))
+    Ok((DatedOrder::of_plans(orders, &plans_of(web).await?), more))
+}
+
+/// The plans of all machines.
+async fn plans_of(web: &DashboardState) -> HandlerResult<Vec<MachinePlan>> {
+    Ok(read_plans(&web.ledger, web.current_settings().profiles.values(), Timestamp::now()).await?)
 }
 
 /// An order with its lines; an error if there is none of that name.
@@ -105,20 +115,22 @@ async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResp
         Some(order) => order,
     };
     let lines = web.ledger.order_lines(name).await?;
-    let OrderSummary { order, lines: _, due_at, due_text, copies } = OrderSummary::of_lines(order, &lines);
+    let summary = OrderSummary::of_lines(order, &lines);
+    let fact = order_fact(&summary, &plans_of(web).await?);
+    let OrderSummary { order, lines: _, due_at, due_text, copies } = summary;
     let mut with_builds = Vec::with_capacity(lines.len());
     for line in lines {
         let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?);
         with_builds.push(OrderLineResource { line, builds });
     }
-    Ok(OrderResponse { order, due_at, due_text, copies, lines: with_builds, arriving })
+    Ok(OrderResponse { order, due_at, due_text, copies, fact, lines: with_builds, arriving })
 }
 
 /// The orders as JSON.
 pub(crate) async fn get_orders(
     State(web): State<Arc<DashboardState>>,
     Query(filter): Query<OrderFilter>,
-) -> HandlerResult<Json<Vec<OrderSummary>>> {
+) -> HandlerResult<Json<Vec<DatedOrder>>> {
     Ok(Json(read_orders(&web, &filter).await?.0))
 }
 
@@ -207,6 +219,10 @@ fn state_sentence(order: &OrderResponse, view: &TimeView) -> Markup {
         p class=[(order.order.state == OrderState::Short).then_some("warn")] {
             (copies.good) " good of " (wanted) " wanted, since " (view.time_text(order.order.opened_at)) "."
             @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " Due " (view.due_text(&due)) "." }
+            @if let Some(done) = order.fact.done_at { " Done about " (view.near_text(done)) " if nothing more arrives." }
+        }
+        @if let Some(risk) = order.fact.risk_word() {
+            p.bad role="status" { b { (risk) } ": " (order.fact.risk_reason) "." }
         }
     }
 }

@@ -75,7 +75,7 @@ const tasks = [
     return line.locator("p").innerText();
   }],
   ["which machine is free tonight", 0, async (one) => {
-    const free = one.page.locator(".card", { hasText: "free" }).locator("h2");
+    const free = one.page.locator(".card", { has: one.page.locator(".state.free") }).locator("h2");
     assert.ok(await free.count() >= 1);
     return (await free.allInnerTexts()).join(", ");
   }],

@@ -48,12 +48,14 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Stores the layout of an open or nesting build.
+    /// Stores the layout of an open or nesting build. One that lacks copies of a nesting build tells nothing of its height.
     pub async fn save_layout(&self, build: BuildId, layout: &OpenLayout) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
         sql::query(
-            "UPDATE build SET layout = $1, height_mm = $2, density = $3, part_volume_mm3 = $4, \
+            "UPDATE build SET layout = $1, height_mm = CASE WHEN state = 'open' OR copies = $5 THEN $2 END, \
+             density = CASE WHEN state = 'open' OR copies = $5 THEN $3 END, \
+             part_volume_mm3 = CASE WHEN state = 'open' OR copies = $5 THEN $4 END, \
              copies = CASE state WHEN 'open' THEN $5 ELSE copies END WHERE id = $6",
         )
         .bind(&layout.layout)

@@ -17,12 +17,17 @@ impl Ledger {
         }
         let mut change = self.begin_change().await?;
         let machine = change.move_build(build, BuildState::Nesting, fired_by).await?;
-        sql::query("UPDATE build SET attempts = 1, fired_by = $1, copies = $2 WHERE id = $3")
-            .bind(fired_by)
-            .bind(copies.len() as i64)
-            .bind(build)
-            .execute(change.db())
-            .await?;
+        // A layout that lacks some of them tells nothing of their height.
+        sql::query(
+            "UPDATE build SET attempts = 1, fired_by = $1, height_mm = CASE WHEN copies = $2 THEN height_mm END, \
+             density = CASE WHEN copies = $2 THEN density END, \
+             part_volume_mm3 = CASE WHEN copies = $2 THEN part_volume_mm3 END, copies = $2 WHERE id = $3",
+        )
+        .bind(fired_by)
+        .bind(copies.len() as i64)
+        .bind(build)
+        .execute(change.db())
+        .await?;
         for (part, copies) in group_by_part(copies) {
             insert_placements(&mut change, build, &machine, part, &copies).await?;
         }

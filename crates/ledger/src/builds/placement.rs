@@ -139,6 +139,21 @@ impl Ledger {
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 
+    /// The copies of a build that count, by part and copy.
+    pub async fn counted_copies(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+        let query = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy");
+        Ok(query.bind(build).fetch_all(self.reader()?).await?)
+    }
+
+    /// Volume of the parts of a build, mm3.
+    pub async fn volume_of_build(&self, build: BuildId) -> Result<f64> {
+        let query = sql::query_scalar(
+            "SELECT CAST(coalesce(sum(p.volume_mm3), 0.0) AS DOUBLE PRECISION) FROM placement l JOIN part p ON p.id = l.part_id \
+             WHERE l.build_id = $1",
+        );
+        Ok(query.bind(build).fetch_one(self.reader()?).await?)
+    }
+
     /// The copies taken into a build, by part and copy.
     pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
         let query = sql::query_as("SELECT part_id, copy FROM build_copy WHERE build_id = $1 ORDER BY part_id, copy");

@@ -1,6 +1,6 @@
 //! What a report of a span of time needs besides the history: copies that were printed badly, and what came late.
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -11,6 +11,9 @@ use crate::{
         sql::{self, sql_row},
     },
 };
+
+/// Between the publication of a part and the word that it is good is less time than this.
+const LONGEST_PRINT: SignedDuration = SignedDuration::from_hours(90 * 24);
 
 /// Copies of a published build that were printed badly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +26,7 @@ pub struct BadCopies {
 
 sql_row!(BadCopies { build, copies });
 
-/// A part that was, or is, not in a queue by its due date.
+/// A part that was told good, or is not printed yet, after its due date.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct LatePart {
     /// Number of the part.
@@ -40,11 +43,11 @@ pub struct LatePart {
     pub due_text: String,
     /// Its state.
     pub state: PartState,
-    /// When its last copy was put into a queue; `None` = copies are still not there.
-    pub built_at: Option<UtcTimestamp>,
+    /// When the last of its copies was told good; `None` = not all are.
+    pub done_at: Option<UtcTimestamp>,
 }
 
-sql_row!(LatePart { part, machine, name, order_name, due_at, due_text, state, built_at });
+sql_row!(LatePart { part, machine, name, order_name, due_at, due_text, state, done_at });
 
 impl Ledger {
     /// The bad copies of the builds that were published in a span of time.
@@ -57,18 +60,24 @@ impl Ledger {
         Ok(query.bind(UtcTimestamp(since)).bind(UtcTimestamp(until)).fetch_all(self.reader()?).await?)
     }
 
-    /// The parts with a due date in a span of time that were built later, or are not built at `now` although it has passed; by
-    /// due date.
+    /// The parts with a due date in a span of time whose copies were told good later, or that are not printed at `now` although it has
+    /// passed; by due date.
     pub async fn late_parts(&self, since: Timestamp, until: Timestamp, now: Timestamp) -> Result<Vec<LatePart>> {
-        // What is late was built after its due date, so after the begin of the span.
         let query = sql::query_as(
-            "SELECT id AS part, machine, name, order_name, due_at, due_text, state, \
-             CASE state WHEN 'built' THEN state_at END AS built_at FROM part WHERE id IN (\
-             SELECT id FROM part WHERE state = 'built' AND state_at >= $1 AND due_at >= $1 AND due_at < $2 AND due_at < state_at \
-             UNION ALL SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND due_at >= $1 AND due_at < $2 \
-             AND due_at < $3) ORDER BY due_at, id",
+            "SELECT part, machine, name, order_name, due_at, due_text, state, done_at FROM (\
+             SELECT p.id AS part, p.machine, p.name, p.order_name, p.due_at, p.due_text, p.state, \
+             CASE WHEN p.state = 'built' AND NOT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = p.id AND b.state <> 'complete') \
+             THEN (SELECT max(b.state_at) FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = p.id) END AS done_at \
+             FROM part p WHERE p.id IN (\
+             SELECT id FROM part WHERE state = 'built' AND state_at >= $4 AND due_at >= $1 AND due_at < $2 \
+             UNION ALL SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND due_at >= $1 AND due_at < $2)) AS due \
+             WHERE (done_at IS NOT NULL AND done_at > due_at) OR (state <> 'built' AND due_at < $3) ORDER BY due_at, part",
         );
+        // What was told good after its due date was not published long before.
+        let built_since = since.checked_sub(LONGEST_PRINT).unwrap_or(Timestamp::MIN);
         let query = query.bind(UtcTimestamp(since)).bind(UtcTimestamp(until)).bind(UtcTimestamp(now));
+        let query = query.bind(UtcTimestamp(built_since));
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

@@ -53,9 +53,6 @@ pub struct MachineStatus {
     /// The prints from which is learned how long one takes, as for `occupying`.
     #[serde(skip)]
     pub told_prints: Vec<ToldPrint>,
-    /// When this was read.
-    #[serde(skip)]
-    pub read_at: Option<UtcTimestamp>,
     /// The open build.
     pub open: Option<OpenBuildForecast>,
     /// Builds that are being nested or published.
@@ -313,10 +310,10 @@ impl Ledger {
             machine_entry(&mut machines, &machine).last_published = Some(row);
         }
         drop(snapshot);
-        let read_at = self.now();
+        let now = self.now();
         for (machine, status) in machines.iter_mut().filter(|(_, status)| !status.due_arrivals.is_empty()) {
-            status.occupying = self.occupying_builds(machine, read_at).await?;
-            (status.told_prints, status.read_at) = (self.told_prints(machine).await?, Some(read_at));
+            status.occupying = self.occupying_builds(machine, now).await?;
+            status.told_prints = self.told_prints(machine).await?;
         }
         Ok(machines.into_values().collect())
     }

@@ -341,3 +341,27 @@ async fn waiting_copies_and_the_parts_of_a_build_come_in_order_of_precedence() {
     let parts = ledger.parts_of_build(build).await.unwrap();
     assert_eq!(parts.iter().map(|part| part.id).collect::<Vec<_>>(), expected);
 }
+
+#[tokio::test]
+async fn a_layout_that_lacks_copies_of_a_build_tells_nothing_of_its_height() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 3).await;
+    let build = ledger.open_build("paper-200").await.unwrap().id;
+    let layout = |copies: u32| OpenLayout {
+        layout: "[]".to_owned(),
+        height_mm: 72.0,
+        density: 0.1,
+        copies,
+        part_volume_mm3: 1000.0,
+    };
+    let height = async || ledger.find_build(build).await.unwrap().unwrap().measures.height_mm;
+    ledger.save_layout(build, &layout(1)).await.unwrap();
+    assert_eq!(height().await, Some(72.0), "of what stands in the open build");
+    ledger.begin_nesting(build, "flush", &[(part, 0), (part, 1), (part, 2)]).await.unwrap();
+    assert_eq!(height().await, None, "two copies more are in it");
+    ledger.save_layout(build, &layout(2)).await.unwrap();
+    assert_eq!(height().await, None);
+    ledger.save_layout(build, &layout(3)).await.unwrap();
+    assert_eq!(height().await, Some(72.0));
+    assert!(ledger.volume_of_build(build).await.unwrap() > 0.0);
+}

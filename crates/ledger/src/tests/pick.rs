@@ -20,17 +20,17 @@ async fn marks(ledger: &Ledger, build: BuildId) -> Vec<(u32, PickMark, String)> 
 async fn of_two_people_who_say_the_same_of_a_copy_the_second_hears_who_was_first() {
     let ledger = fresh().await;
     let (build, part) = printed(&ledger).await;
-    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, ANN).await.unwrap(), None);
-    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, ANN).await.unwrap(), None, "pressed twice");
-    let first = ledger.mark_pick(build, (part, 1), PickMark::Out, BEN).await.unwrap().unwrap();
+    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, 0, ANN).await.unwrap(), None);
+    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, 0, ANN).await.unwrap(), None, "pressed twice");
+    let first = ledger.mark_pick(build, (part, 1), PickMark::Out, 0, BEN).await.unwrap().unwrap();
     assert_eq!((first.told_by.as_str(), first.copy), (ANN, 1));
-    ledger.mark_pick(build, (part, 0), PickMark::Bad, BEN).await.unwrap();
+    ledger.mark_pick(build, (part, 0), PickMark::Bad, 0, BEN).await.unwrap();
     let both = vec![(1, PickMark::Out, ANN.to_owned()), (0, PickMark::Bad, BEN.to_owned())];
     assert_eq!(marks(&ledger, build).await, both);
-    ledger.mark_pick(build, (part, 1), PickMark::Open, BEN).await.unwrap();
+    ledger.mark_pick(build, (part, 1), PickMark::Open, first.id, BEN).await.unwrap();
     assert_eq!(marks(&ledger, build).await, [(0, PickMark::Bad, BEN.to_owned())], "taken back");
     let latest = ledger.last_pick_id().await.unwrap();
-    ledger.mark_pick(build, (part, 2), PickMark::Open, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 2), PickMark::Open, 0, ANN).await.unwrap();
     assert_eq!(ledger.last_pick_id().await.unwrap(), latest, "nothing was there to take back");
 }
 
@@ -38,11 +38,11 @@ async fn of_two_people_who_say_the_same_of_a_copy_the_second_hears_who_was_first
 async fn the_outcome_is_told_once_something_is_said_of_every_copy_and_exactly_the_lost_ones_wait_again() {
     let ledger = fresh().await;
     let (build, part) = printed(&ledger).await;
-    ledger.mark_pick(build, (part, 0), PickMark::Bad, ANN).await.unwrap();
-    ledger.mark_pick(build, (part, 2), PickMark::Out, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 0), PickMark::Bad, 0, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 2), PickMark::Out, 0, ANN).await.unwrap();
     assert_eq!(ledger.finish_break_out(build, ANN).await.unwrap(), BreakOutAnswer::Open(1));
     assert_eq!(build_state(&ledger, build).await, BuildState::Published);
-    ledger.mark_pick(build, (part, 1), PickMark::Missing, BEN).await.unwrap();
+    ledger.mark_pick(build, (part, 1), PickMark::Missing, 0, BEN).await.unwrap();
     let BreakOutAnswer::Told(report) = ledger.finish_break_out(build, ANN).await.unwrap() else { panic!("not told") };
     assert_eq!(report.put_back_copies(), 2);
     assert_eq!(build_state(&ledger, build).await, BuildState::Complete);
@@ -63,11 +63,11 @@ async fn a_build_that_was_told_complete_before_keeps_what_was_told_and_adds_what
     let told = ToldOutcome { bad: vec![(part, 1)], ..ToldOutcome::new(PrintOutcome::Complete, "", "op@host") };
     ledger.record_outcome(build, &told).await.unwrap();
     assert!(
-        ledger.mark_pick(build, (part, 2), PickMark::Bad, ANN).await.is_err(),
+        ledger.mark_pick(build, (part, 2), PickMark::Bad, 0, ANN).await.is_err(),
         "told bad before: it counts no more"
     );
-    ledger.mark_pick(build, (part, 0), PickMark::Out, ANN).await.unwrap();
-    ledger.mark_pick(build, (part, 1), PickMark::Bad, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 0), PickMark::Out, 0, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 1), PickMark::Bad, 0, ANN).await.unwrap();
     let BreakOutAnswer::Told(report) = ledger.finish_break_out(build, ANN).await.unwrap() else { panic!("not told") };
     assert_eq!((report.put_back_copies(), report.returned.len()), (1, 0));
     let bad = ledger.placements_of_part(part).await.unwrap().iter().filter(|row| row.is_bad).count();
@@ -80,12 +80,28 @@ async fn nothing_is_said_of_a_build_that_is_not_published_or_of_a_copy_that_is_n
     let ledger = fresh().await;
     let part = waiting(&ledger, "a", 2).await;
     let build = nesting(&ledger, &[(part, 0), (part, 1)]).await;
-    assert!(ledger.mark_pick(build, (part, 0), PickMark::Out, ANN).await.is_err());
+    assert!(ledger.mark_pick(build, (part, 0), PickMark::Out, 0, ANN).await.is_err());
     assert_eq!(ledger.finish_break_out(build, ANN).await.unwrap(), BreakOutAnswer::Open(2));
     let (other, mine) = {
         let part = waiting(&ledger, "b", 1).await;
         (published(&ledger, &[(part, 0)]).await, part)
     };
-    assert!(ledger.mark_pick(other, (part, 0), PickMark::Out, ANN).await.is_err());
-    assert!(ledger.mark_pick(other, (mine, 7), PickMark::Out, ANN).await.is_err());
+    assert!(ledger.mark_pick(other, (part, 0), PickMark::Out, 0, ANN).await.is_err());
+    assert!(ledger.mark_pick(other, (mine, 7), PickMark::Out, 0, ANN).await.is_err());
+}
+
+#[tokio::test]
+async fn who_did_not_see_what_another_said_overwrites_nothing() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    assert_eq!(ledger.mark_pick(build, (part, 0), PickMark::Bad, 0, ANN).await.unwrap(), None);
+    let stale = ledger.mark_pick(build, (part, 0), PickMark::Out, 0, BEN).await.unwrap().unwrap();
+    assert_eq!((stale.mark, stale.told_by.as_str()), (PickMark::Bad, ANN));
+    let undo = ledger.mark_pick(build, (part, 0), PickMark::Open, stale.id + 1, BEN).await.unwrap().unwrap();
+    assert_eq!(undo, stale, "nor is it taken back unseen");
+    ledger.mark_picks(build, &[(part, 0), (part, 1)], PickMark::Out, BEN).await.unwrap();
+    let said = vec![(0, PickMark::Bad, ANN.to_owned()), (1, PickMark::Out, BEN.to_owned())];
+    assert_eq!(marks(&ledger, build).await, said, "what is said of the rest is not said of it");
+    assert_eq!(ledger.mark_pick(build, (part, 0), PickMark::Out, stale.id, BEN).await.unwrap(), None, "it was shown");
+    assert!(marks(&ledger, build).await.contains(&(0, PickMark::Out, BEN.to_owned())));
 }

@@ -72,23 +72,25 @@ pub enum BreakOutAnswer {
 }
 
 impl Ledger {
-    /// Records what somebody says of a copy in a published build. Returns the mark of another person who said the same before;
-    /// nothing is recorded then.
+    /// Records what somebody says of a copy in a published build who was shown the mark `seen`; 0 = that nothing was said of it. Where
+    /// somebody said something since, it is returned, and nothing is recorded; also where another person said the same.
     pub async fn mark_pick(
         &self,
         build: BuildId,
         copy: (PartId, u32),
         mark: PickMark,
+        seen: i64,
         told_by: &str,
     ) -> Result<Option<PickMarkRow>> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, PRINTED_STATES).await?;
-        let known = record_mark(&mut change, build, copy, mark, told_by).await?;
+        let known = record_mark(&mut change, build, copy, (mark, seen), told_by).await?;
         change.commit().await?;
         Ok(known)
     }
 
-    /// Records the same of several copies in a published build, of all or of none.
+    /// Records the same of several copies in a published build of which nobody said anything, of all or of none. What somebody says
+    /// meanwhile of one of them stays.
     pub async fn mark_picks(
         &self,
         build: BuildId,
@@ -99,7 +101,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, PRINTED_STATES).await?;
         for copy in copies {
-            record_mark(&mut change, build, *copy, mark, told_by).await?;
+            record_mark(&mut change, build, *copy, (mark, 0), told_by).await?;
         }
         change.commit().await
     }
@@ -156,7 +158,7 @@ async fn record_mark(
     change: &mut LedgerChange,
     build: BuildId,
     (part, copy): (PartId, u32),
-    mark: PickMark,
+    (mark, seen): (PickMark, i64),
     told_by: &str,
 ) -> Result<Option<PickMarkRow>> {
     let stands: u32 =
@@ -176,8 +178,9 @@ async fn record_mark(
             .bind(copy)
             .fetch_optional(change.db())
             .await?;
-    match last {
+    match last.filter(|last| last.mark != PickMark::Open) {
         Some(last) if last.mark == mark => return Ok(Some(last).filter(|last| last.told_by != told_by)),
+        Some(last) if last.id != seen => return Ok(Some(last)),
         None if mark == PickMark::Open => return Ok(None),
         _ => {}
     }

@@ -105,7 +105,7 @@ fn a_printer_that_is_down_gets_nothing_and_without_any_nothing_is_fired() {
     assert_eq!((visible(&farm), farm.parts(PartState::Waiting).len()), ([0, 3], 1));
     let text = farm.status_text();
     assert!(text.contains("No printer is in use: nothing is fired."), "{text}");
-    assert!(text.contains("Printer left: down since") && text.contains("by ann@farm: its lamp."), "{text}");
+    assert!(text.contains("left: down since") && text.contains("by ann@farm: its lamp;"), "{text}");
     bring_up(&farm, "left");
     farm.tick();
     farm.order(CommandKind::Flush, None);

@@ -38,6 +38,23 @@ fn a_day_of_orders_ends_with_each_of_them_complete_although_prints_fail_and_word
 }
 
 #[test]
+fn in_twenty_days_no_machine_is_said_to_be_free_while_its_printer_prints() {
+    let size = WeekSize {
+        seed: 20,
+        machines: vec![machine("fuse-1", "fuse-1", 0.1)],
+        step: Duration::from_secs(3 * 3600),
+        orders: 10,
+        lines: 2,
+        files: 6,
+        days: 20,
+        failed_builds: 0.2,
+        bad_copies: 0.05,
+        late_words: 0.0,
+    };
+    play_week(&size);
+}
+
+#[test]
 #[ignore = "takes minutes: 3,000 parts in 250 orders on four machines"]
 fn a_week_of_orders_ends_with_each_of_them_complete_although_prints_fail_and_words_come_late() {
     let seed = std::env::var("NESTD_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_261_123);

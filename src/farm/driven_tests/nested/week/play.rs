@@ -19,7 +19,11 @@ use super::{
     printers::{PrintedBuild, PrintedCopy, WeekPrinter},
     table::WeekReport,
 };
-use crate::farm::driven_tests::hand_driven_farm::{HandDrivenFarm, MACHINE, farm_files::drop_file};
+use crate::farm::{
+    MachineWord,
+    driven_tests::hand_driven_farm::{HandDrivenFarm, MACHINE, farm_files::drop_file},
+    read_machine_facts,
+};
 
 /// The daemon is started anew so often.
 const RESTART_EVERY: Duration = Duration::from_secs(24 * 3600);
@@ -128,6 +132,7 @@ impl<'a> WeekPlay<'a> {
     fn pass(&mut self, time: Duration) {
         self.farm.jump(time);
         self.now = Duration::try_from(self.farm.date().duration_since(self.started_at)).unwrap();
+        self.assert_none_is_said_to_be_free_that_prints();
         let done: Vec<PrintedBuild> =
             self.printers.iter_mut().filter_map(|printer| printer.work(&self.farm, self.now)).collect();
         done.into_iter().for_each(|build| self.tell_outcome(build));
@@ -138,6 +143,22 @@ impl<'a> WeekPlay<'a> {
             }
         }
         self.note_done_orders();
+    }
+
+    /// Whatever a face prints of a machine, it is not that it is free while its printer prints.
+    fn assert_none_is_said_to_be_free_that_prints(&self) {
+        let (profiles, now) = (self.farm.profiles(), self.farm.date());
+        let facts = self.farm.ask(async |ledger| {
+            let statuses = ledger.machine_statuses().await.unwrap();
+            read_machine_facts(ledger, profiles.values(), &statuses, now).await.unwrap()
+        });
+        for printer in self.printers.iter().filter(|printer| printer.is_printing(self.now)) {
+            let fact = facts.iter().find(|fact| fact.machine == printer.name).unwrap();
+            let text = self.farm.status_text_of(&fact.machine);
+            let is_free =
+                fact.state == MachineWord::Free || fact.doing.contains("free now") || text.contains("free now");
+            assert!(!is_free, "seed {}, after {:?}: {fact:#?}\n{text}", self.size.seed, self.now);
+        }
     }
 
     /// Drops the orders that are to come by now. Returns their number.

@@ -53,6 +53,11 @@ impl WeekPrinter {
         Self { machine, name, volume_mm, hours_per_mm, printing: None }
     }
 
+    /// Whether it prints.
+    pub fn is_printing(&self, now: Duration) -> bool {
+        self.printing.as_ref().is_some_and(|(_, until)| *until > now)
+    }
+
     /// Takes the next build file if it is idle. Returns a build that is done by now.
     pub fn work(&mut self, farm: &HandDrivenFarm, now: Duration) -> Option<PrintedBuild> {
         let done = self.printing.take_if(|(_, until)| *until <= now).map(|(build, _)| build);

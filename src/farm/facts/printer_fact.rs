@@ -1,0 +1,198 @@
+//! What a printer does and when it is free: a function of the builds that were given to it and of the time. Where nobody told that a
+//! print began, it is taken to have begun when its file was taken; the end of a print is an estimate until its outcome is told.
+
+use build_file::format_count;
+use jiff::Timestamp;
+use ledger::{BuildId, DownPrinter, UtcTimestamp};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::{
+    farm::{
+        decisions::{
+            print_times::PrintTimes,
+            printer_choice::{BuildSpan, BuildStage, load_of_spans},
+        },
+        process::time_text::known_minute,
+    },
+    settings::{FarmZone, MachineProfile, PrinterRules},
+};
+
+/// What a printer does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PrinterWord {
+    /// A person took it out of use.
+    Down,
+    /// It prints.
+    Printing,
+    /// Its last print cools, and is unpacked.
+    Cooling,
+    /// Its last print should be over, and nobody told how it came out.
+    Ended,
+    /// Files lie in its queue, and it has taken none.
+    Queued,
+    /// A build is made for it.
+    Expecting,
+    /// It has nothing to do.
+    Free,
+}
+
+/// What is so of a printer.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PrinterFact {
+    /// Its name.
+    pub printer: String,
+    /// Its machine.
+    pub machine: String,
+    /// Its queue folder.
+    pub queue: String,
+    /// What it does.
+    pub state: PrinterWord,
+    /// The same as a sentence, with its times.
+    pub doing: String,
+    /// The build that it prints, has printed, or begins next; `None` = there is none.
+    pub build: Option<BuildId>,
+    /// When the print ends, its cooling ends, it should have ended, or the next print could begin, as far as is known, to the minute.
+    pub until: Option<UtcTimestamp>,
+    /// Whether nobody told that the print began: it is taken to have begun when the printer took its file.
+    pub is_estimated: bool,
+    /// Since when and why it takes no builds; `None` = it is in use.
+    pub down: Option<DownPrinter>,
+    /// Builds that are made for it, lie in its queue or are printed, as far as is known.
+    pub builds: u32,
+    /// When its next print could begin after those, as far as is known, to the minute; `None` = it is down, or no day is open.
+    pub free_at: Option<UtcTimestamp>,
+    /// Hours of printing per mm of build height.
+    pub hours_per_mm: f64,
+    /// Hours beside that.
+    pub cool_down_hours: f64,
+    /// Number of told prints that these were learned from; 0 = they are the settings.
+    pub learned_from: u32,
+}
+
+impl PrinterWord {
+    /// All of them, the most urgent first.
+    pub const ALL: [Self; 7] =
+        [Self::Down, Self::Printing, Self::Cooling, Self::Ended, Self::Queued, Self::Expecting, Self::Free];
+
+    /// The word, as JSON has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Down => "down",
+            Self::Printing => "printing",
+            Self::Cooling => "cooling",
+            Self::Ended => "ended",
+            Self::Queued => "queued",
+            Self::Expecting => "expecting",
+            Self::Free => "free",
+        }
+    }
+}
+
+/// What is so of a printer with these builds, in the order in which it prints them.
+pub fn printer_fact(
+    profile: &MachineProfile,
+    rules: &PrinterRules,
+    spans: &[BuildSpan],
+    down: Option<DownPrinter>,
+    times: &PrintTimes,
+    now: Timestamp,
+) -> PrinterFact {
+    let load = load_of_spans(spans, now);
+    let free_at = rules.begins_at(load.free_at, &profile.time_zone);
+    let (state, at) = doing(spans, now);
+    let until = at.map(|span| match state {
+        PrinterWord::Printing => span.printed_at,
+        PrinterWord::Cooling | PrinterWord::Ended => span.ends_at,
+        _ => span.begins_at,
+    });
+    let fact = PrinterFact {
+        printer: rules.name.clone(),
+        machine: profile.name.clone(),
+        queue: rules.queue.to_string(),
+        state: if down.is_some() { PrinterWord::Down } else { state },
+        doing: String::new(),
+        build: at.map(|span| span.build),
+        until: until.and_then(known_minute),
+        is_estimated: at.is_some_and(|span| span.is_taken && !span.is_told),
+        builds: u32::try_from(load.builds).unwrap_or(u32::MAX),
+        free_at: if down.is_some() { None } else { known_minute(free_at) },
+        hours_per_mm: times.hours_per_mm,
+        cool_down_hours: times.cool_down_hours,
+        learned_from: u32::try_from(times.learned_from).unwrap_or(u32::MAX),
+        down,
+    };
+    let more = at.and_then(|at| spans.iter().rposition(|span| span.build == at.build));
+    let more = more.map_or(0, |place| spans.len() - 1 - place);
+    PrinterFact { doing: fact.in_words(more, &profile.time_zone, now), ..fact }
+}
+
+/// What a printer that is in use does, and with which build: the first of these stages that one of its builds is in.
+fn doing(spans: &[BuildSpan], now: Timestamp) -> (PrinterWord, Option<&BuildSpan>) {
+    let first = |stage: BuildStage| spans.iter().find(|span| span.stage(now) == stage);
+    let last = |stage: BuildStage| spans.iter().rfind(|span| span.stage(now) == stage);
+    let found = [
+        (PrinterWord::Printing, first(BuildStage::Printing)),
+        (PrinterWord::Cooling, first(BuildStage::Cooling)),
+        (PrinterWord::Ended, last(BuildStage::Ended)),
+        (PrinterWord::Queued, first(BuildStage::Queued)),
+        (PrinterWord::Expecting, first(BuildStage::Made)),
+    ];
+    found.into_iter().find(|(_, span)| span.is_some()).unwrap_or((PrinterWord::Free, None))
+}
+
+impl PrinterFact {
+    /// `0.100 h per mm and 4.0 h, from 12 prints`.
+    pub fn times_text(&self) -> String {
+        let from = match self.learned_from {
+            0 => "as set".to_owned(),
+            prints => format!("from {prints} prints"),
+        };
+        format!("{:.3} h per mm and {:.1} h, {from}", self.hours_per_mm, self.cool_down_hours)
+    }
+
+    /// Whether it has nothing to do, and a print could begin now.
+    pub fn is_idle(&self, now: Timestamp) -> bool {
+        self.state == PrinterWord::Free && self.free_at.is_some_and(|at| at.0 <= now)
+    }
+
+    /// What it does: `printing build 4 until about today 15:30 (estimated), free from tomorrow 08:00`. `more` builds follow.
+    fn in_words(&self, more: usize, zone: &FarmZone, now: Timestamp) -> String {
+        let time = |at: Option<UtcTimestamp>| at.map(|at| zone.format_near(at.0, now));
+        let build = self.build.map(|build| format!("build {build}")).unwrap_or_default();
+        let until = time(self.until).unwrap_or_default();
+        let estimated = if self.is_estimated { " (estimated)" } else { "" };
+        let free = match self.free_at {
+            Some(at) if at.0 <= now => None,
+            Some(at) => Some(format!("free from {}", zone.format_near(at.0, now))),
+            None => Some("its calendar is not open again".to_owned()),
+        };
+        let more = match more {
+            0 => String::new(),
+            more => format!(", then {}", format_count(more, "more build", "more builds")),
+        };
+        let doing = match self.state {
+            PrinterWord::Free => return free.unwrap_or_else(|| "free now".to_owned()),
+            PrinterWord::Down => return self.down_text(zone, now),
+            PrinterWord::Ended => {
+                return format!("{build} should be done since about {until}: nobody told how it printed{more}");
+            }
+            PrinterWord::Printing => format!("printing {build} until about {until}{estimated}"),
+            PrinterWord::Cooling => format!("cooling {build} until about {until}{estimated}"),
+            PrinterWord::Expecting => format!("{build} is made for it"),
+            PrinterWord::Queued => {
+                let begins = self.until.filter(|at| at.0 > now).map(|_| format!(" and could begin {until}"));
+                format!("{build} lies in its queue{}", begins.unwrap_or_default())
+            }
+        };
+        let free = free.map(|free| format!(", {free}")).unwrap_or_default();
+        format!("{doing}{more}{free}")
+    }
+
+    fn down_text(&self, zone: &FarmZone, now: Timestamp) -> String {
+        let Some(down) = &self.down else { return String::new() };
+        let why = if down.reason.is_empty() { String::new() } else { format!(": {}", down.reason) };
+        format!("down since {} by {}{why}", zone.format_near(down.down_at.0, now), down.told_by)
+    }
+}

@@ -1,0 +1,167 @@
+//! Every face says the same of a machine and of its printer, whatever they do: the farm page, the JSON, the command line, `STATUS.txt`,
+//! `status.json` and the metrics. A real daemon, asked in each state.
+
+use std::{collections::BTreeMap, fs};
+
+use ledger::{BuildState, PartState};
+use serde_json::Value;
+
+use crate::support::{MACHINE, QUICK, TestFarm, block, http::send_request, wait_until_or};
+
+/// Prints of a block of 20 mm take 20 hours, and cool for 10.
+const HOURS: &str = "print_hours_per_mm = 1.0\ncool_down_hours = 10\n";
+/// Prints take no time, and cool for ten hours.
+const COOLS: &str = "print_hours_per_mm = 0.0\ncool_down_hours = 10\n";
+
+fn farm(profile: &str) -> TestFarm {
+    let farm = TestFarm::new(&format!("{QUICK}{profile}[trigger]\nmax_wait_secs = \"30h\"\n"));
+    let config = fs::read_to_string(farm.config()).unwrap();
+    let socket = farm.root().join("web.sock");
+    fs::write(farm.config(), format!("{config}[web]\nlisten = \"unix:{}\"\n", socket.display())).unwrap();
+    farm
+}
+
+fn get(farm: &TestFarm, path: &str) -> String {
+    send_request(&farm.root().join("web.sock"), &format!("GET {path}"), b"")
+        .map(|answer| answer.body)
+        .unwrap_or_default()
+}
+
+/// What a face says of the machine and of its printer: their states, and the build of the printer.
+type Said = (String, String, String);
+
+fn said_in(machine: &Value) -> Said {
+    let printer = &machine["printers"][0];
+    let word = |value: &Value| value.as_str().unwrap_or("-").to_owned();
+    (word(&machine["state"]), word(&printer["state"]), printer["build"].to_string())
+}
+
+/// The one state for which a gauge is 1.
+fn gauge_state(metrics: &str, name: &str) -> String {
+    let is_on = |line: &&str| line.starts_with(&format!("nestd_{name}{{")) && line.ends_with("} 1.0");
+    let on: Vec<&str> = metrics.lines().filter(is_on).collect();
+    assert!(on.len() <= 1, "{on:?}");
+    let state = |line: &&str| line.split("state=\"").nth(1)?.split('"').next().map(str::to_owned);
+    on.first().and_then(state).unwrap_or_default()
+}
+
+/// What each face says.
+fn ask_faces(farm: &TestFarm) -> BTreeMap<&'static str, Said> {
+    let json = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_default();
+    let status_file = |name: &str| fs::read_to_string(farm.folder("inbox").join(name)).unwrap_or_default();
+    let api = json(&get(farm, "/api/v1/farm"));
+    let command = json(&farm.nestd_ok(&["status", "--json"]));
+    let printers = json(&farm.nestd_ok(&["printer", "--json"]));
+    let metrics = farm.nestd_ok(&["metrics"]);
+    let page = get(farm, "/");
+    let (text, table) = (status_file("STATUS.txt"), farm.nestd_ok(&["status", "--wide"]));
+    let told = said_in(&api["machines"][0]);
+    // A face that is prose says the sentence of the JSON.
+    let doing = api["machines"][0]["doing"].as_str().unwrap_or("-").to_owned();
+    let prose = |text: &str| match text.replace("&#39;", "'").contains(&doing) {
+        true => told.clone(),
+        false => (text.to_owned(), doing.clone(), String::new()),
+    };
+    let marked = page.contains(&format!("class=\"state {0}\">{0}<", told.0));
+    BTreeMap::from([
+        ("the JSON", told.clone()),
+        ("nestd status --json", said_in(&command["machines"][0])),
+        (
+            "nestd printer --json",
+            (told.0.clone(), said_in(&Value::from_iter([("printers", printers)])).1, told.2.clone()),
+        ),
+        ("status.json", said_in(&json(&status_file("status.json")))),
+        (
+            "the metrics",
+            (gauge_state(&metrics, "machine_state"), gauge_state(&metrics, "printer_state"), told.2.clone()),
+        ),
+        ("the farm page", if marked { prose(&page) } else { (page, told.0.clone(), String::new()) }),
+        ("nestd status", prose(&table)),
+        ("STATUS.txt", prose(&text)),
+    ])
+}
+
+/// Waits until all faces say that the machine and its printer are in these states, and with which build.
+fn all_say(farm: &TestFarm, machine: &str, printer: &str, build: &str) {
+    let expected = (machine.to_owned(), printer.to_owned(), build.to_owned());
+    let what = format!("all faces say {expected:?}");
+    let others = || {
+        let said = ask_faces(farm);
+        said.into_iter().filter(|(_, said)| *said != expected).collect::<Vec<_>>()
+    };
+    wait_until_or(&what, 30.0, || format!("{:#?}\n{}", others(), farm.log()), || others().is_empty());
+}
+
+fn flush_one(farm: &TestFarm, name: &str) {
+    let built = farm.parts(PartState::Built).len();
+    farm.drop_part(name, &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, built + 1);
+}
+
+#[test]
+fn every_face_says_the_same_of_a_machine_in_each_of_its_states() {
+    let mut farm = farm(HOURS);
+    farm.start();
+    all_say(&farm, "free", "free", "null");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    all_say(&farm, "collecting", "free", "null");
+    farm.nestd_ok(&["pause", MACHINE]);
+    all_say(&farm, "paused", "free", "null");
+    farm.nestd_ok(&["resume", MACHINE]);
+    farm.flush();
+    farm.wait_for_queued(1);
+    all_say(&farm, "queued", "queued", "1");
+    // A person says that it prints, although its file still lies there.
+    farm.nestd_ok(&["outcome", "1", "printing"]);
+    all_say(&farm, "printing", "printing", "1");
+    farm.nestd_ok(&["printer", MACHINE, "down", "--reason", "its laser"]);
+    all_say(&farm, "down", "down", "1");
+    farm.nestd_ok(&["printer", MACHINE, "up"]);
+    farm.nestd_ok(&["outcome", "1", "failed", "--anyway"]);
+    let waits = || farm.parts(PartState::Waiting).len() == 1;
+    wait_until_or("its copies wait again", 20.0, || farm.log(), waits);
+    all_say(&farm, "collecting", "free", "null");
+    farm.stop();
+}
+
+#[test]
+fn a_print_is_taken_to_have_begun_when_its_file_was_taken_and_its_end_is_an_estimate() {
+    let mut farm = farm(COOLS);
+    farm.start();
+    flush_one(&farm, "a.stl");
+    for file in farm.queued() {
+        fs::remove_file(file).unwrap();
+    }
+    all_say(&farm, "cooling", "cooling", "1");
+    let printers: Value = serde_json::from_str(&farm.nestd_ok(&["printer", "--json"])).unwrap();
+    assert_eq!(printers[0]["is_estimated"], true, "{printers}");
+    assert!(farm.nestd_ok(&["status", "--wide"]).contains("(estimated)"));
+    farm.nestd_ok(&["outcome", "1", "complete"]);
+    all_say(&farm, "free", "free", "null");
+    farm.stop();
+}
+
+#[test]
+fn every_face_says_that_a_build_is_searched_and_a_folder_is_away() {
+    let mut farm = farm("");
+    farm.write_profile(MACHINE, &format!("{}{HOURS}", QUICK.replace("final_secs = 0.5", "final_secs = 12")));
+    farm.start();
+    for n in 0..4 {
+        farm.drop_part(&format!("{n}.stl"), &block(50.0, 40.0, 30.0));
+    }
+    farm.wait_for_parts(PartState::Waiting, 4);
+    farm.flush();
+    let nests =
+        || !farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).is_empty();
+    wait_until_or("a build is searched", 20.0, || farm.log(), nests);
+    all_say(&farm, "nesting", "expecting", "1");
+    farm.wait_for_queued(1);
+    let (queue, away) = (farm.folder("queue"), farm.root().join("away"));
+    fs::rename(&queue, &away).unwrap();
+    fs::write(&queue, "").unwrap();
+    all_say(&farm, "unavailable", "queued", "1");
+    farm.stop();
+}

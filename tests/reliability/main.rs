@@ -53,8 +53,9 @@ const SHORT_SECS: f64 = 6.0;
 /// Wall seconds of a section in a short run beside others, where all is slower.
 const SHORT_SECS_BESIDE_OTHERS: f64 = 12.0;
 
-/// Sections whose rows hold times or memory: nothing else runs beside them.
-const MEASURING: &[&str] = &["hostile", "torture", "heavy", "flood", "intake", "memory", "ledger"];
+/// Sections whose rows hold times or memory, and the one whose servers have only seconds to see each other: nothing else runs
+/// beside them.
+const ALONE: &[&str] = &["pair", "hostile", "torture", "heavy", "flood", "intake", "memory", "ledger"];
 
 fn main() -> ExitCode {
     let asked = RunArguments::from_args();
@@ -75,7 +76,7 @@ fn run_all(sections: &[&ReliabilitySection], minutes: Option<f64>) -> Vec<Sectio
     let Some(minutes) = minutes else {
         let short = |section, secs| run(section, &SectionBudget::short(secs));
         let (alone, others): (Vec<_>, Vec<_>) =
-            sections.iter().copied().partition(|section| MEASURING.contains(&section.name));
+            sections.iter().copied().partition(|section| ALONE.contains(&section.name));
         let mut rows = pool::in_parallel(others, &SectionBudget::short(f64::INFINITY), |section| {
             short(section, SHORT_SECS_BESIDE_OTHERS)
         });

@@ -13,7 +13,7 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{MachinePlan, plan_machine},
+    farm::{MachinePlan, read_plans},
     tables::{PLAN_COLUMNS, RISK_COLUMNS, TimeView, plan_notes},
 };
 
@@ -42,10 +42,7 @@ pub fn run(common: &CommonArgs, args: &PlanArgs) -> Result<CommandExit> {
         }
         let asked =
             settings.profiles.values().filter(|profile| args.machine.as_ref().is_none_or(|name| *name == profile.name));
-        let mut plans = Vec::new();
-        for profile in asked {
-            plans.push(plan_machine(ledger, profile, Timestamp::now()).await?);
-        }
+        let plans = read_plans(ledger, asked, Timestamp::now()).await?;
         Ok((plans, TimeView::current(&settings.time_zone)))
     })?;
     match args.json {

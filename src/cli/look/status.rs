@@ -153,7 +153,7 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     };
     let mut machines: Vec<ListedMachine> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.machine == **name))
-        .map(|name| MachineStatus { machine: (*name).to_owned(), ..MachineStatus::default() })
+        .map(|name| MachineStatus::nothing_of(name))
         .map(|status| machine(true, status))
         .collect();
     // A removed machine for which nothing is left to do is history.

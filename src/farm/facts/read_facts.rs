@@ -37,8 +37,7 @@ pub async fn read_machine_facts<'p>(
             printer_fact(profile, rules, spans, down.cloned(), &times, now)
         });
         let printers = printers.collect();
-        let nothing = || MachineStatus { machine: profile.name.clone(), ..MachineStatus::default() };
-        let status = statuses.iter().find(|status| status.machine == profile.name).cloned().unwrap_or_else(nothing);
+        let status = MachineStatus::of_machine(statuses, &profile.name);
         let observed = observed.iter().find(|observed| observed.machine == profile.name);
         facts.push(machine_fact(&status, observed, printers, now));
     }

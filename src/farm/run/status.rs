@@ -86,8 +86,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     let risks = &desk.display.dates.risks;
     for ((name, machine), fact) in desk.machines.iter_mut().zip(&facts) {
         let risks: Vec<&DateRisk> = risks.iter().filter(|risk| risk.machine == *name).collect();
-        let row = rows.iter().find(|row| row.machine == *name).cloned();
-        let row = row.unwrap_or_else(|| MachineStatus { machine: name.clone(), ..MachineStatus::default() });
+        let row = MachineStatus::of_machine(&rows, name);
         let text = status_text(machine, &row, (fact, &risks), now) + &part_questions::questions_text(name, &asked);
         let mut json = status_json(machine, &row, (fact, &risks), now);
         json["questions"] = part_questions::questions_json(name, &asked);

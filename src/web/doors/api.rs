@@ -65,8 +65,7 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
     let now = Timestamp::now();
     let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
     let machine = |((name, profile), fact): ((&String, &crate::settings::MachineProfile), MachineFact)| {
-        let nothing = || MachineStatus { machine: name.clone(), ..MachineStatus::default() };
-        let status = status.iter().find(|s| s.machine == *name).cloned().unwrap_or_else(nothing);
+        let status = MachineStatus::of_machine(&status, name);
         let observed = machines.iter().find(|observed| observed.machine == *name);
         MachineResource {
             volume_mm: profile.space.volume_mm.to_array(),

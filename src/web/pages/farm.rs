@@ -41,14 +41,12 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         .map(|listed| &listed.node)
         .find(|node| web.ledger.file().is_some() || node.name == settings.node.name);
     let view = TimeView::at(&settings.time_zone, now);
-    let nothing = |name: &str| MachineStatus { machine: name.to_owned(), ..MachineStatus::default() };
-    let of = |name: &str| status.iter().find(|s| s.machine == name).cloned().unwrap_or_else(|| nothing(name));
     let builds = MachineBuilds::read_for(&web, now).await?;
     let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
     let at_risk = dates_at_risk(read_plans(&web.ledger, settings.profiles.values(), now).await?);
     let mut cards = Vec::with_capacity(settings.profiles.len());
     for ((name, profile), fact) in settings.profiles.iter().zip(&facts) {
-        let status = of(name);
+        let status = MachineStatus::of_machine(&status, name);
         let picture_html = picture::machine_picture(&web, &status).await?;
         let card = MachineCard {
             profile,

@@ -31,8 +31,7 @@ pub(crate) async fn show_preview(
 ) -> HandlerResult<Markup> {
     let settings = web.current_settings();
     let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
-    let status = web.ledger.machine_statuses().await?.into_iter().find(|status| status.machine == name);
-    let status = status.unwrap_or_else(|| MachineStatus { machine: name.clone(), ..MachineStatus::default() });
+    let status = MachineStatus::of_machine(&web.ledger.machine_statuses().await?, &name);
     let inside = placed_parts(&web, profile, &status).await?;
     let query = PartQuery {
         state: Some(PartState::Waiting),

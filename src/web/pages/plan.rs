@@ -12,7 +12,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{MachinePlan, plan_machine},
+    farm::{MachinePlan, read_plans},
+    settings::MachineProfile,
     tables::{PLAN_COLUMNS, RISK_COLUMNS, TimeView, plan_notes},
     web::{
         base::{
@@ -60,13 +61,8 @@ async fn make_plans(web: &DashboardState, asked: &PlanQuestion) -> HandlerResult
     if !asked.machine.is_empty() && !settings.profiles.contains_key(&asked.machine) {
         return Err(HandlerError::NotFound(format!("machine {}", asked.machine)));
     }
-    let mut plans = Vec::new();
-    for profile in settings.profiles.values() {
-        if asked.machine.is_empty() || asked.machine == profile.name {
-            plans.push(plan_machine(&web.ledger, profile, now).await?);
-        }
-    }
-    Ok(plans)
+    let is_asked = |profile: &&MachineProfile| asked.machine.is_empty() || asked.machine == profile.name;
+    Ok(read_plans(&web.ledger, settings.profiles.values().filter(is_asked), now).await?)
 }
 
 fn plan_section(plan: &MachinePlan, view: &TimeView) -> Markup {

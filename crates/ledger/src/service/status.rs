@@ -66,6 +66,19 @@ pub struct MachineStatus {
     pub last_published: Option<PublishedBuild>,
 }
 
+impl MachineStatus {
+    /// The status of a machine without any rows.
+    pub fn nothing_of(machine: &str) -> Self {
+        Self { machine: machine.to_owned(), ..Self::default() }
+    }
+
+    /// The status of a machine among those of all machines.
+    pub fn of_machine(statuses: &[Self], machine: &str) -> Self {
+        let found = statuses.iter().find(|status| status.machine == machine);
+        found.cloned().unwrap_or_else(|| Self::nothing_of(machine))
+    }
+}
+
 /// A due date, and when the first waiting part with that date arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DueArrival {
@@ -337,6 +350,5 @@ async fn fetch_by_machine<T: FromSqlRow + Send>(
 
 /// Returns the status entry of a machine, and inserts it if it is missing.
 fn machine_entry<'a>(machines: &'a mut BTreeMap<String, MachineStatus>, machine: &str) -> &'a mut MachineStatus {
-    let fresh = || MachineStatus { machine: machine.to_owned(), ..MachineStatus::default() };
-    machines.entry(machine.to_owned()).or_insert_with(fresh)
+    machines.entry(machine.to_owned()).or_insert_with(|| MachineStatus::nothing_of(machine))
 }

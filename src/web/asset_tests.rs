@@ -31,7 +31,7 @@ async fn get(dashboard: &TestDashboard, path: &str, headers: &[(header::HeaderNa
 async fn a_page_names_its_scripts_by_their_content_and_browsers_keep_them_for_good() {
     let dashboard = with_a_build("bracket.stl").await;
     let page = dashboard.get("/builds/1").await.text;
-    for name in ["style.css", "live.js", "view.js", "icon.svg"] {
+    for name in ["style.css", "live.js", "view.js", "icon.svg", "inter.woff2"] {
         let address = page.split('"').find(|text| text.starts_with(&format!("/assets/{name}?v="))).unwrap();
         let kept = get(&dashboard, address, &[]).await;
         assert!(kept.headers[header::CACHE_CONTROL].to_str().unwrap().contains("immutable"), "{address}");

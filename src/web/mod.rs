@@ -4,12 +4,14 @@
 //! All assets are embedded in the binary, and no page loads anything from another host.
 
 mod base;
+mod board;
 mod break_out;
 mod core;
 mod doors;
 mod figures;
 mod forms;
 mod help;
+mod look;
 mod pages;
 mod serve;
 #[cfg(test)]

@@ -136,8 +136,9 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 15] = [
+const PAGES: [&str; 16] = [
     "/",
+    "/components",
     "/history",
     "/parts",
     "/builds/1",
@@ -321,8 +322,11 @@ async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_pictur
     let placed = fixtures::placed(&[(id, 4)]);
     dashboard.ledger.verify_build(build, &fixtures::verified(build, 1), &placed).await.unwrap();
     let page = dashboard.get("/builds/1").await.text;
-    let table = page.split("Copies here").nth(1).unwrap();
-    assert!(table.contains("<td class=\"n\">1</td><td class=\"n\">9</td>"), "1 copy here of 9: {table}");
+    let table = page.rsplit("<tbody>").next().unwrap();
+    assert!(
+        table.contains("data-of=\"Copies here\">1</td><td class=\"n\" data-of=\"Of\">9</td>"),
+        "1 copy here of 9: {table}"
+    );
     let poster = page.split("class=\"poster\"").nth(1).unwrap();
     assert!(poster.split("<canvas").next().unwrap().contains("src=\"/builds/1/picture\""));
     let map = dashboard.get("/builds/1/pick").await.text;

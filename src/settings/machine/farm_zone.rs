@@ -7,6 +7,8 @@ use crate::settings::reading::validator::ConfigValidator;
 
 /// The value of `time_zone` that stands for the zone of the system.
 const SYSTEM: &str = "system";
+/// A day so many days away is said without its year.
+const NEAR_DAYS: i32 = 200;
 
 /// The time zone of the farm.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,25 +57,32 @@ impl FarmZone {
         }
     }
 
-    /// A time as people say it, `today 05:49`; with its date and zone where it is not on the day of `now`, before or after it.
+    /// A time as people say it: `today 05:49`, `Fri 4 Dec 05:49`; with its year where it is far from `now`.
     pub fn format_near(&self, at: Timestamp, now: Timestamp) -> String {
-        let [at_zoned, now] = [at, now].map(|time| time.to_zoned(self.0.clone()));
-        let days = now.date().until(at_zoned.date()).map_or(i32::MAX, |span| span.get_days());
-        let day = match days {
-            -1 => "yesterday",
-            0 => "today",
-            1 => "tomorrow",
-            _ => return self.format_minute(at),
+        format!("{} {}", self.format_near_day(at, now), at.to_zoned(self.0.clone()).strftime("%H:%M"))
+    }
+
+    /// A day as people say it: `today`, `Fri 4 Dec`.
+    pub fn format_near_day(&self, at: Timestamp, now: Timestamp) -> String {
+        let [at, now] = [at, now].map(|time| time.to_zoned(self.0.clone()).date());
+        let format = match now.until(at).map_or(i32::MAX, |span| span.get_days()) {
+            -1 => return "yesterday".to_owned(),
+            0 => return "today".to_owned(),
+            1 => return "tomorrow".to_owned(),
+            days if days.abs() <= NEAR_DAYS => "%a %-d %b",
+            _ => "%-d %b %Y",
         };
-        format!("{day} {}", at_zoned.strftime("%H:%M"))
+        at.strftime(format).to_string()
+    }
+
+    /// Whether a due date, as it was given, is a day without a time.
+    pub fn is_day(&self, text: &str) -> bool {
+        text.parse::<civil::Date>().is_ok_and(|day| text == day.to_string())
     }
 
     /// A due date: the day that was given, else the time with its zone. `text` is the date as it was given, "" = not known.
     pub fn format_due(&self, at: Timestamp, text: &str) -> String {
-        match text.parse::<civil::Date>() {
-            Ok(day) if text == day.to_string() => day.to_string(),
-            _ => self.format_minute(at),
-        }
+        if self.is_day(text) { text.to_owned() } else { self.format_minute(at) }
     }
 }
 
@@ -115,8 +124,8 @@ mod tests {
         let near = |text: &str| berlin.format_near(at(text), at("2026-10-25T00:10:00Z"));
         assert_eq!([near("2026-10-25T13:20:00Z"), near("2026-10-25T23:20:00Z")], ["today 14:20", "tomorrow 00:20"]);
         assert_eq!(
-            [near("2026-10-24T21:00:00Z"), near("2026-10-27T09:00:00Z")],
-            ["yesterday 23:00", "2026-10-27 10:00 CET"]
+            ["2026-10-24T21:00:00Z", "2026-10-27T09:00:00Z", "2026-12-04T07:00:00Z", "2027-12-04T07:00:00Z"].map(near),
+            ["yesterday 23:00", "Tue 27 Oct 10:00", "Fri 4 Dec 08:00", "4 Dec 2027 08:00"]
         );
         assert_eq!(FarmZone(TimeZone::UTC).format_minute(at("2026-10-25T00:59:59Z")), "2026-10-25 00:59 UTC");
     }

@@ -14,6 +14,8 @@ pub enum CellValue {
     Missing,
     /// A text; "" = none.
     Text(String),
+    /// The word of a state.
+    State(String),
     /// A text in which commands and options are between backticks.
     Prose(String),
     /// A whole number.
@@ -72,8 +74,8 @@ cell_from! {
     GivenDate => CellValue::Due,
     BuildId => CellValue::Build,
     PartId => CellValue::Part,
-    BuildState => |state| CellValue::Text(state.to_string()),
-    PartState => |state| CellValue::Text(state.to_string()),
-    OrderState => |state| CellValue::Text(state.to_string()),
-    PrintOutcome => |outcome| CellValue::Text(outcome.to_string()),
+    BuildState => |state| CellValue::State(state.to_string()),
+    PartState => |state| CellValue::State(state.to_string()),
+    OrderState => |state| CellValue::State(state.to_string()),
+    PrintOutcome => |outcome| CellValue::State(outcome.to_string()),
 }

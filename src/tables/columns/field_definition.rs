@@ -40,6 +40,8 @@ pub struct SheetFact {
     pub label: &'static str,
     /// The value, with its unit.
     pub text: String,
+    /// The time that the text tells, if it is one.
+    pub at: Option<UtcTimestamp>,
 }
 
 impl FieldDefinition {
@@ -119,9 +121,11 @@ impl FieldDefinition {
             // A time is shown by a `TimeView`, which knows the zone.
             CellValue::Missing | CellValue::Time(_) | CellValue::Due(_) => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
-            CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) | CellValue::NamedPart(_, text) => {
-                text.clone()
-            }
+            CellValue::Text(text)
+            | CellValue::State(text)
+            | CellValue::Prose(text)
+            | CellValue::Order(text)
+            | CellValue::NamedPart(_, text) => text.clone(),
             CellValue::Whole(number) => number.to_string(),
             CellValue::Real(number) => self.real_text(*number),
             CellValue::Build(build) | CellValue::BuildWithPart(build, _) => build.to_string(),
@@ -145,7 +149,7 @@ impl FieldDefinition {
 
     /// A line of a fact sheet with this field's label and any text.
     pub fn fact_of(&self, text: String) -> SheetFact {
-        SheetFact { label: self.label, text }
+        SheetFact { label: self.label, text, at: None }
     }
 
     fn real_text(&self, number: f64) -> String {
@@ -166,7 +170,8 @@ impl FieldDefinition {
 impl TimeView {
     /// A line of a fact sheet with a time; `None` if there is no time.
     pub fn time_fact(&self, field: FieldDefinition, at: impl Into<Option<UtcTimestamp>>) -> Option<SheetFact> {
-        Some(field.fact_of(self.time_text(at.into()?)))
+        let at = at.into()?;
+        Some(SheetFact { at: Some(at), ..field.fact_of(self.time_text(at)) })
     }
 
     /// A line of a fact sheet with a due date; `None` if there is none.

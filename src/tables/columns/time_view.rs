@@ -65,6 +65,15 @@ impl TimeView {
         self.now.map_or_else(|| self.zone.format_minute(at.0), |now| self.zone.format_near(at.0, now))
     }
 
+    /// A due date as people say it: `tomorrow`, `Fri 4 Dec`.
+    pub fn near_due_text(&self, due: &GivenDate) -> String {
+        match self.now {
+            Some(now) if self.zone.is_day(&due.text) => self.zone.format_near_day(due.due_at.0, now),
+            Some(_) => self.near_text(due.due_at),
+            None => self.due_text(due),
+        }
+    }
+
     /// A due date with the time that is left: `2026-12-24, in 32d 4h`.
     pub fn due_text(&self, due: &GivenDate) -> String {
         let date = self.zone.format_due(due.due_at.0, &due.text);

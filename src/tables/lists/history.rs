@@ -14,7 +14,7 @@ pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
     TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
     TableColumn::for_programs("state", fields::LEDGER_STATE, |row| row.state.into()),
-    TableColumn::for_people("state_word", fields::STATE, |row| row.state_word().into()),
+    TableColumn::for_people("state_word", fields::STATE, |row| CellValue::State(row.state_word())),
     TableColumn::new("at", fields::TIME, |row| row.at.into()),
     TableColumn::for_programs("published_at", fields::PUBLISHED, |row| row.published_at.into()),
     TableColumn::for_programs("withdrawn_at", fields::WITHDRAWN, |row| row.withdrawn_at.into()),

@@ -4,7 +4,10 @@ use ledger::{Ledger, LedgerError, NodeRow};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::tables::{columns::table_column::TableColumn, fields};
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn},
+    fields,
+};
 
 /// A node with its machines.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
@@ -21,7 +24,7 @@ pub struct FarmNode {
 /// The nodes of a farm.
 pub const NODE_COLUMNS: &[TableColumn<FarmNode>] = &[
     TableColumn::new("name", fields::NODE, |row| (&row.node.name).into()),
-    TableColumn::new("state", fields::STATE, |row| row.state_text().into()),
+    TableColumn::new("state", fields::STATE, |row| CellValue::State(row.state_text().to_owned())),
     TableColumn::new("host", fields::HOST, |row| (&row.node.host).into()),
     TableColumn::new("version", fields::VERSION, |row| (&row.node.version).into()),
     TableColumn::new("beat_at", fields::LAST_SIGN, |row| row.node.beat_at.into()),

@@ -4,6 +4,7 @@ use crate::{
     farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild},
     tables::{
         columns::{
+            cell_value::CellValue,
             table_column::TableColumn,
             time_view::{GivenDate, TimeView},
         },
@@ -14,7 +15,9 @@ use crate::{
 /// The builds of a plan.
 pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
     TableColumn::new("build", fields::BUILD, |row| row.build.into()),
-    TableColumn::for_people("stage", fields::STATE, |row| row.stage.word(row.awaits_release).into()),
+    TableColumn::for_people("stage", fields::STATE, |row| {
+        CellValue::State(row.stage.word(row.awaits_release).to_owned())
+    }),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
     TableColumn::for_people("height", fields::ABOUT_HEIGHT, |row| row.height_text().into()),
     TableColumn::new("fires_at", fields::FIRES_AT, |row| row.fires_at.into()),
@@ -32,7 +35,7 @@ pub const RISK_COLUMNS: &[TableColumn<DateRisk>] = &[
     TableColumn::for_people("of", fields::ORDER_OR_PART, |row| row.subject_text().into()),
     TableColumn::for_people("due", fields::DUE, |row| GivenDate::new(Some(row.due_at), &row.due_text).into()),
     TableColumn::new("done_at", fields::UNPACKED, |row| row.done_at.into()),
-    TableColumn::for_people("risk", fields::RISK, |row| row.word().into()),
+    TableColumn::for_people("risk", fields::RISK, |row| CellValue::State(row.word().to_owned())),
     TableColumn::new("reason", fields::REASON, |row| (&row.reason).into()),
 ];
 

@@ -2,14 +2,17 @@
 
 use crate::{
     farm::PrinterFact,
-    tables::{columns::table_column::TableColumn, fields},
+    tables::{
+        columns::{cell_value::CellValue, table_column::TableColumn},
+        fields,
+    },
 };
 
 /// The printers of a farm.
 pub const PRINTER_COLUMNS: &[TableColumn<PrinterFact>] = &[
     TableColumn::new("printer", fields::PRINTER, |row| (&row.printer).into()),
     TableColumn::new("machine", fields::MACHINE, |row| (&row.machine).into()),
-    TableColumn::new("state", fields::STATE, |row| row.state.word().into()),
+    TableColumn::new("state", fields::STATE, |row| CellValue::State(row.state.word().to_owned())),
     TableColumn::new("builds", fields::BUILDS, |row| row.builds.into()),
     TableColumn::new("free_at", fields::FREE, |row| row.free_at.into()),
     TableColumn::for_people("doing", fields::NOW, |row| (&row.doing).into()),

@@ -6,7 +6,13 @@ use super::{
     format::{DASH, prose_with_code},
     query::order_address,
 };
-use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, for_people};
+use crate::{
+    tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, for_people},
+    web::look::{
+        chip::chip,
+        times::{due_of, time_of},
+    },
+};
 
 /// A table of rows with the columns that people see. `name` is its label for screen readers, `view` how times are shown.
 pub(crate) fn table_of<Row>(
@@ -17,12 +23,12 @@ pub(crate) fn table_of<Row>(
     view: &TimeView,
 ) -> Markup {
     html! {
-        div.wide tabindex="0" role="region" aria-label=(name) {
+        div.wide.listed tabindex="0" role="region" aria-label=(name) {
             table {
                 @if let Some(caption) = caption { caption { (caption) } }
                 thead { tr { @for column in for_people(columns) { (heading(&column.field)) } } }
                 tbody { @for row in rows { tr {
-                    @for column in for_people(columns) { (cell(&column.field, &(column.value)(row), true, view)) }
+                    @for column in for_people(columns) { (card_cell(&column.field, &(column.value)(row), view)) }
                 } } }
             }
         }
@@ -44,6 +50,15 @@ pub(crate) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool, 
     html! { td class=[class_of(field)] { (shown(field, value, has_pages, view)) } }
 }
 
+/// A cell that tells its heading where its row is shown as a card, and stays away there if it is empty.
+fn card_cell(field: &FieldDefinition, value: &CellValue, view: &TimeView) -> Markup {
+    let class = match (class_of(field), field.cell_text(value, view)) {
+        (_, None) => Some("none"),
+        (class, Some(_)) => class,
+    };
+    html! { td class=[class] data-of=(field.page_heading()) { (shown(field, value, true, view)) } }
+}
+
 fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
     let text = field.cell_text(value, view);
     let text = text.as_deref().unwrap_or(DASH);
@@ -57,13 +72,18 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &Tim
         }
         CellValue::Order(name) if has_pages && !name.is_empty() => html! { a href=(order_address(name)) { (text) } },
         CellValue::Prose(_) => prose_with_code(text),
+        CellValue::State(_) => chip(text),
+        CellValue::Time(at) => time_of(*at, view),
+        CellValue::Due(due) => due_of(due, view),
         _ => html! { (text) },
     }
 }
 
 /// The facts as a description list.
-pub(crate) fn fact_list(known: &[SheetFact]) -> Markup {
+pub(crate) fn fact_list(known: &[SheetFact], view: &TimeView) -> Markup {
     html! {
-        dl.facts { @for fact in known { div { dt { (fact.label) } dd { (fact.text) } } } }
+        dl.facts { @for fact in known { div { dt { (fact.label) } dd {
+            @match fact.at { Some(at) => (time_of(at, view)), None => (fact.text) }
+        } } } }
     }
 }

@@ -3,7 +3,7 @@
 use axum::http::StatusCode;
 use maud::{DOCTYPE, Markup, html};
 
-use super::assets::asset_address;
+use super::assets::{asset_address, font_address};
 
 /// A whole page. `script` is an asset that is loaded in addition to the script that keeps pages up to date.
 pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
@@ -19,6 +19,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 meta name="color-scheme" content="light dark";
                 title { (title) " - nestd" }
                 link rel="icon" href=(asset_address("icon.svg")) type="image/svg+xml";
+                link rel="preload" href=(font_address()) as="font" type="font/woff2" crossorigin;
                 link rel="stylesheet" href=(asset_address("style.css"));
                 script type="module" src=(asset_address("live.js")) {}
                 @if let Some(script) = script { script type="module" src=(asset_address(script)) {} }
@@ -28,7 +29,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 header {
                     nav aria-label="Pages" {
                         span.brand { "nestd" }
-                        (link("/", "Farm")) (link("/plan", "Plan")) (link("/orders", "Orders")) (link("/history", "History")) (link("/parts", "Parts")) (link("/month", "Month")) (link("/help", "Help"))
+                        (link("/", "Farm")) (link("/orders", "Orders")) (link("/history", "History")) (link("/month", "Month")) (link("/help", "Help"))
                         (search_field("", "Search the farm"))
                     }
                 }

@@ -68,7 +68,7 @@ pub(crate) async fn show_build(
                 a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
             } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view)))
+        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &view))
         (release)
         (build_forms(&web, &build, &placements))
         (height_curve(&build.height_curve()))

@@ -53,7 +53,7 @@ impl MachineCard<'_> {
                 (picture_html)
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) } @else { p { "No open build." } }
                 (self.countdown(now))
-                (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status, now), view)))
+                (fact_list(&waiting_facts(&machine, fire_forecast_text(self.profile, status, now), view), view))
                 @if status.refused_parts > 0 {
                     p { a href=(format!("/parts?state=refused&machine={name}")) { (fields::REFUSED.label) ": " (status.refused_parts) } }
                 }

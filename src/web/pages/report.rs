@@ -23,6 +23,7 @@ use crate::{
             view_section::{ViewSection, ViewedPart},
         },
         figures::{pick_map, search_report::ReportExcerpt},
+        look::style::STYLE,
     },
 };
 
@@ -30,7 +31,6 @@ use crate::{
 const MAX_TRIANGLES: usize = 250_000;
 /// Width and height of the picture, pixels.
 const PICTURE_SIZE: (u32, u32) = (960, 720);
-const STYLE: &str = include_str!("../assets/style.css");
 const SCRIPT: &str = include_str!("../assets/view.js");
 
 /// The content of a report.
@@ -139,9 +139,10 @@ impl HtmlReport<'_> {
     fn facts_markup(&self, copies: u32) -> Markup {
         match self.source {
             ReportSource::Ledger(build, profile) => {
-                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), &self.time_view()))
+                let view = self.time_view();
+                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), &view), &view)
             }
-            ReportSource::File(file, info) => fact_list(&file_facts(file, info, self.cake)),
+            ReportSource::File(file, info) => fact_list(&file_facts(file, info, self.cake), &self.time_view()),
         }
     }
 

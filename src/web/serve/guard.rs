@@ -27,7 +27,7 @@ use crate::web::{
 };
 
 /// Allows no other host, no inline script and no frame around the pages.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' data: blob:; \
     connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
 /// Where uploads by tus are; every answer there names the version of the protocol.

@@ -27,6 +27,7 @@ use crate::{
             error::HandlerError,
             listener::DashboardListener,
         },
+        board::components,
         break_out::break_out,
         core::{
             command, content, device_name,
@@ -133,6 +134,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/month.csv", get(month::download_csv))
         .route("/month.json", get(month::get_month))
         .route("/plan", get(plan::show_plans))
+        .route("/components", get(components::show_components))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
         .route("/parts/{part}/edit", post(part_forms::post_edit))

@@ -170,7 +170,7 @@ export const checks = {
     assert.equal(await focused(), "Skip to content");
     const seen = new Set();
     for (let n = 0; n < 40; n += 1) { await page.keyboard.press("Tab"); seen.add(await focused()); }
-    for (const name of ["Farm", "History", "Parts"]) assert.ok(seen.has(name), `${name} is not reached: ${[...seen]}`);
+    for (const name of ["Farm", "History", "Orders"]) assert.ok(seen.has(name), `${name} is not reached: ${[...seen]}`);
     assert.ok([...seen].some((text) => text.startsWith("Flush")), "no button is reached");
     await page.context().close();
   },

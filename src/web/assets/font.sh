@@ -1,0 +1,12 @@
+#!/bin/sh
+# Makes the font of the pages, a Latin part of Inter with the weights 400 to 700: sh src/web/assets/font.sh. Needs npm, python3 and a network.
+set -eu
+cd "$(dirname "$0")"
+out=$(mktemp -d)
+trap 'rm -r "$out"' EXIT
+(cd "$out" && npm pack --silent @fontsource-variable/inter@5.3.0 >/dev/null && tar xzf ./*.tgz &&
+    python3 -m venv python && python/bin/pip -q install fonttools==4.68.0 brotli==1.2.1)
+"$out/python/bin/fonttools" varLib.instancer "$out/package/files/inter-latin-wght-normal.woff2" wght=400:700 -o "$out/inter.ttf"
+"$out/python/bin/pyftsubset" "$out/inter.ttf" --flavor=woff2 --layout-features=kern,mark,mkmk,tnum,ccmp,locl --output-file=inter.woff2 \
+    --unicodes=U+0020-007E,U+00A0-00FF,U+0131,U+0152-0153,U+02C6,U+02DA,U+02DC,U+2013-2014,U+2018-201A,U+201C-201E,U+2022,U+2026,U+2032-2033,U+2039-203A,U+20AC,U+2122,U+2190-2193,U+2212,U+2215
+cp "$out/package/LICENSE" LICENSE-Inter

@@ -1,0 +1,6 @@
+//! How everything looks: the style sheet, and the components of pages, one function each. `/components` shows them all.
+
+pub(super) mod chip;
+pub(super) mod pieces;
+pub(super) mod style;
+pub(super) mod times;

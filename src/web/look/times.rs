@@ -1,0 +1,16 @@
+//! Times as people say them; the exact one is for programs, and shows when one points at it.
+
+use ledger::UtcTimestamp;
+use maud::{Markup, html};
+
+use crate::tables::{GivenDate, TimeView};
+
+/// A time: `today 15:32`.
+pub(crate) fn time_of(at: UtcTimestamp, view: &TimeView) -> Markup {
+    html! { time datetime=(at) title=(view.time_text(at)) { (view.near_text(at)) } }
+}
+
+/// A due date: `Fri 4 Dec`.
+pub(crate) fn due_of(due: &GivenDate, view: &TimeView) -> Markup {
+    html! { time datetime=(due.due_at) title=(view.due_text(due)) { (view.near_due_text(due)) } }
+}

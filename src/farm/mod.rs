@@ -47,7 +47,7 @@ pub use facts::build_fact::{BuildFact, build_fact};
 pub use facts::machine_fact::{MachineFact, MachineWord, machine_fact};
 pub use facts::order_fact::{DatedOrder, OrderFact, order_fact};
 pub use facts::printer_fact::{PrinterFact, PrinterWord};
-pub use facts::read_facts::{dates_at_risk, read_machine_facts, read_plans};
+pub use facts::read_facts::{FarmReading, dates_at_risk, read_plans};
 pub use files::disk_cache::DiskPreparationCache;
 pub use files::isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
 pub use files::judged_file::judge_file;
@@ -61,8 +61,7 @@ pub use nodes::adopt::adopt_claims;
 pub use operate::operate::operate;
 pub use planning::{
     DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,
-    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, plan_machine, quote_order, read_plan,
-    read_quoted_files,
+    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, quote_order, read_plan, read_quoted_files,
 };
 pub use printers::printers::fate_of_queued;
 pub use printers::release_preview::{LatePreview, ReleasePreview, preview_release};

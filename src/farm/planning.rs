@@ -25,18 +25,32 @@ use jiff::Timestamp;
 pub use date_outlook::RiskCause;
 use ledger::Ledger;
 pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart};
-pub use occupation::{awaits_release, read_occupation};
+pub use occupation::{FarmRows, Occupation, awaits_release, read_occupation};
 pub use order_quote::{DueAnswer, OrderQuote, QUOTE_SEARCH_TIME, QuoteQuestion, quote_order};
-pub use plan_reading::read_plan;
 pub use quote_insertion::QuoteMeshes;
 pub use quoted_part::{QuoteError, QuotedFile, read_quoted_files};
 
 use crate::settings::MachineProfile;
 
-/// The plan of a machine: its builds under way and to come, if nothing more arrives.
+/// What is known of a machine whose printers have this to do: the ground of its plan, and of a quote.
 ///
 /// # Errors
 /// The ledger cannot be read.
-pub async fn plan_machine(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<MachinePlan> {
-    Ok(machine_plan::make_plan(profile, &plan_reading::read_plan(ledger, profile, now).await?, now))
+pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<plan_reading::PlanReading> {
+    let (rows, occupation) = (FarmRows::read(ledger).await?, read_occupation(ledger, profile, now).await?);
+    plan_reading::read_plan(ledger, profile, &rows, &occupation, now).await
+}
+
+/// The plan of a machine: its builds under way and to come, if nothing more arrives. `rows` and `occupation` were read just now.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn plan_machine(
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    (rows, occupation): (&FarmRows, &Occupation),
+    now: Timestamp,
+) -> Result<MachinePlan> {
+    let reading = plan_reading::read_plan(ledger, profile, rows, occupation, now).await?;
+    Ok(machine_plan::make_plan(profile, &reading, now))
 }

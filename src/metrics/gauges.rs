@@ -11,7 +11,7 @@ use prometheus_client::{
 };
 
 use crate::{
-    farm::{MachineFact, MachinePlan, MachineWord, PrinterWord, read_machine_facts, read_plans},
+    farm::{FarmReading, MachineFact, MachinePlan, MachineWord, PrinterWord},
     settings::Settings,
 };
 
@@ -31,21 +31,19 @@ struct GaugeSnapshot<'a> {
 /// Registers all gauges.
 pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, settings: &Settings) -> Result<()> {
     let nodes = ledger.list_nodes().await?;
+    let reading = FarmReading::read(ledger, settings.profiles.values(), Timestamp::now()).await?;
     let daemon = ledger.find_node(&settings.node.name).await?;
     let is_up = daemon.as_ref().is_some_and(|daemon| daemon.alive);
     // What a stopped daemon last saw of the machines says nothing about them now.
-    let machines = if is_up { ledger.list_machines().await? } else { Vec::new() };
+    let machines = if is_up { reading.rows.observed.clone() } else { Vec::new() };
     let names = settings.profiles.keys().cloned().collect();
-    let statuses = ledger.machine_statuses().await?;
-    let mut snapshot = GaugeSnapshot { registry, names, status: statuses.clone(), machines };
+    let mut snapshot = GaugeSnapshot { registry, names, status: reading.rows.statuses.clone(), machines };
     snapshot.register_waiting();
     snapshot.register_in_work();
     snapshot.register_machines();
     register_printers(registry, ledger, settings).await?;
-    let facts = read_machine_facts(ledger, settings.profiles.values(), &statuses, Timestamp::now()).await?;
-    register_facts(registry, &facts);
-    let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
-    register_dates(registry, &plans);
+    register_facts(registry, &reading.facts());
+    register_dates(registry, &reading.plans(ledger).await?);
     register_daemon(registry, daemon.as_ref(), is_up);
     register_nodes(registry, &nodes);
     register_disk_space(registry, settings);

@@ -14,7 +14,7 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{PrinterFact, read_machine_facts},
+    farm::{FarmReading, PrinterFact},
     settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
 };
@@ -59,8 +59,8 @@ pub fn run(common: &CommonArgs, args: &PrinterArgs) -> Result<CommandExit> {
     }
     let (printers, view) = with_ledger_to_read(common, async |settings, ledger| {
         let mut printers = Vec::new();
-        let facts = read_machine_facts(ledger, settings.profiles.values(), &[], Timestamp::now()).await?;
-        printers.extend(facts.into_iter().flat_map(|fact| fact.printers));
+        let reading = FarmReading::read(ledger, settings.profiles.values(), Timestamp::now()).await?;
+        printers.extend(reading.facts().into_iter().flat_map(|fact| fact.printers));
         if let Some(name) = &args.name {
             machine_of_printer(settings, name)?;
             printers.retain(|printer: &PrinterFact| printer.printer == *name);

@@ -16,8 +16,8 @@ use crate::{
         },
     },
     farm::{
-        self, AlertKind, AlertSummary, DateRisk, FarmAlert, MachineFact, PrinterFact, dates_at_risk, machine_fact,
-        read_machine_facts, read_plans,
+        self, AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, dates_at_risk,
+        machine_fact,
     },
     settings::{FarmZone, Settings},
     tables::{
@@ -128,14 +128,15 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
         let statuses: Vec<MachineStatus> =
             status.machines.iter().map(|machine| machine.forecast.status.clone()).collect();
         let now = Timestamp::now();
-        let mut facts = read_machine_facts(ledger, settings.profiles.values(), &statuses, now).await?;
+        let reading = FarmReading::read(ledger, settings.profiles.values(), now).await?;
+        let mut facts = reading.facts();
         for (machine, of_ledger) in status.machines.iter_mut().zip(statuses) {
             if let Some(place) = facts.iter().position(|fact| fact.machine == of_ledger.machine) {
                 let (profile, fact) = (settings.profiles.get(&of_ledger.machine), facts.swap_remove(place));
                 machine.forecast = MachineForecast::new(of_ledger, profile, fact, now);
             }
         }
-        status.dates_at_risk = dates_at_risk(read_plans(ledger, settings.profiles.values(), now).await?);
+        status.dates_at_risk = dates_at_risk(reading.plans(ledger).await?);
         Ok(status)
     })
 }

@@ -1,8 +1,9 @@
-//! Which builds occupy the printers of a machine, how long prints take there, and which builds wait for a person's yes.
+//! Which builds occupy the printers of a machine, how long prints take there, and which builds wait for a person's yes. What the
+//! ledger says of all machines is read once, whoever looks at several of them.
 
 use anyhow::Result;
 use jiff::Timestamp;
-use ledger::{BuildRow, BuildState, Ledger, OccupyingBuild};
+use ledger::{BuildRow, BuildState, DownPrinter, Ledger, MachineRow, MachineStatus, OccupyingBuild, ToldPrint};
 
 use super::packing_experience::{LEARN_FROM, PackingExperience};
 use crate::{
@@ -10,15 +11,54 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// What a machine's prints take, and the builds that occupy its printers. The height of one that is not searched yet is an estimate.
+/// What the ledger says of all machines.
+#[derive(Debug, Clone)]
+pub struct FarmRows {
+    /// What waits for each machine, and what is made for it.
+    pub statuses: Vec<MachineStatus>,
+    /// What the daemon saw of each last.
+    pub observed: Vec<MachineRow>,
+    /// The printers that people took out of use.
+    pub down: Vec<DownPrinter>,
+}
+
+/// What a machine's printers have to do.
+#[derive(Debug, Clone)]
+pub struct Occupation {
+    /// The builds that occupy them. The height of one that is not searched yet is an estimate.
+    pub builds: Vec<OccupyingBuild>,
+    /// The prints whose times people told, the newest first.
+    pub told: Vec<ToldPrint>,
+    /// How long prints take.
+    pub times: PrintTimes,
+}
+
+impl FarmRows {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// The ledger cannot be read.
+    pub async fn read(ledger: &Ledger) -> Result<Self> {
+        let (statuses, observed) = (ledger.machine_statuses().await?, ledger.list_machines().await?);
+        Ok(Self { statuses, observed, down: ledger.down_printers().await? })
+    }
+
+    /// What the daemon saw of a machine last.
+    pub fn observed(&self, machine: &str) -> Option<&MachineRow> {
+        self.observed.iter().find(|row| row.machine == machine)
+    }
+
+    /// Who took a printer out of use, if somebody did.
+    pub fn down(&self, machine: &str, printer: &str) -> Option<&DownPrinter> {
+        self.down.iter().find(|down| down.machine == machine && down.printer == printer)
+    }
+}
+
+/// Reads what a machine's printers have to do.
 ///
 /// # Errors
 /// The ledger cannot be read.
-pub async fn read_occupation(
-    ledger: &Ledger,
-    profile: &MachineProfile,
-    now: Timestamp,
-) -> Result<(Vec<OccupyingBuild>, PrintTimes)> {
+pub async fn read_occupation(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<Occupation> {
     let mut builds = ledger.occupying_builds(&profile.name, now.into()).await?;
     if builds.iter().any(|build| build.height_mm.is_none()) {
         let experience = ledger.published_experience(&profile.name, LEARN_FROM).await?;
@@ -29,7 +69,8 @@ pub async fn read_occupation(
         }
     }
     let told = ledger.told_prints(&profile.name).await?;
-    Ok((builds, PrintTimes::learn(profile, &told)))
+    let times = PrintTimes::learn(profile, &told);
+    Ok(Occupation { builds, told, times })
 }
 
 /// Whether a proved build waits for a person's yes. One that does not fit its machine any more is made again first.

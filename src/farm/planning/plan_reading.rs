@@ -4,11 +4,14 @@ use std::collections::{BTreeMap, HashSet};
 
 use anyhow::Result;
 use jiff::Timestamp;
-use ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartId, PartRow, PublishedExperience, WaitingPart};
+use ledger::{
+    BuildId, BuildRow, Ledger, MachineStatus, OccupyingBuild, PartId, PartRow, PublishedExperience, ToldPrint,
+    WaitingPart,
+};
 
 use super::{
     date_outlook::{EndReserve, MadeBuild},
-    occupation::{awaits_release, read_occupation},
+    occupation::{FarmRows, Occupation, awaits_release},
     packing_experience::{self, PackingExperience, upper_end},
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, StandingLayout},
 };
@@ -59,35 +62,37 @@ pub struct PlanReading {
 ///
 /// # Errors
 /// The ledger cannot be read.
-pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<PlanReading> {
+pub async fn read_plan(
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    rows: &FarmRows,
+    occupation: &Occupation,
+    now: Timestamp,
+) -> Result<PlanReading> {
     let experience = ledger.published_experience(&profile.name, packing_experience::LEARN_FROM).await?;
-    let (occupying, times) = read_occupation(ledger, profile, now).await?;
-    let status = ledger.machine_statuses().await?.into_iter().find(|row| row.machine == profile.name);
-    let open = status.as_ref().and_then(|row| row.open.as_ref()).map(|open| open.build);
-    let open = match open {
-        Some(build) => ledger.find_build(build).await?,
+    let Occupation { builds: occupying, told, times } = occupation;
+    let status = MachineStatus::of_machine(&rows.statuses, &profile.name);
+    let open = match &status.open {
+        Some(open) => ledger.find_build(open.build).await?,
         None => None,
     };
     let waiting = ledger.waiting_copies(&profile.name).await?;
     let (placed, layout) = standing_layout(open.as_ref(), &waiting);
     let standing: HashSet<CopyId> = placed.iter().map(|placed| placed.copy).collect();
-    let down = ledger.down_printers().await?;
-    let is_down = |name: &str| down.iter().any(|down| down.machine == profile.name && down.printer == name);
-    let spans = build_spans(profile, &occupying, &times, now);
-    let outlook = PrinterOutlook::new(profile, &occupying, times, |name| !is_down(name), now);
-    let is_paused = status.as_ref().is_some_and(|row| row.paused.is_some());
-    let is_away =
-        ledger.list_machines().await?.iter().any(|row| row.machine == profile.name && !row.trouble.is_empty());
+    let spans = build_spans(profile, occupying, times, now);
+    let is_up = |printer: &str| rows.down(&profile.name, printer).is_none();
+    let outlook = PrinterOutlook::new(profile, occupying, *times, is_up, now);
+    let is_away = rows.observed(&profile.name).is_some_and(|row| !row.trouble.is_empty());
     let is_homeless = |build: &&OccupyingBuild| build.printer.is_none() && build.published_at.is_none();
     let fired = |build: &OccupyingBuild| FiredBuild { build: build.build, height_mm: build.height_mm.unwrap_or(0.0) };
-    let reserve = EndReserve { print_hours: excess_hours(ledger, profile, &times, &experience).await? };
+    let reserve = EndReserve { print_hours: excess_hours(profile, (times, told), &experience) };
     let facts = PlanFacts {
         lines: PlanFacts::rank_lines(profile, waiting.clone(), &standing),
         layout,
         newest: ledger.newest_arrival(&profile.name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0),
         fired: occupying.iter().filter(is_homeless).map(fired).collect(),
         hindrance: match () {
-            () if is_paused => Some(PlanHindrance::Paused),
+            () if status.paused.is_some() => Some(PlanHindrance::Paused),
             () if is_away => Some(PlanHindrance::Unavailable),
             () if outlook.printers.is_empty() => Some(PlanHindrance::NoPrinter),
             () => None,
@@ -95,7 +100,7 @@ pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp
         outlook,
         packing: PackingExperience::learn(profile, &experience),
     };
-    let under_way = read_under_way(ledger, profile, &occupying, &spans, now).await?;
+    let under_way = read_under_way(ledger, profile, occupying, &spans, now).await?;
     let unplanned = ledger.unplanned_parts(&profile.name).await?;
     Ok(PlanReading { facts, waiting, placed, under_way, unplanned, reserve, experience })
 }
@@ -119,19 +124,17 @@ fn standing_layout(open: Option<&BuildRow>, waiting: &[WaitingPart]) -> (Vec<Lay
 }
 
 /// Hours by which 95 % of prints exceed their time at most.
-async fn excess_hours(
-    ledger: &Ledger,
+fn excess_hours(
     profile: &MachineProfile,
-    times: &PrintTimes,
+    (times, told): (&PrintTimes, &[ToldPrint]),
     experience: &[PublishedExperience],
-) -> Result<f64> {
+) -> f64 {
     if times.learned_from > 0 {
-        let told = ledger.told_prints(&profile.name).await?;
-        return Ok(upper_end(print_excess_hours(times, &told)).max(0.0));
+        return upper_end(print_excess_hours(times, told)).max(0.0);
     }
     let heights: Vec<f64> = experience.iter().map(|build| build.height_mm).collect();
     let height_mm = crate::farm::decisions::print_times::median(heights).unwrap_or(0.5 * profile.space.volume_mm.z);
-    Ok(USUAL_EXCESS * times.occupied(height_mm).as_secs_f64() / 3600.0)
+    USUAL_EXCESS * times.occupied(height_mm).as_secs_f64() / 3600.0
 }
 
 async fn read_under_way(

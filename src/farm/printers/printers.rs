@@ -14,7 +14,7 @@ use crate::{
             print_times::PrintTimes, printer_choice::choose_printer, printer_outlook::PrinterOutlook,
             queue_depth::queue_room,
         },
-        planning::read_occupation,
+        planning::{Occupation, read_occupation},
         scanning::machine_fit::find_misfit,
     },
     settings::{MachineProfile, PrinterRules},
@@ -62,7 +62,7 @@ pub(crate) async fn printer_outlook(
         return Ok(PrinterOutlook { printers: Vec::new(), times: PrintTimes::of_settings(profile) });
     }
     let usable = usable_printers(machine);
-    let (builds, times) = read_occupation(ledger, profile, now).await?;
+    let Occupation { builds, times, .. } = read_occupation(ledger, profile, now).await?;
     Ok(PrinterOutlook::new(profile, &builds, times, |printer| usable.contains(&printer), now))
 }
 
@@ -95,7 +95,7 @@ pub(crate) async fn choose_for_build(
     if usable.len() < 2 {
         return Ok(usable.first().map(|&name| name.to_owned()));
     }
-    let (builds, times) = read_occupation(ledger, &machine.profile, now).await?;
+    let Occupation { builds, times, .. } = read_occupation(ledger, &machine.profile, now).await?;
     // A build that fired while there was room goes where it is.
     let depth = machine.profile.printing.queue_depth;
     let ahead = if depth > 0 { ledger.builds_ahead(&build.machine).await? } else { Vec::new() };

@@ -1,18 +1,17 @@
 //! What a person sees of a proved build before it is published: height, density and hours, what waits beside it, and which due
-//! dates it would miss.
+//! dates it would miss: what the plan of its machine says of it.
 
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildId, BuildRow, Ledger, OccupyingBuild, PartRow, UtcTimestamp};
+use ledger::{BuildId, BuildRow, Ledger, MachineStatus, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::printers::rules_of_build;
 use crate::{
     farm::{
-        decisions::printer_choice::printer_loads,
-        planning::{awaits_release, read_occupation},
+        planning::{FarmRows, awaits_release, plan_machine, read_occupation},
         scanning::machine_fit::find_misfit,
     },
     settings::{FarmZone, MachineProfile},
@@ -75,17 +74,14 @@ pub async fn preview_release(
     build: &BuildRow,
     now: Timestamp,
 ) -> Result<ReleasePreview> {
-    let (builds, times) = read_occupation(ledger, profile, now).await?;
-    let others: Vec<OccupyingBuild> = builds.into_iter().filter(|other| other.build < build.id).collect();
-    let printer = rules_of_build(profile, build);
+    let (rows, occupation) = (FarmRows::read(ledger).await?, read_occupation(ledger, profile, now).await?);
+    let plan = plan_machine(ledger, profile, (&rows, &occupation), now).await?;
+    let planned = plan.builds.iter().find(|planned| planned.build == Some(build.id));
+    let (begins_at, ends_at) = planned.map_or((None, None), |planned| (planned.begins_at, planned.ends_at));
+    let printer = planned.and_then(|planned| planned.printer.clone());
     let height_mm = build.measures.height_mm.unwrap_or_default();
-    let loads = printer_loads(profile, &others, &times, now);
-    let begins = printer.and_then(|printer| loads.get(&printer.name)).map(|load| load.free_at);
-    let begins = begins.filter(|at| *at < Timestamp::MAX);
-    let ends = begins.and_then(|at| at.checked_add(times.occupied(height_mm)).ok());
-    let status = ledger.machine_statuses().await?;
     let mut late: Vec<LatePreview> =
-        ledger.parts_of_build(build.id).await?.iter().filter_map(|part| late_part(part, ends)).collect();
+        ledger.parts_of_build(build.id).await?.iter().filter_map(|part| late_part(part, ends_at)).collect();
     late.sort_by_key(|part| part.due_at);
     Ok(ReleasePreview {
         build: build.id,
@@ -94,19 +90,19 @@ pub async fn preview_release(
         height_mm,
         volume_z_mm: profile.space.volume_mm.z,
         density: build.measures.density.unwrap_or_default(),
-        print_hours: times.print_hours(height_mm),
-        printer: printer.map(|printer| printer.name.clone()).unwrap_or_default(),
-        begins_at: begins.map(UtcTimestamp),
-        ends_at: ends.map(UtcTimestamp),
-        waiting_copies: status.iter().find(|row| row.machine == profile.name).map_or(0, |row| row.waiting_copies),
+        print_hours: occupation.times.print_hours(height_mm),
+        printer: printer.or_else(|| Some(rules_of_build(profile, build)?.name.clone())).unwrap_or_default(),
+        begins_at,
+        ends_at,
+        waiting_copies: MachineStatus::of_machine(&rows.statuses, &profile.name).waiting_copies,
         late,
         made_again_for: find_misfit(profile, build),
     })
 }
 
-fn late_part(part: &PartRow, ends: Option<Timestamp>) -> Option<LatePreview> {
+fn late_part(part: &PartRow, ends_at: Option<UtcTimestamp>) -> Option<LatePreview> {
     let due_at = part.terms.due_at?;
-    let is_late = ends.is_none_or(|ends| ends > due_at.0);
+    let is_late = ends_at.is_none_or(|ends| ends > due_at);
     is_late.then(|| LatePreview {
         name: part.full_name(),
         order: part.terms.order_name.clone(),

@@ -13,7 +13,7 @@ use crate::{
             withdrawal_decision::{WithdrawalFacts, decide_withdrawal},
         },
         operate::operate::operate,
-        planning::{awaits_release, read_occupation},
+        planning::{Occupation, awaits_release, read_occupation},
     },
     settings::WithdrawalPolicy,
 };
@@ -37,7 +37,7 @@ pub(crate) async fn consider_withdrawal(
     let mut waiting = shared.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !completion.deferred_refusals.contains_key(&waiting.part.id));
     let now = shared.date();
-    let (builds, times) = read_occupation(shared.ledger, &machine.profile, now).await?;
+    let Occupation { builds, times, .. } = read_occupation(shared.ledger, &machine.profile, now).await?;
     let waits_for_yes = shared.ledger.builds_in_state(BuildState::Verified).await?;
     let waits_for_yes =
         |id| waits_for_yes.iter().any(|build| build.id == id && awaits_release(&machine.profile, build));

@@ -25,7 +25,7 @@ use crate::farm::{
     decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
     facts::{
         machine_fact::MachineFact,
-        read_facts::{dates_at_risk, read_machine_facts, read_plans},
+        read_facts::{FarmReading, dates_at_risk},
     },
     nodes::machine_availability,
     open_build::due_dates,
@@ -72,27 +72,27 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     }
     desk.display.updated_at = Some(desk.shared.now());
     control_files::update_answers(desk.shared.ledger, desk.machines).await?;
-    let rows = desk.shared.ledger.machine_statuses().await?;
     let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
     let now = desk.shared.date();
     let profiles: Vec<_> = desk.machines.values().map(|machine| machine.profile.clone()).collect();
-    let facts = read_machine_facts(desk.shared.ledger, profiles.iter().map(|profile| &**profile), &rows, now).await?;
+    let reading = FarmReading::read(desk.shared.ledger, profiles.iter().map(|profile| &**profile), now).await?;
+    let (facts, rows) = (reading.facts(), &reading.rows.statuses);
     let event = desk.shared.ledger.last_event_id().await?;
     if desk.display.dates.is_due(event, desk.shared.now()) {
         let began = Instant::now();
-        let plans = read_plans(desk.shared.ledger, profiles.iter().map(|profile| &**profile), now).await?;
+        let plans = reading.plans(desk.shared.ledger).await?;
         desk.display.dates.take_in(dates_at_risk(plans), event, desk.shared.now(), began.elapsed());
     }
     let risks = &desk.display.dates.risks;
     for ((name, machine), fact) in desk.machines.iter_mut().zip(&facts) {
         let risks: Vec<&DateRisk> = risks.iter().filter(|risk| risk.machine == *name).collect();
-        let row = MachineStatus::of_machine(&rows, name);
+        let row = MachineStatus::of_machine(rows, name);
         let text = status_text(machine, &row, (fact, &risks), now) + &part_questions::questions_text(name, &asked);
         let mut json = status_json(machine, &row, (fact, &risks), now);
         json["questions"] = part_questions::questions_json(name, &asked);
         machine.status = (text, json);
     }
-    status_alerts::update_ledger_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts, &rows).await?;
+    status_alerts::update_ledger_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts, rows).await?;
     due_dates::check_due_dates(&desk.shared, desk.machines, &desk.display.dates.risks).await?;
     let line = farm_summary(desk.machines.len(), rows.iter());
     if line != desk.display.status_line {

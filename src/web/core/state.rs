@@ -4,12 +4,12 @@ use std::sync::{Arc, PoisonError};
 
 use axum::body::Bytes;
 use jiff::Timestamp;
-use ledger::{BuildId, Ledger, MachineStatus};
+use ledger::Ledger;
 use tokio::sync::{Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
 use crate::{
-    farm::{self, PrinterWord, QuoteMeshes, ServiceBridge, read_machine_facts},
+    farm::{self, FarmReading, QuoteMeshes, ServiceBridge},
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
     tables::TimeView,
@@ -75,23 +75,20 @@ impl DashboardState {
         TimeView::current(&self.current_settings().time_zone)
     }
 
-    /// What each printer does, in a word that time alone changes too.
-    async fn read_doings(&self, status: &[MachineStatus]) -> HandlerResult<Vec<(PrinterWord, Option<BuildId>)>> {
-        let settings = self.current_settings();
-        let facts = read_machine_facts(&self.ledger, settings.profiles.values(), status, Timestamp::now()).await?;
-        Ok(facts.iter().flat_map(|fact| &fact.printers).map(|printer| (printer.state, printer.build)).collect())
-    }
-
     /// A text that changes whenever anything changes that the pages show, and never otherwise.
     pub(crate) async fn change_token(&self) -> HandlerResult<String> {
         if let Some(halted) = self.farm.halt_reason() {
             return Ok(halted);
         }
-        let (status, last) = (self.ledger.machine_statuses().await?, self.ledger.last_event_id().await?);
+        let (settings, last) = (self.current_settings(), self.ledger.last_event_id().await?);
+        let reading = FarmReading::read(&self.ledger, settings.profiles.values(), Timestamp::now()).await?;
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
-        let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
+        let notices = farm::read_stored_alerts(&settings.state_dir);
         let picked = self.ledger.last_pick_id().await?;
-        let doing = self.read_doings(&status).await?;
+        let (status, facts) = (&reading.rows.statuses, reading.facts());
+        // What each printer does is a word that time alone changes, too.
+        let doing: Vec<_> =
+            facts.iter().flat_map(|fact| &fact.printers).map(|printer| (printer.state, printer.build)).collect();
         Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?} {doing:?}"))
     }
 }

@@ -13,10 +13,7 @@ use serde::Serialize;
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
-    farm::{
-        AlertSummary, DateRisk, MachineFact, dates_at_risk, load_placed_parts, read_machine_facts, read_plans,
-        read_stored_alerts,
-    },
+    farm::{AlertSummary, DateRisk, FarmReading, MachineFact, dates_at_risk, load_placed_parts, read_stored_alerts},
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::error::{HandlerError, HandlerResult},
@@ -60,13 +57,11 @@ struct MachineResource {
 
 /// The current state of the farm.
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
-    let (status, settings) = (web.ledger.machine_statuses().await?, web.current_settings());
-    let machines = web.ledger.list_machines().await?;
-    let now = Timestamp::now();
-    let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
+    let (settings, now) = (web.current_settings(), Timestamp::now());
+    let reading = FarmReading::read(&web.ledger, settings.profiles.values(), now).await?;
     let machine = |((name, profile), fact): ((&String, &crate::settings::MachineProfile), MachineFact)| {
-        let status = MachineStatus::of_machine(&status, name);
-        let observed = machines.iter().find(|observed| observed.machine == *name);
+        let status = MachineStatus::of_machine(&reading.rows.statuses, name);
+        let observed = reading.rows.observed(name);
         MachineResource {
             volume_mm: profile.space.volume_mm.to_array(),
             available: observed.map(|observed| observed.trouble.is_empty()),
@@ -75,9 +70,9 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
             forecast: MachineForecast::new(status, Some(profile), fact, now),
         }
     };
-    let resources = settings.profiles.iter().zip(facts).map(machine).collect();
+    let resources = settings.profiles.iter().zip(reading.facts()).map(machine).collect();
     let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
-    let at_risk = dates_at_risk(read_plans(&web.ledger, settings.profiles.values(), now).await?);
+    let at_risk = dates_at_risk(reading.plans(&web.ledger).await?);
     let daemon = web.ledger.find_node(&settings.node.name).await?;
     Ok(Json(FarmResponse {
         daemon,

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 
 use super::machine_card::fire_forecast_text;
 use crate::{
-    farm::{CakeCopy, build_fact, load_placed_parts, plan_machine},
+    farm::{CakeCopy, build_fact, load_placed_parts, read_plans},
     settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
     web::{
@@ -51,7 +51,7 @@ pub(crate) async fn show_build(
         None => Markup::default(),
     };
     let plan = match &machine {
-        Some(machine) => Some(plan_machine(&web.ledger, machine, Timestamp::now()).await?),
+        Some(machine) => read_plans(&web.ledger, [machine], Timestamp::now()).await?.pop(),
         None => None,
     };
     let fact = build_fact(&build, plan.as_ref());

@@ -12,9 +12,7 @@ use super::{
     needs::needs_section,
 };
 use crate::{
-    farm::{
-        MachineFact, dates_at_risk, farm_summary, halt_summary, read_machine_facts, read_plans, read_stored_alerts,
-    },
+    farm::{FarmReading, MachineFact, dates_at_risk, farm_summary, halt_summary, read_stored_alerts},
     settings::{MachineProfile, Settings},
     tables::{FarmNode, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{
@@ -33,26 +31,26 @@ const USUAL_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// The farm page.
 pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
-    let (status, nodes) = (web.ledger.machine_statuses().await?, list_farm_nodes(&web.ledger).await?);
-    let machines = web.ledger.list_machines().await?;
+    let nodes = list_farm_nodes(&web.ledger).await?;
     let (settings, now) = (web.current_settings(), Timestamp::now());
+    let reading = FarmReading::read(&web.ledger, settings.profiles.values(), now).await?;
+    let (status, machines) = (&reading.rows.statuses, &reading.rows.observed);
     let daemon = nodes
         .iter()
         .map(|listed| &listed.node)
         .find(|node| web.ledger.file().is_some() || node.name == settings.node.name);
     let view = TimeView::at(&settings.time_zone, now);
     let builds = MachineBuilds::read_for(&web, now).await?;
-    let facts = read_machine_facts(&web.ledger, settings.profiles.values(), &status, now).await?;
-    let at_risk = dates_at_risk(read_plans(&web.ledger, settings.profiles.values(), now).await?);
+    let (facts, at_risk) = (reading.facts(), dates_at_risk(reading.plans(&web.ledger).await?));
     let mut cards = Vec::with_capacity(settings.profiles.len());
     for ((name, profile), fact) in settings.profiles.iter().zip(&facts) {
-        let status = MachineStatus::of_machine(&status, name);
+        let status = MachineStatus::of_machine(status, name);
         let picture_html = picture::machine_picture(&web, &status).await?;
         let card = MachineCard {
             profile,
             fact,
             status: &status,
-            observed: machines.iter().find(|observed| observed.machine == *name),
+            observed: reading.rows.observed(name),
             nesting: find_builds(&web, status.nesting.iter().map(|build| build.build)).await?,
             last: find_builds(&web, status.last_published.iter().map(|build| build.build)).await?.pop(),
             at_risk: at_risk.iter().filter(|risk| risk.machine == *name).collect(),
@@ -67,7 +65,7 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         h1 { "Farm" }
         (daemon_line(daemon, &activity, web.ledger.silence_hint(), now))
         (nodes_section(&nodes, &view))
-        (machine_strip(&settings, &status, &facts, now))
+        (machine_strip(&settings, status, &facts, now))
         (needs_section(&web, &alerts, now).await?)
         div.cards {
             @for card in &cards { (card) }

@@ -8,7 +8,7 @@ use ledger::{CommandKind, PartState};
 use crate::farm::{
     DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
     driven_tests::{HandDrivenFarm, MACHINE, block, hand_driven_farm::farm_files::list_build_files, stl},
-    plan_machine, quote_order, read_plan, read_quoted_files,
+    quote_order, read_plan, read_plans, read_quoted_files,
 };
 
 /// Searches are quick, nothing turns, and a build of 20 mm is printed in two hours.
@@ -17,7 +17,7 @@ const PROFILE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_s
 
 fn plan(farm: &HandDrivenFarm) -> MachinePlan {
     let (profile, now) = (farm.profiles()[MACHINE].clone(), farm.date());
-    farm.ask(async |ledger| plan_machine(ledger, &profile, now).await.unwrap())
+    farm.ask(async |ledger| read_plans(ledger, [&profile], now).await.unwrap().remove(0))
 }
 
 fn due_in(farm: &HandDrivenFarm, hours: i64) -> String {

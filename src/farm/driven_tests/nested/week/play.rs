@@ -20,9 +20,8 @@ use super::{
     table::WeekReport,
 };
 use crate::farm::{
-    MachineWord,
+    FarmReading, MachineWord,
     driven_tests::hand_driven_farm::{HandDrivenFarm, MACHINE, farm_files::drop_file},
-    read_machine_facts,
 };
 
 /// The daemon is started anew so often.
@@ -148,10 +147,8 @@ impl<'a> WeekPlay<'a> {
     /// Whatever a face prints of a machine, it is not that it is free while its printer prints.
     fn assert_none_is_said_to_be_free_that_prints(&self) {
         let (profiles, now) = (self.farm.profiles(), self.farm.date());
-        let facts = self.farm.ask(async |ledger| {
-            let statuses = ledger.machine_statuses().await.unwrap();
-            read_machine_facts(ledger, profiles.values(), &statuses, now).await.unwrap()
-        });
+        let facts =
+            self.farm.ask(async |ledger| FarmReading::read(ledger, profiles.values(), now).await.unwrap().facts());
         for printer in self.printers.iter().filter(|printer| printer.is_printing(self.now)) {
             let fact = facts.iter().find(|fact| fact.machine == printer.name).unwrap();
             let text = self.farm.status_text_of(&fact.machine);

@@ -29,7 +29,7 @@ pub use build::second_reader::cross_check;
 pub use common::camspec::{MAX_CLEARANCE_MM, SolidRequest, is_camspec_name};
 pub use common::copies_question::{COPIES_QUESTION, is_copies_question};
 pub use common::error::{FileReadError, FileWriteError};
-pub use common::file_name::build_file_name;
+pub use common::file_name::{MESH_ENDINGS, MESH_FORMATS, build_file_name, part_endings};
 pub use common::plural::format_count;
 pub use common::solid::{PartFileContents, PartFileSolid};
 pub use common::visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_invisible};

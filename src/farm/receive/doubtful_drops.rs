@@ -2,14 +2,13 @@
 //! backups, the same part in several formats. Such a part waits for a yes.
 
 use anyhow::Result;
+use build_file::MESH_ENDINGS;
 use intake::{CopyKind, CopyName};
 use jiff::{SignedDuration, Timestamp};
 use ledger::{Ledger, Namesake, PartRow, SolidFacts};
 
 /// A part that was built longer ago is not doubled by a file that comes now.
 const DOUBLED_WITHIN: SignedDuration = SignedDuration::from_hours(7 * 24);
-/// Extensions of the formats in which one part is saved, as programs write them.
-const FORMATS: [&str; 4] = ["stl", "STL", "3mf", "3MF"];
 
 /// Adds what is in doubt about a file to what is asked about its solids. What a ticket or a row of a list names is wanted.
 pub(super) async fn ask_about_doubts(
@@ -42,8 +41,9 @@ pub(super) fn add_question(solids: &mut [SolidFacts], doubt: &str) {
 /// A name in all formats; none if it is not that of a single part.
 fn names_in_formats(name: &str) -> Vec<String> {
     match name.rsplit_once('.') {
-        Some((stem, extension)) if FORMATS.iter().any(|format| format.eq_ignore_ascii_case(extension)) => {
-            FORMATS.map(|format| format!("{stem}.{format}")).to_vec()
+        Some((stem, extension)) if MESH_ENDINGS.iter().any(|ending| ending.eq_ignore_ascii_case(extension)) => {
+            let as_written = |ending: &str| [format!("{stem}.{ending}"), format!("{stem}.{}", ending.to_uppercase())];
+            MESH_ENDINGS.into_iter().flat_map(as_written).collect()
         }
         _ => Vec::new(),
     }

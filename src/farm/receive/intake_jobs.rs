@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use build_file::format_count;
+use build_file::{MESH_FORMATS, format_count};
 use intake::TicketError;
 use jobs::BackgroundJob;
 use ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause};
@@ -57,7 +57,7 @@ impl BackgroundJob<Farm> for PartReadJob {
 
     async fn on_panic(self, mut desk: Self::Desk<'_>, message: &str) -> Result<()> {
         let reason = format!(
-            "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to nestd's makers."
+            "The reader failed on it: {message}. Export it again, as {MESH_FORMATS}; where that fails too, send it to nestd's makers."
         );
         on_part_read(&mut desk, self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
     }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::Result;
-use build_file::format_count;
+use build_file::{MESH_FORMATS, format_count};
 use jiff::Timestamp;
 use jobs::BackgroundJob;
 use ledger::{LedgerError, MachineStatus, NodeHeartbeat};
@@ -226,7 +226,7 @@ fn status_text(
     now: Timestamp,
 ) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
-    let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name), format!("Now: {}.", fact.doing)];
+    let mut lines = vec![format!("{}: drop {MESH_FORMATS} files here.", profile.name), format!("Now: {}.", fact.doing)];
     lines.extend(risks.iter().map(|risk| format!("{}: {}.", risk.subject_text(), risk.in_words(zone, now))));
     if let Some(paused) = &row.paused {
         lines.push(format!(

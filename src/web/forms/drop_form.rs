@@ -1,5 +1,6 @@
 //! The form that puts files into the hot folder of a machine, and what it says of them: the ticket that is written beside each.
 
+use build_file::{MESH_FORMATS, part_endings};
 use intake::{MAX_COPIES, Ticket};
 use maud::{Markup, html};
 
@@ -76,6 +77,11 @@ impl DropFields {
     }
 }
 
+/// The endings that the dialog of a browser offers.
+fn accepted_endings() -> String {
+    part_endings().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(",")
+}
+
 /// The form. `at` distinguishes its fields from those of the other forms of a page.
 pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_bytes: u64) -> Markup {
     let name = profile.name.as_str();
@@ -98,7 +104,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
             } }
             label { "Priority, 0 to 100; 100 must be in the next build" input name="priority" type="number" min="0" max="100"; }
             label { "Note" input name="note" maxlength="500"; }
-            label.files { "STL or 3MF files" input name="file" type="file" multiple required accept=".stl,.3mf"; }
+            label.files { (MESH_FORMATS) " files" input name="file" type="file" multiple required accept=(accepted_endings()); }
             p.chosen role="status" {}
             progress.sent max="100" value="0" hidden aria-label=(format!("Files that are sent to {name}")) {}
             button type="submit" { "Add to " (name) }

@@ -11,6 +11,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::file_name::CAMSPEC_ENDING;
 use crate::{FileReadError, LengthUnit, escape_invisible};
 
 /// Greatest deviation of a rotation matrix from an orthonormal one, and of a normal from length 1.
@@ -22,7 +23,7 @@ const FIXED_WITHIN_DEG: f64 = 0.1;
 
 /// Whether a file of this name is a package.
 pub fn is_camspec_name(name: &str) -> bool {
-    name.to_ascii_lowercase().ends_with(".camspec")
+    name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case(CAMSPEC_ENDING))
 }
 
 /// What a package says of one of its models beyond the mesh.

@@ -5,6 +5,8 @@ use std::io;
 use solids::MeshError;
 use thiserror::Error;
 
+use super::file_name::{MESH_FORMATS, mesh_formats};
+
 /// Why a dropped file or a build file cannot be read.
 #[derive(Debug, Error)]
 pub enum FileReadError {
@@ -12,7 +14,7 @@ pub enum FileReadError {
     #[error("cannot read the file")]
     Io(#[from] io::Error),
     /// Neither STL nor 3MF.
-    #[error("is no STL or 3MF file: {what}")]
+    #[error("is no {MESH_FORMATS} file: {what}")]
     Unknown {
         /// What the file looks like.
         what: String,
@@ -73,7 +75,7 @@ impl FileReadError {
             Self::Truncated(_) => {
                 "Copy the whole file once more; where the original is cut off too, export it from the CAD program again."
             }
-            Self::Invalid { .. } => "Export it again from the CAD program, as binary STL or 3MF.",
+            Self::Invalid { .. } => concat!("Export it again from the CAD program, as binary ", mesh_formats!(), "."),
             Self::TooLarge { key, .. } => {
                 return format!(
                     "Make it smaller, or drop it in several files; or raise limits.{key} in the configuration, reload nestd \
@@ -86,7 +88,7 @@ impl FileReadError {
             Self::NoSolid { source: MeshError::NoVolume, .. } => {
                 "A surface without thickness cannot be printed: give it a thickness in the CAD program and export it again."
             }
-            Self::NoSolid { .. } => "Export it again from the CAD program, as binary STL or 3MF.",
+            Self::NoSolid { .. } => concat!("Export it again from the CAD program, as binary ", mesh_formats!(), "."),
         };
         text.to_owned()
     }

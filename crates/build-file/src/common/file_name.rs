@@ -1,4 +1,29 @@
-//! The name of a build file: `<utc>_<machine>_<build-id>.build.3mf`.
+//! Names of files: the endings of those that hold parts, and the name of a build file, `<utc>_<machine>_<build-id>.build.3mf`.
+
+/// Endings of files that hold one part, or a plate of one customer, in lower case.
+pub const MESH_ENDINGS: [&str; 2] = ["stl", "3mf"];
+/// The ending of a package of models with what is asked of each.
+pub(crate) const CAMSPEC_ENDING: &str = "camspec";
+
+/// What people are told to drop.
+macro_rules! mesh_formats {
+    () => {
+        "STL or 3MF"
+    };
+}
+pub(crate) use mesh_formats;
+/// What people are told to drop: the formats of [`MESH_ENDINGS`] in words.
+pub const MESH_FORMATS: &str = mesh_formats!();
+
+/// The endings of all files that hold parts, in lower case.
+pub fn part_endings() -> impl Iterator<Item = &'static str> {
+    MESH_ENDINGS.into_iter().chain([CAMSPEC_ENDING])
+}
+
+/// Whether a file with this name holds parts, by its ending in any case.
+pub(crate) fn is_part_name(name: &str) -> bool {
+    name.rsplit_once('.').is_some_and(|(_, end)| part_endings().any(|ending| end.eq_ignore_ascii_case(ending)))
+}
 
 /// `20261120T044900Z_mjf-5200_000042.build.3mf`: ASCII, sortable, no spaces, at most 100 characters. Core 1.4 reserves the
 /// double suffix for a complete plate. Sidecars share the stem.

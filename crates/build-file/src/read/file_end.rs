@@ -7,7 +7,7 @@ use std::{
 
 use super::sniff::{FileFormat, HEAD_BYTES, detect_format};
 use crate::{
-    common::unfinished::ends_in_zero,
+    common::{file_name::is_part_name, unfinished::ends_in_zero},
     stl::stl_read::{STL_FACET_BYTES, STL_HEAD_BYTES, binary_len, claimed_count},
     threemf::package::{MAX_END, end_record},
 };
@@ -59,10 +59,8 @@ pub fn may_grow(opened: &mut File, name: &str) -> io::Result<bool> {
 
 /// Whether the file has too few bytes, or is allocated but not yet written: it may still become an STL or 3MF.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
-    let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
-    let awaited = matches!(extension.as_str(), "stl" | "3mf" | "camspec");
     let prefix = |of: &[u8]| of.starts_with(&head.to_ascii_lowercase());
-    awaited && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
+    is_part_name(name) && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
 }
 
 /// Whether the facet before this end of a binary STL was never written.

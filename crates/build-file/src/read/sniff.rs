@@ -1,7 +1,10 @@
 //! Detects the format of a file by its first bytes and its size, then by its name.
 
 use crate::{
-    common::decimal::parse_decimal,
+    common::{
+        decimal::parse_decimal,
+        file_name::{CAMSPEC_ENDING, mesh_formats},
+    },
     stl::stl_read::{binary_len, claimed_count},
 };
 
@@ -31,16 +34,16 @@ pub(crate) struct ForeignFormat {
 }
 
 /// Remedy for a solid or mesh in another format.
-const EXPORT_REMEDY: &str = "Export the part from the CAD program as STL or 3MF, and drop that.";
+const EXPORT_REMEDY: &str = concat!("Export the part from the CAD program as ", mesh_formats!(), ", and drop that.");
 /// Remedy for packed files.
-const UNPACK_REMEDY: &str = "Unpack it, and drop the STL or 3MF files that are in it.";
+const UNPACK_REMEDY: &str = concat!("Unpack it, and drop the ", mesh_formats!(), " files that are in it.");
 /// Remedy for text with 16 bits per character.
 const PLAIN_TEXT_REMEDY: &str = "Save it as plain text (ASCII or UTF-8), or export the part as binary STL.";
 /// Remedy for files without a shape.
-const NO_SHAPE_REMEDY: &str = "It holds no shape to print: drop the part as STL or 3MF.";
+const NO_SHAPE_REMEDY: &str = concat!("It holds no shape to print: drop the part as ", mesh_formats!(), ".");
 /// Remedy for unknown files.
 const UNKNOWN_REMEDY: &str =
-    "Drop STL or 3MF files with the right extension; export other formats from the CAD program.";
+    concat!("Drop ", mesh_formats!(), " files with the right extension; export other formats from the CAD program.");
 
 /// Detects the format from the head (up to [`HEAD_BYTES`]), the size and the dropped name.
 pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {
@@ -58,7 +61,7 @@ pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {
     if head.starts_with(b"PK\x03\x04") {
         return match extension.as_str() {
             "3mf" | "stl" | "zip" | "" => FileFormat::Package,
-            "camspec" => FileFormat::Camspec,
+            CAMSPEC_ENDING => FileFormat::Camspec,
             "amf" => foreign_format("it is a packed AMF file", EXPORT_REMEDY),
             named => foreign_by_name(named)
                 .unwrap_or_else(|| foreign_format(format!("it is a ZIP package named `.{named}`"), UNPACK_REMEDY)),

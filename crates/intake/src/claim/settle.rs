@@ -325,9 +325,9 @@ fn non_file_reason(kind: EntryKind) -> &'static str {
             "This is a folder with the name of a part, a ticket or an order list, or one that lies too deep. A folder is an order: \
              give it another name and drop it right into the hot folder."
         }
-        EntryKind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",
-        EntryKind::Fifo => "This is a named pipe, not a file. Drop STL or 3MF files.",
-        EntryKind::Device => "This is a device, not a file. Drop STL or 3MF files.",
+        EntryKind::Socket => "This is a socket, not a file. Drop the file of the part.",
+        EntryKind::Fifo => "This is a named pipe, not a file. Drop the file of the part.",
+        EntryKind::Device => "This is a device, not a file. Drop the file of the part.",
     }
 }
 

@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use build_file::is_invisible;
+use build_file::{is_invisible, part_endings};
 
 /// Maximum length of a file name on common file systems.
 pub(crate) const MAX_NAME_BYTES: usize = 255;
@@ -92,13 +92,10 @@ pub(crate) fn with_suffix(name: &OsStr, number: &str, tail: &str) -> OsString {
     OsString::from_vec([&stem[..cut], number.as_bytes(), extension, tail.as_bytes()].concat())
 }
 
-/// Endings of part files.
-const PART_ENDINGS: [&str; 3] = ["stl", "3mf", "camspec"];
-
 /// Whether a name ends like a part file. A folder with such a name is not an order: it was created by mistake or by
 /// unpacking.
 pub(crate) fn is_part_name(name: &OsStr) -> bool {
-    Path::new(name).extension().is_some_and(|e| PART_ENDINGS.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
+    Path::new(name).extension().is_some_and(|e| part_endings().any(|ending| e.eq_ignore_ascii_case(ending)))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! 9  cli                      the face to terminals: parse, print; no decisions
 //! 8  web                      the face to browsers
 //! 7  tables                   what both show: each field's label, unit and print, each table's columns
-//! 6  farm  metrics  outbox    the service: one file per step of a part's life, one event loop | its numbers | its messages
+//! 6  farm  outbox             the service: one file per step of a part's life, one event loop | its numbers | its messages
 //! 5  settings                 TOML fragments -> validated Settings
 //! 4  queue                    printer queue folder
 //! 3  build                    machine + parts -> instance; solution -> a proved build file

@@ -1,9 +1,10 @@
 //! The service: one file per step of a part's life, and one event loop.
 //!
 //! `core` holds what the steps share, and says what each may touch. A step is a file of functions that take what they need: the ledger,
-//! the settings, the machines, the alerts or the jobs; or a desk with the parts of the farm that this kind of step owns. What a step decides is a function without a farm (`decisions`), and what it does off the
-//! loop is a `BackgroundJob` in the same file. `receive` claims and reads dropped files, `open_build` keeps the waiting parts nested,
-//! fires, searches, writes and proves, `publish` publishes, `operate` carries out what people say. Only `run/event_loop` knows all steps.
+//! the settings, the machines, the alerts or the jobs; or a desk with the parts of the farm that this kind of step owns. What a step
+//! decides is a function without a farm (`decisions`), and what it does off the loop is a `BackgroundJob` of its folder. `scanning` claims
+//! dropped files, `receive` reads them, `open_build` keeps the waiting parts nested, fires and searches, `nesting` writes and proves,
+//! `publish` publishes, `operate` carries out what people say. Only `run/event_loop` knows all steps.
 //!
 //! A folder knows only earlier ones, in the order of ARCHITECTURE.md.
 

@@ -1,6 +1,6 @@
 //! What a step decides, as functions without a farm: when a build fires, who is left out, which printer, when something is taken back.
 //!
-//! Pure; time comes in as a value.
+//! Pure, save `kept_layouts`, which reads from the ledger; time comes in as a value.
 
 pub(super) mod batch_decision;
 pub(super) mod fire_forecast;

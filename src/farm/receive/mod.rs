@@ -1,4 +1,4 @@
-//! A dropped file becomes a part: claimed, read, asked about, refused; scans and the jobs that follow them.
+//! A claimed file becomes a part: recorded, read, asked about, refused; the jobs that scan (`scanning` claims) and what follows them.
 
 pub(super) mod claim_completion;
 pub(super) mod control_files;

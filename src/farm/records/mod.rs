@@ -1,6 +1,7 @@
 //! What the folders tell, compared with the ledger: records of builds, notes of claims and orders, markers.
 //!
-//! It changes nothing in the folders; `invariants` says what must hold.
+//! It writes and removes such records, and renames a proved build into its queue when `publish` says so (`staged_build`); `invariants`
+//! says what must hold.
 
 pub(super) mod build_record;
 pub(super) mod cake;

@@ -1,4 +1,4 @@
-//! One look into a hot folder or a queue folder, off the loop, and whether a proved build still fits its machine.
+//! One look into a hot folder or a queue folder, off the loop: what is ready is claimed there (`ready_files`). And whether a proved build still fits its machine.
 
 pub(super) mod arriving_lines;
 pub(super) mod hot_folder_scan;

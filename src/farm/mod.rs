@@ -61,8 +61,9 @@ pub use nesting::node_content::find_kept_content;
 pub use nodes::adopt::adopt_claims;
 pub use operate::operate::operate;
 pub use planning::{
-    DateRisk, DueAnswer, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart, QUOTE_SEARCH_TIME, QuoteError,
-    QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, quote_order, read_plan, read_quoted_files,
+    DateRisk, DatesKept, DueAnswer, FarmRows, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart,
+    QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, quote_order,
+    read_plan, read_quoted_files,
 };
 pub use printers::printers::fate_of_queued;
 pub use printers::release_preview::{LatePreview, ReleasePreview, preview_release};

@@ -22,7 +22,7 @@ mod simulated_months;
 use anyhow::Result;
 use jiff::Timestamp;
 
-pub use date_outlook::RiskCause;
+pub use date_outlook::{DatesKept, RiskCause};
 use ledger::Ledger;
 pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart};
 pub use occupation::{FarmRows, Occupation, awaits_release, read_occupation};

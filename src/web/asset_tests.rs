@@ -41,6 +41,26 @@ async fn a_page_names_its_scripts_by_their_content_and_browsers_keep_them_for_go
 }
 
 #[tokio::test]
+async fn pages_are_sent_compressed_and_the_farm_page_is_small() {
+    let dashboard = with_a_build("bracket.stl").await;
+    for path in ["/", "/builds/1/pick", "/history", "/parts/7"] {
+        let plain = get(&dashboard, path, &[]).await;
+        let packed = get(&dashboard, path, &[(header::ACCEPT_ENCODING, "gzip, br")]).await;
+        assert!(!plain.headers.contains_key(header::CONTENT_ENCODING), "{path}");
+        assert_eq!(
+            (packed.status, packed.headers[header::CONTENT_ENCODING].to_str().unwrap()),
+            (plain.status, "gzip"),
+            "{path}"
+        );
+        let mut unpacked = String::new();
+        GzDecoder::new(&*packed.body).read_to_string(&mut unpacked).unwrap();
+        assert!(unpacked.contains("</html>") && packed.body.len() < 40_000.min(unpacked.len()), "{path}");
+    }
+    let json = get(&dashboard, "/api/v1/farm", &[(header::ACCEPT_ENCODING, "gzip")]).await;
+    assert!(!json.headers.contains_key(header::CONTENT_ENCODING), "programs that read it must not have to unpack it");
+}
+
+#[tokio::test]
 async fn what_is_large_is_sent_compressed_and_not_again() {
     let dashboard = with_a_build("bracket.stl").await;
     for (path, least) in [("/assets/view.js", 3), ("/builds/1/scene", 1)] {

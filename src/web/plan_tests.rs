@@ -24,9 +24,18 @@ async fn the_plan_lists_the_builds_to_come_and_what_puts_a_date_at_risk() {
     });
     let part = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(part, &[solid(0, 3)]).await.unwrap();
-    let page = dashboard.get("/plan").await.text;
-    assert!(page.contains("Due dates at risk"), "{page}");
-    assert!(page.contains("A-7: a.stl") && page.contains("that date has passed"), "{page}");
+    assert_eq!(dashboard.get("/plan").await.location, "/", "the board shows the plans");
+    let page = dashboard.get("/").await.text;
+    let (_, risks) = page.split_once("id=\"risks\"").unwrap();
+    let (risks, board) = risks.split_once("</section>").unwrap();
+    assert!(risks.contains("A-7: a.stl") && risks.contains("that date has passed"), "{risks}");
+    let bar = board.split("<li ").find(|entry| entry.starts_with("class=\"wrong dashed\"")).unwrap();
+    assert!(
+        bar.contains("A build to come on cube: later")
+            && bar.contains("3 copies")
+            && bar.contains("a due date is late"),
+        "{bar}"
+    );
     let plans = json_of(&dashboard, "/api/v1/plan").await;
     let plan = plans.as_array().unwrap().iter().find(|plan| plan["machine"] == "paper-200").unwrap();
     assert_eq!((&plan["builds"][0]["copies"], &plan["risks"][0]["cause"]), (&3.into(), &"passed".into()), "{plan}");

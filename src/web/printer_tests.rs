@@ -99,11 +99,15 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
     let (machine_name, printer, reason) = ("paper-200".to_owned(), "left".to_owned(), "its laser".to_owned());
     say(&dashboard, OperatorWord::PrinterDown { machine: machine_name, printer, reason }).await;
     let page = dashboard.get("/").await.text;
-    assert!(
-        page.contains("left: down since today ") && page.contains("by ann@farm: its laser; right: free now."),
-        "{page}"
-    );
-    assert!(page.contains("class=\"state free\">free<") && !page.contains("cube: free"), "{page}");
+    let lane = |printer: &str, doing: &str| {
+        let (_, lane) = page.split_once(&format!("<b>{printer}</b>")).unwrap();
+        assert!(lane.split("</p>").next().unwrap().contains(doing), "{printer} {doing}: {page}");
+    };
+    lane("left", "down since today ");
+    lane("left", "by ann@farm: its laser.");
+    lane("right", "free now.");
+    assert!(page.contains("<h2>cube <span class=\"chip idle\"><i></i>free</span></h2>"), "{page}");
+    assert!(!page.contains("<b>cube</b>"), "a printer alone has the name of its machine");
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
     let printers = |name: &str| {
         let machines = farm["machines"].as_array().unwrap();

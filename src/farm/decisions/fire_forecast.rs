@@ -38,7 +38,7 @@ impl FireForecast {
     }
 
     /// The reason in words.
-    fn fire_reason(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
+    pub fn fire_reason(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
         match self.by {
             FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
             FireTrigger::Due => format!("deadline of {}", row.due_of),

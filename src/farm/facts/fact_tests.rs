@@ -12,7 +12,7 @@ use super::{
 use crate::{
     farm::{
         decisions::{print_times::PrintTimes, printer_choice::build_spans, trigger::tests::machine_with_triggers},
-        planning::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart, RiskCause},
+        planning::{DateRisk, DatesKept, MachinePlan, PlanStage, PlannedBuild, PlannedPart, RiskCause},
     },
     settings::MachineProfile,
 };
@@ -201,6 +201,8 @@ fn plan(builds: &[(u32, Option<f64>)], risks: Vec<DateRisk>) -> MachinePlan {
         fires_at: None,
         fires_by: None,
         begins_at: None,
+        printed_at: None,
+        dates: DatesKept::NoDate,
         ends_at: ends.map(|hour| at(hour).into()),
         awaits_release: false,
         parts: [("A-7", copies), ("B-1", 1)]

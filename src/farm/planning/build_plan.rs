@@ -46,6 +46,8 @@ pub struct ComingPrint {
     pub free_at: Timestamp,
     /// When it begins, in the hours of the printer.
     pub begins_at: Timestamp,
+    /// When the print itself ends, without cooling.
+    pub printed_at: Timestamp,
     /// When the parts can be unpacked.
     pub ends_at: Timestamp,
 }
@@ -171,9 +173,10 @@ fn print_next(
     let printer = usable.min_by_key(key)?;
     let (free_at, begins_at) = (printer.free_at, begins_at(printer));
     let ends_at = begins_at.checked_add(outlook.times.occupied(height_mm)).ok()?;
+    let printed_at = begins_at.checked_add(outlook.times.printed(height_mm)).ok()?;
     (printer.free_at, printer.builds) = (ends_at, printer.builds + 1);
     printer.takes_at.push(begins_at);
-    Some(ComingPrint { place: printer.place, ready_at, free_at, begins_at, ends_at })
+    Some(ComingPrint { place: printer.place, ready_at, free_at, begins_at, printed_at, ends_at })
 }
 
 /// The time this many seconds later.

@@ -55,6 +55,42 @@ pub struct DateOutlook {
     pub is_late: bool,
 }
 
+/// How a build keeps the due dates of what is in it: the date that it keeps worst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DatesKept {
+    /// Nothing in it has a due date.
+    NoDate,
+    /// All of them.
+    Kept,
+    /// Less time is left than such plans are wrong by.
+    Tight,
+    /// It is unpacked after one of them, as far as is known.
+    Late,
+}
+
+impl DatesKept {
+    /// Of a build whose due dates have these outlooks; `None` = a date is kept.
+    pub fn of_outlooks(outlooks: impl Iterator<Item = Option<DateOutlook>>) -> Self {
+        let kept = |outlook: Option<DateOutlook>| match outlook {
+            None => Self::Kept,
+            Some(outlook) if outlook.is_late => Self::Late,
+            Some(_) => Self::Tight,
+        };
+        outlooks.map(kept).max().unwrap_or(Self::NoDate)
+    }
+
+    /// The word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NoDate => "no date",
+            Self::Kept => "kept",
+            Self::Tight => "tight",
+            Self::Late => "late",
+        }
+    }
+}
+
 /// How sure the end of a print is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndReserve {
@@ -136,6 +172,8 @@ pub struct MadeBuild {
     pub free_at: Timestamp,
     /// When its print begins, or began.
     pub begins_at: Timestamp,
+    /// When the print itself ends, without cooling.
+    pub printed_at: Timestamp,
     /// When its parts can be unpacked.
     pub ends_at: Timestamp,
 }

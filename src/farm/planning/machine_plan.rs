@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::{
     build_plan::{ComingBuild, plan_builds},
-    date_outlook::{DateOutlook, RiskCause, outlook_of_coming, outlook_of_made},
+    date_outlook::{DateOutlook, DatesKept, RiskCause, outlook_of_coming, outlook_of_made},
     plan_facts::PlanHindrance,
     plan_reading::{BuildUnderWay, PlanReading},
 };
@@ -41,7 +41,7 @@ pub struct MachinePlan {
 }
 
 /// How far a build of a plan is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PlanStage {
     /// It should be done, and nobody told how it printed.
@@ -81,8 +81,12 @@ pub struct PlannedBuild {
     pub fires_by: Option<FireTrigger>,
     /// When its print begins, or began.
     pub begins_at: Option<UtcTimestamp>,
+    /// When the print itself ends, without cooling.
+    pub printed_at: Option<UtcTimestamp>,
     /// When its parts can be unpacked.
     pub ends_at: Option<UtcTimestamp>,
+    /// How it keeps the due dates of what is in it.
+    pub dates: DatesKept,
     /// Whether it waits for a person's yes.
     pub awaits_release: bool,
     /// What is in it, in order of precedence.
@@ -134,8 +138,11 @@ pub fn make_plan(profile: &MachineProfile, reading: &PlanReading, now: Timestamp
     let facts = &reading.facts;
     let coming = plan_builds(profile, facts, now);
     let fired = |build: BuildId| coming.iter().find(|coming| coming.fires.is_none() && coming.build == Some(build));
-    let under_way = reading.under_way.iter().map(|build| view_under_way(profile, build, fired(build.id())));
-    let to_come = coming.iter().filter(|build| !build.lines.is_empty()).map(|build| view_coming(profile, build));
+    let under_way =
+        reading.under_way.iter().map(|build| view_under_way(profile, reading, build, fired(build.id()), now));
+    let to_come = coming.iter().filter(|build| !build.lines.is_empty());
+    let first = to_come.clone().next();
+    let to_come = to_come.map(|build| view_coming(profile, reading, (build, first), now));
     MachinePlan {
         machine: profile.name.clone(),
         planned_at: UtcTimestamp(now),
@@ -151,12 +158,22 @@ pub fn make_plan(profile: &MachineProfile, reading: &PlanReading, now: Timestamp
     }
 }
 
-fn view_under_way(profile: &MachineProfile, build: &BuildUnderWay, fired: Option<&ComingBuild>) -> PlannedBuild {
+fn view_under_way(
+    profile: &MachineProfile,
+    reading: &PlanReading,
+    build: &BuildUnderWay,
+    fired: Option<&ComingBuild>,
+    now: Timestamp,
+) -> PlannedBuild {
     let print = fired.and_then(|fired| fired.print);
-    let (begins_at, ends_at) = match &build.made {
-        Some((_, made)) => (Some(made.begins_at), Some(made.ends_at)),
-        None => (print.map(|print| print.begins_at), print.map(|print| print.ends_at)),
+    let times = match (&build.made, print) {
+        (Some((_, made)), _) => Some([made.begins_at, made.printed_at, made.ends_at]),
+        (None, Some(print)) => Some([print.begins_at, print.printed_at, print.ends_at]),
+        (None, None) => None,
     };
+    let time = |at: usize| times.and_then(|times| known_minute(times[at]));
+    let dues = build.parts.iter().filter_map(|(part, _)| part.terms.due_at);
+    let outlook = |due: UtcTimestamp| outlook_under_way(profile, reading, build, fired, due.0, now);
     let printer = match &build.made {
         Some((printer, _)) => Some(printer.clone()),
         None => print.map(|print| profile.printers[print.place].name.clone()),
@@ -176,14 +193,41 @@ fn view_under_way(profile: &MachineProfile, build: &BuildUnderWay, fired: Option
         is_nested: build.row.measures.height_mm.is_some(),
         fires_at: None,
         fires_by: None,
-        begins_at: begins_at.and_then(known_minute),
-        ends_at: ends_at.and_then(known_minute),
+        begins_at: time(0),
+        printed_at: time(1),
+        ends_at: time(2),
+        dates: DatesKept::of_outlooks(dues.map(outlook)),
         awaits_release: build.made.as_ref().is_some_and(|(_, made)| made.awaits_release),
         parts: build.parts.iter().map(|(part, copies)| planned_part(part, *copies)).collect(),
     }
 }
 
-fn view_coming(profile: &MachineProfile, build: &ComingBuild) -> PlannedBuild {
+/// The outlook of a due date of a part in a build that has fired; `None` = it is kept, as far as is known.
+fn outlook_under_way(
+    profile: &MachineProfile,
+    reading: &PlanReading,
+    build: &BuildUnderWay,
+    fired: Option<&ComingBuild>,
+    due: Timestamp,
+    now: Timestamp,
+) -> Option<DateOutlook> {
+    match (&build.made, fired) {
+        (Some((_, made)), _) => outlook_of_made(&reading.facts, made, reading.reserve, due, now),
+        (None, Some(fired)) => outlook_of_coming(profile, &reading.facts, (fired, None), reading.reserve, due, now),
+        (None, None) => None,
+    }
+}
+
+/// `first` is the first build to come that has not fired yet.
+fn view_coming(
+    profile: &MachineProfile,
+    reading: &PlanReading,
+    (build, first): (&ComingBuild, Option<&ComingBuild>),
+    now: Timestamp,
+) -> PlannedBuild {
+    let dues = build.lines.iter().filter_map(|line| line.part.terms.due_at);
+    let outlook =
+        |due: UtcTimestamp| outlook_of_coming(profile, &reading.facts, (build, first), reading.reserve, due.0, now);
     let print = build.print.filter(|print| print.begins_at < Timestamp::MAX);
     let parts = build.lines.iter().fold(BTreeMap::new(), |mut places: BTreeMap<PartId, usize>, line| {
         let next = places.len();
@@ -208,6 +252,8 @@ fn view_coming(profile: &MachineProfile, build: &ComingBuild) -> PlannedBuild {
         fires_at: build.fires.map(|(at, _)| UtcTimestamp(at)).filter(|at| at.0 < Timestamp::MAX),
         fires_by: build.fires.map(|(_, by)| by),
         begins_at: print.map(|print| print.begins_at).and_then(known_minute),
+        printed_at: print.map(|print| print.printed_at).and_then(known_minute),
+        dates: DatesKept::of_outlooks(dues.map(outlook)),
         ends_at: print.map(|print| print.ends_at).and_then(known_minute),
         awaits_release: false,
         parts: listed.into_iter().flatten().collect(),
@@ -245,12 +291,7 @@ pub fn find_risks(
         let fired = coming.iter().find(|coming| coming.fires.is_none() && coming.build == Some(build.id()));
         for (part, _) in &build.parts {
             let Some(due) = part.terms.due_at.map(|due| due.0) else { continue };
-            let outlook = match (&build.made, fired) {
-                (Some((_, made)), _) => outlook_of_made(facts, made, reserve, due, now),
-                (None, Some(fired)) => outlook_of_coming(profile, facts, (fired, None), reserve, due, now),
-                (None, None) => None,
-            };
-            note_risk(profile, &mut found, part, outlook);
+            note_risk(profile, &mut found, part, outlook_under_way(profile, reading, build, fired, due, now));
         }
     }
     for part in &reading.unplanned {

@@ -157,10 +157,13 @@ async fn read_under_way(
         let made = spans.iter().find_map(|(printer, spans)| {
             let at = spans.iter().position(|span| span.build == build.build)?;
             let free_at = at.checked_sub(1).map_or(now, |before| spans[before].ends_at);
-            let (BuildSpan { begins_at, ends_at, .. }, stage) = (spans[at], spans[at].stage(now));
+            let (BuildSpan { begins_at, printed_at, ends_at, .. }, stage) = (spans[at], spans[at].stage(now));
             let height_mm = build.height_mm.unwrap_or(0.0);
             let awaits_release = awaits_release(profile, &row);
-            Some((printer.clone(), MadeBuild { height_mm, stage, awaits_release, free_at, begins_at, ends_at }))
+            Some((
+                printer.clone(),
+                MadeBuild { height_mm, stage, awaits_release, free_at, begins_at, printed_at, ends_at },
+            ))
         });
         under_way.push(BuildUnderWay { row, parts, made });
     }

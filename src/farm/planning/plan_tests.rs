@@ -230,6 +230,7 @@ fn a_build_that_waits_for_a_yes_or_behind_others_is_named_by_that() {
         awaits_release,
         free_at: at(free),
         begins_at: at(begins),
+        printed_at: at(begins + 3.0),
         ends_at: at(begins + 4.0),
     };
     let reserve = EndReserve { print_hours: 0.5 };

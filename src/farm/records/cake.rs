@@ -175,13 +175,22 @@ impl CakeContents {
 
     /// A picture of it on a given ground, as PNG.
     pub fn render_picture_on(&self, scheme: PictureScheme, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
+        self.render_in(self.volume_mm, scheme, viewpoint, size)
+    }
+
+    /// Draws it up to a height, as if its volume ended there.
+    pub fn render_up_to(&self, height_mm: f64, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
+        self.render_in(self.volume_mm.with_z(height_mm), scheme, Viewpoint::Iso, size)
+    }
+
+    fn render_in(&self, volume_mm: DVec3, scheme: PictureScheme, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
         let mut bodies = Vec::with_capacity(self.copy_count());
         for (kind, part) in self.parts.iter().enumerate() {
             if let Some(mesh) = &part.mesh {
                 bodies.extend(part.copies.iter().map(|copy| PictureBody { mesh, pose: copy.pose, kind }));
             }
         }
-        build_file::draw_picture_on(scheme, &bodies, self.volume_mm, viewpoint, size)
+        build_file::draw_picture_on(scheme, &bodies, volume_mm, viewpoint, size)
     }
 }
 

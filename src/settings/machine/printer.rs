@@ -94,6 +94,16 @@ impl PrinterRules {
         self.calendar.next_open(at, zone.time_zone()).unwrap_or(jiff::Timestamp::MAX)
     }
 
+    /// The spans between two moments in which no print begins.
+    pub fn closed_spans(
+        &self,
+        from: jiff::Timestamp,
+        to: jiff::Timestamp,
+        zone: &FarmZone,
+    ) -> Vec<(jiff::Timestamp, jiff::Timestamp)> {
+        self.calendar.closed_spans(from, to, zone.time_zone())
+    }
+
     /// The last moment up to `at` in which a print may begin, if there is one.
     pub fn begins_by(&self, at: jiff::Timestamp, zone: &FarmZone) -> Option<jiff::Timestamp> {
         self.calendar.last_open(at, zone.time_zone())

@@ -63,6 +63,22 @@ impl WorkCalendar {
         })
     }
 
+    /// The spans between two moments in which no print may begin.
+    pub fn closed_spans(&self, from: Timestamp, to: Timestamp, zone: &TimeZone) -> Vec<(Timestamp, Timestamp)> {
+        let (first, last) = (from.to_zoned(zone.clone()).date(), to.to_zoned(zone.clone()).date());
+        // Hours of the day before may last into the first one.
+        let days = first.yesterday().unwrap_or(first).series(1.day()).take_while(|day| *day <= last);
+        let mut open: Vec<_> = days.flat_map(|day| self.spans_of(day, zone)).collect();
+        open.sort();
+        let (mut closed, mut at) = (Vec::new(), from);
+        for (start, end) in open.into_iter().chain([(to, to)]) {
+            closed.push((at, start.min(to)));
+            at = at.max(end);
+        }
+        closed.retain(|(start, end)| start < end);
+        closed
+    }
+
     /// Begin and end of the hours that begin on a day.
     fn spans_of(&self, day: Date, zone: &TimeZone) -> Vec<(Timestamp, Timestamp)> {
         if self.days_off.iter().any(|(first, last)| (*first..=*last).contains(&day)) {
@@ -183,6 +199,24 @@ mod tests {
         let never = calendar("Mon 6-7", &["2020-01-01..2030-01-01"]);
         let in_it: Timestamp = "2026-11-25T12:00:00Z".parse().unwrap();
         assert_eq!(never.last_open(in_it, &berlin()), None);
+    }
+
+    #[test]
+    fn the_spans_in_which_no_print_begins_are_those_between_the_hours() {
+        let week = calendar("Fri 22-2, Mon-Fri 6-22", &["2026-11-30"]);
+        let at = |text: &str| text.parse::<jiff::civil::DateTime>().unwrap().to_zoned(berlin()).unwrap().timestamp();
+        let closed = |from: &str, to: &str| {
+            let shown = |at: Timestamp| at.to_zoned(berlin()).strftime("%a %R").to_string();
+            let spans = week.closed_spans(at(from), at(to), &berlin());
+            spans.into_iter().map(|(start, end)| format!("{} {}", shown(start), shown(end))).collect::<Vec<_>>()
+        };
+        let all = ["Thu 22:00 Fri 06:00", "Sat 02:00 Tue 06:00", "Tue 22:00 Wed 01:00"];
+        assert_eq!(closed("2026-11-26T12:00", "2026-12-02T01:00"), all);
+        assert_eq!(closed("2026-11-28T12:00", "2026-11-29T12:00"), ["Sat 12:00 Sun 12:00"]);
+        assert!(closed("2026-11-28T01:00", "2026-11-28T02:00").is_empty(), "the night of Friday");
+        assert!(
+            calendar("always", &[]).closed_spans(at("2026-11-28T01:00"), at("2026-11-29T02:00"), &berlin()).is_empty()
+        );
     }
 
     #[test]

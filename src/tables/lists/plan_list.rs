@@ -65,7 +65,7 @@ pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
     notes.push(match (plan.builds.len(), last) {
         (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.machine),
         (_, Some(last)) => {
-            format!("If nothing more arrives, all of {} is done at {}.", plan.machine, view.time_text(last))
+            format!("If nothing more arrives, all of {} is done at {}.", plan.machine, view.near_text(last))
         }
         (_, None) => format!("It is not known when the builds of {} are done.", plan.machine),
     });

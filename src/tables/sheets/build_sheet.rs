@@ -1,6 +1,6 @@
 //! The facts of a build, line by line, with its recorded outcomes and its events.
 
-use ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp};
+use ledger::{BuildRow, EventKind, EventRow, OutcomeRow, UtcTimestamp};
 
 use crate::{
     settings::MachineProfile,
@@ -23,10 +23,19 @@ pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
     Column::new("note", fields::NOTE, |row| (&row.note).into()),
 ];
 
+/// The kind of an event as people say it.
+fn event_word(kind: &EventKind) -> String {
+    match kind {
+        EventKind::Claimed => "taken".to_owned(),
+        EventKind::Batched => "in a build".to_owned(),
+        other => other.to_string().replace('_', " "),
+    }
+}
+
 /// The events of a build or a part.
 pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("at", fields::EVENT, |event| event.at.into()),
-    Column::new("kind", fields::KIND, |event| event.kind.to_string().into()),
+    Column::new("kind", fields::KIND, |event| event_word(&event.kind).into()),
     Column::new("build", fields::BUILD, |event| event.build_id.into()),
     Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
 ];
@@ -34,7 +43,7 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
 /// Events of the parts of an order.
 pub const ORDER_EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("at", fields::EVENT, |event| event.at.into()),
-    Column::new("kind", fields::KIND, |event| event.kind.to_string().into()),
+    Column::new("kind", fields::KIND, |event| event_word(&event.kind).into()),
     Column::new("part_id", fields::PART, |event| event.part_id.map_or(CellValue::Missing, CellValue::Part)),
     Column::new("build", fields::BUILD, |event| event.build_id.into()),
     Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),

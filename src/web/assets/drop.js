@@ -3,7 +3,7 @@
 const KB = 1024, MB = KB * KB;
 const size = (bytes) => (bytes < MB ? `${Math.ceil(bytes / KB)} kB` : `${(bytes / MB).toFixed(1)} MB`);
 const formOf = (target) => {
-  const place = target instanceof Element && target.closest("section.card, main");
+  const place = target instanceof Element && target.closest("section.machine, main");
   return place && (place.matches("form.drop") ? place : place.querySelector("form.drop"));
 };
 
@@ -60,7 +60,7 @@ addEventListener("dragover", (event) => {
   const form = formOf(event.target);
   event.dataTransfer.dropEffect = form ? "copy" : "none";
   for (const card of document.querySelectorAll(".over")) card.classList.remove("over");
-  form?.closest("section.card, main").classList.add("over");
+  form?.closest("section.machine, main").classList.add("over");
 });
 addEventListener("dragleave", (event) => { if (!event.relatedTarget) for (const card of document.querySelectorAll(".over")) card.classList.remove("over"); });
 addEventListener("drop", (event) => {

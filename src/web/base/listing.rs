@@ -7,7 +7,7 @@ use super::{
     query::order_address,
 };
 use crate::{
-    tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, for_people},
+    tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, fields, for_people},
     web::look::{
         chip::chip,
         times::{due_of, time_of},
@@ -79,11 +79,24 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &Tim
     }
 }
 
+/// Facts that only some want to know.
+const DETAILS: [FieldDefinition; 4] = [fields::SEARCH, fields::FILE, fields::CONTENT, fields::REFERENCE];
+
+/// The facts as a description list; what only some want to know is folded.
+pub(crate) fn fact_sheet(known: Vec<SheetFact>, view: &TimeView) -> Markup {
+    let is_detail = |fact: &SheetFact| DETAILS.iter().any(|field| field.label == fact.label);
+    let (details, main): (Vec<_>, Vec<_>) = known.into_iter().partition(is_detail);
+    html! {
+        (fact_list(&main, view))
+        @if !details.is_empty() { details { summary { "Details" } (fact_list(&details, view)) } }
+    }
+}
+
 /// The facts as a description list.
 pub(crate) fn fact_list(known: &[SheetFact], view: &TimeView) -> Markup {
     html! {
-        dl.facts { @for fact in known { div { dt { (fact.label) } dd {
+        @if !known.is_empty() { dl.facts { @for fact in known { div { dt { (fact.label) } dd {
             @match fact.at { Some(at) => (time_of(at, view)), None => (fact.text) }
-        } } } }
+        } } } } }
     }
 }

@@ -1,11 +1,19 @@
 //! All components on one page: for whoever makes a page, and for the tests in a browser.
 
+use std::{collections::BTreeMap, sync::Arc};
+
 use axum::extract::State;
 use jiff::{SignedDuration, Timestamp};
+use ledger::{BuildId, UtcTimestamp};
 use maud::{Markup, html};
-use std::sync::Arc;
 
+use super::{
+    axis::TimeAxis,
+    job::{Job, JobSetting, later_job},
+};
 use crate::{
+    farm::{DatesKept, PlanStage, PlannedBuild},
+    settings::FarmZone,
     tables::{GivenDate, TimeView},
     web::{
         base::page::html_page,
@@ -40,6 +48,8 @@ pub(crate) async fn show_components(State(web): State<Arc<DashboardState>>) -> M
             (row("/orders", "A-17", &html! { (chip("late")) " 3 of 12 copies are good" }))
             (row("/history", "Build 1182 on mjf-5200", &html! { (chip("printing")) " 184.2 mm, 40 copies" }))
         }
+        h2 { "Builds on the board" }
+        (builds(&view, &web.current_settings().time_zone))
         h2 { "Buttons and fields" }
         div.buttons {
             button.first type="button" { "What comes next" } button type="button" { "Something else" } a.button href="/help" { "Another page" }
@@ -58,6 +68,52 @@ pub(crate) async fn show_components(State(web): State<Arc<DashboardState>>) -> M
         (empty("No orders yet", &html! { "An order begins with its first file." }, &html! { a.button.first href="/" { "Add files" } }))
     };
     html_page("Components", "/components", None, &content)
+}
+
+/// Builds in each of their stages, with dates that are kept, and not.
+fn builds(view: &TimeView, zone: &FarmZone) -> Markup {
+    let now = view.now().unwrap_or_else(Timestamp::now);
+    let (axis, layouts) = (TimeAxis::new(now, zone), BTreeMap::new());
+    let setting = JobSetting { axis: &axis, view, layouts: &layouts };
+    let at = |hours: i64| UtcTimestamp(now.checked_add(SignedDuration::from_hours(hours)).unwrap_or(now));
+    let build = |(number, stage, dates, begins): (i64, PlanStage, DatesKept, i64)| PlannedBuild {
+        build: Some(BuildId(number)),
+        stage,
+        printer: Some("left".to_owned()),
+        copies: 40,
+        height_mm: 184.2,
+        is_nested: stage != PlanStage::Later,
+        fires_at: (stage >= PlanStage::Open).then(|| at(begins - 1)),
+        fires_by: None,
+        begins_at: Some(at(begins)),
+        printed_at: Some(at(begins + 6)),
+        ends_at: Some(at(begins + 11)),
+        dates,
+        awaits_release: number == 15,
+        parts: Vec::new(),
+    };
+    let shown = [
+        (11, PlanStage::Ended, DatesKept::Kept, -13),
+        (12, PlanStage::Printing, DatesKept::Kept, -1),
+        (13, PlanStage::Queued, DatesKept::Tight, 11),
+        (14, PlanStage::Made, DatesKept::NoDate, 23),
+        (15, PlanStage::Made, DatesKept::Kept, 35),
+        (16, PlanStage::Open, DatesKept::Late, 47),
+        (17, PlanStage::Later, DatesKept::Kept, 59),
+    ];
+    let shown = shown.map(build);
+    html! {
+        div.board {
+            (axis.draw())
+            div.machine { div.machine-head { h3 { "mjf-5200 " (chip("printing")) } }
+                div.lanes { div.lane { div.track {
+                    (axis.lines())
+                    ol.jobs aria-label="Builds of left" { @for job in shown.iter().filter_map(|build| Job::on_axis(build, &axis, at(0))) { (job.draw(&setting)) } }
+                } }
+                ol.jobs.later aria-label="Later builds" { (later_job(&shown[5], &setting)) } }
+            }
+        }
+    }
 }
 
 /// Times near and far.

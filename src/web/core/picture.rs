@@ -10,7 +10,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
-use ledger::{MachineStatus, PartId};
+use ledger::{BuildId, MachineStatus, PartId};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -31,7 +31,9 @@ use crate::{
 };
 
 /// Widths that pages request, pixels. Any other width is rounded up to the next of them.
-const WIDTHS: [u32; 2] = [480, 640];
+const WIDTHS: [u32; 3] = [SMALL_WIDTH, 480, 640];
+/// Width of a picture that shows what stands in a build without the height that is free above it, pixels.
+const SMALL_WIDTH: u32 = 112;
 /// Width and height of the picture of a part, pixels.
 const PART_PICTURE_SIZE: (u32, u32) = (400, 300);
 /// Number of colours of parts.
@@ -68,11 +70,26 @@ pub(crate) async fn get_picture(
     let key = format!("{} {width} {scheme:?}", layout_version(&build));
     let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: None };
     let size = (width, width / 4 * 3);
-    let draw = move |cake: &CakeContents| Ok(Bytes::from(cake.render_picture_on(scheme, Viewpoint::Iso, size)));
+    let draw = move |cake: &CakeContents| {
+        Ok(match (width, cake.top_mm()) {
+            (SMALL_WIDTH, None) => Bytes::new(),
+            (SMALL_WIDTH, Some(top_mm)) => Bytes::from(cake.render_up_to(top_mm, scheme, size)),
+            _ => Bytes::from(cake.render_picture_on(scheme, Viewpoint::Iso, size)),
+        })
+    };
     let png = render_cached(&web, &build, &profile, kept, draw).await?;
+    if png.is_empty() {
+        return Err(HandlerError::NotFound(format!("picture of what stands in build {number}")));
+    }
     let stays = asked.of.is_some_and(|of| of == layout_version(&build));
     let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
     Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
+}
+
+/// A small picture of a build; what it shows is said beside it.
+pub(crate) fn small_picture(build: BuildId, version: &str) -> Markup {
+    let source = format!("/builds/{build}/picture?width={SMALL_WIDTH}&of={version}");
+    themed_picture(&source, &html! { img loading="lazy" width="56" height="42" alt="" src=(source); })
 }
 
 /// The picture of a whole build.

@@ -9,11 +9,15 @@ use axum::{
 use jiff::Timestamp;
 use ledger::{BuildState, HeightSummary, HistoryRow, MachineStatus, NodeRow, PartId, UtcTimestamp};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
-    farm::{AlertSummary, DateRisk, FarmReading, MachineFact, dates_at_risk, load_placed_parts, read_stored_alerts},
+    farm::{
+        AlertSummary, DateRisk, FarmReading, MachineFact, MachinePlan, dates_at_risk, load_placed_parts, read_plans,
+        read_stored_alerts,
+    },
+    settings::MachineProfile,
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::error::{HandlerError, HandlerResult},
@@ -148,4 +152,30 @@ pub(super) async fn get_part(
 /// Converts rows of the ledger to their JSON form.
 fn convert_rows<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
     rows.into_iter().map(R::from).collect()
+}
+
+/// Whose plan is asked for.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(inline)]
+pub(crate) struct PlanQuestion {
+    /// Only this machine; all if empty.
+    machine: String,
+}
+
+/// The plans as JSON.
+pub(crate) async fn get_plans(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<PlanQuestion>,
+) -> HandlerResult<Json<Vec<MachinePlan>>> {
+    Ok(Json(make_plans(&web, &asked).await?))
+}
+
+async fn make_plans(web: &DashboardState, asked: &PlanQuestion) -> HandlerResult<Vec<MachinePlan>> {
+    let (settings, now) = (web.current_settings(), Timestamp::now());
+    if !asked.machine.is_empty() && !settings.profiles.contains_key(&asked.machine) {
+        return Err(HandlerError::NotFound(format!("machine {}", asked.machine)));
+    }
+    let is_asked = |profile: &&MachineProfile| asked.machine.is_empty() || asked.machine == profile.name;
+    Ok(read_plans(&web.ledger, settings.profiles.values().filter(is_asked), now).await?)
 }

@@ -23,7 +23,7 @@ use crate::{
     tables::PickList,
     web::{
         core::state::DashboardState,
-        pages::{history, month, order, part, pick_page, plan},
+        pages::{history, month, order, part, pick_page},
     },
 };
 
@@ -110,13 +110,13 @@ const QUESTIONS: [ApiRoute; 13] = [
         )
     },
     ApiRoute {
-        query: Some(schema_of::<plan::PlanQuestion>),
+        query: Some(schema_of::<api::PlanQuestion>),
         ..ask(
             "/api/v1/plan",
             "plan",
             "The builds to come of each machine, if nothing more arrives, and the due dates at risk",
             schema_of::<Vec<MachinePlan>>,
-            |method| on(method, plan::get_plans),
+            |method| on(method, api::get_plans),
         )
     },
     ask(

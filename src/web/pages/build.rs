@@ -7,16 +7,15 @@ use jiff::Timestamp;
 use ledger::{BuildRow, BuildState, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
-use super::machine_card::fire_forecast_text;
 use crate::{
-    farm::{CakeCopy, build_fact, load_placed_parts, read_plans},
+    farm::{CakeCopy, build_fact, forecast_fire, load_placed_parts, read_plans},
     settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
     web::{
         base::{
             error::HandlerResult,
             format::prose_with_code,
-            listing::{fact_list, table_of},
+            listing::{fact_sheet, table_of},
             page::html_page,
         },
         core::{
@@ -68,7 +67,7 @@ pub(crate) async fn show_build(
                 a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
             } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &view))
+        (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &view))
         (release)
         (build_forms(&web, &build, &placements))
         (height_curve(&build.height_curve()))
@@ -99,7 +98,7 @@ async fn fire_forecast(
     Ok(status
         .iter()
         .find(|status| status.machine == build.machine)
-        .and_then(|status| fire_forecast_text(profile, status, Timestamp::now())))
+        .and_then(|status| Some(forecast_fire(profile, status, Timestamp::now())?.fire_text(profile, status))))
 }
 
 /// A text that changes when the layout of the build changes. A proved build does not change any more.

@@ -1,119 +1,248 @@
-//! The first page: what needs a person, and a card per machine.
+//! The first page: what needs a person, which dates are at risk, and the board with a row for each machine.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
-use axum::extract::State;
+use axum::{extract::State, response::Redirect};
 use jiff::{SignedDuration, Timestamp};
-use ledger::{BuildId, BuildRow, HeightSummary, HistoryQuery, MachineStatus, NodeRow};
+use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
-use super::{
-    machine_card::{MachineCard, brief_state},
-    needs::needs_section,
-};
+use super::needs::needs_section;
 use crate::{
-    farm::{FarmReading, MachineFact, dates_at_risk, farm_summary, halt_summary, read_stored_alerts},
-    settings::{MachineProfile, Settings},
-    tables::{FarmNode, NODE_COLUMNS, TimeView, list_farm_nodes},
+    farm::{
+        DateRisk, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, dates_at_risk, farm_summary,
+        halt_summary, read_stored_alerts,
+    },
+    settings::Settings,
+    tables::{FarmNode, GivenDate, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{
         base::{
             error::HandlerResult,
             format::{count, format_age},
             listing::table_of,
             page::html_page,
+            query::order_address,
         },
-        core::{picture, state::DashboardState},
+        board::{
+            axis::TimeAxis,
+            job::JobSetting,
+            machine_row::{MachineRowOnBoard, drawn_builds},
+        },
+        core::{cached_render::layout_version, state::DashboardState},
+        look::{
+            chip::{Tone, chip},
+            pieces::{empty, figure},
+            times::{due_of, time_of},
+        },
     },
 };
 
 /// The period whose builds say what density is usual.
 const USUAL_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
+/// Due dates at risk that are shown at once.
+const MAX_AT_RISK: usize = 3;
+
+/// What the page is made of.
+struct FarmSight {
+    settings: Arc<Settings>,
+    now: Timestamp,
+    rows: FarmRows,
+    facts: Vec<MachineFact>,
+    plans: Vec<MachinePlan>,
+    nodes: Vec<FarmNode>,
+}
+
+impl FarmSight {
+    async fn read(web: &DashboardState) -> HandlerResult<Self> {
+        let (settings, now) = (web.current_settings(), Timestamp::now());
+        let nodes = list_farm_nodes(&web.ledger).await?;
+        let reading = FarmReading::read(&web.ledger, settings.profiles.values(), now).await?;
+        let (facts, plans) = (reading.facts(), reading.plans(&web.ledger).await?);
+        let rows = reading.rows;
+        Ok(Self { settings: settings.clone(), now, rows, facts, plans, nodes })
+    }
+
+    /// The version of the layout of each build that the board can draw.
+    async fn layouts(&self, web: &DashboardState) -> HandlerResult<BTreeMap<BuildId, String>> {
+        let mut layouts = BTreeMap::new();
+        for id in self.plans.iter().flat_map(drawn_builds) {
+            if let Some(build) = web.ledger.find_build(id).await? {
+                layouts.insert(id, layout_version(&build));
+            }
+        }
+        Ok(layouts)
+    }
+
+    /// The node of this page.
+    fn own_node(&self, web: &DashboardState) -> Option<&NodeRow> {
+        let mut nodes = self.nodes.iter().map(|listed| &listed.node);
+        nodes.find(|node| web.ledger.file().is_some() || node.name == self.settings.node.name)
+    }
+}
 
 /// The farm page.
 pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
-    let nodes = list_farm_nodes(&web.ledger).await?;
-    let (settings, now) = (web.current_settings(), Timestamp::now());
-    let reading = FarmReading::read(&web.ledger, settings.profiles.values(), now).await?;
-    let (status, machines) = (&reading.rows.statuses, &reading.rows.observed);
-    let daemon = nodes
-        .iter()
-        .map(|listed| &listed.node)
-        .find(|node| web.ledger.file().is_some() || node.name == settings.node.name);
-    let view = TimeView::at(&settings.time_zone, now);
-    let builds = MachineBuilds::read_for(&web, now).await?;
-    let (facts, at_risk) = (reading.facts(), dates_at_risk(reading.plans(&web.ledger).await?));
-    let mut cards = Vec::with_capacity(settings.profiles.len());
-    for ((name, profile), fact) in settings.profiles.iter().zip(&facts) {
-        let status = MachineStatus::of_machine(status, name);
-        let picture_html = picture::machine_picture(&web, &status).await?;
-        let card = MachineCard {
-            profile,
-            fact,
-            status: &status,
-            observed: reading.rows.observed(name),
-            nesting: find_builds(&web, status.nesting.iter().map(|build| build.build)).await?,
-            last: find_builds(&web, status.last_published.iter().map(|build| build.build)).await?.pop(),
-            at_risk: at_risk.iter().filter(|risk| risk.machine == *name).collect(),
-            usual_density: builds.usual.iter().find(|sum| sum.machine == *name).and_then(|sum| sum.mean_density),
-        };
-        cards.push(card.draw_card(&web, &picture_html, &view));
-    }
-    let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.machine));
-    let alerts = read_stored_alerts(&settings.state_dir);
-    let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
+    let read = FarmSight::read(&web).await?;
+    let (now, view) = (read.now, TimeView::at(&read.settings.time_zone, read.now));
+    let alerts = read_stored_alerts(&read.settings.state_dir);
+    let activity =
+        halt_summary(&alerts).unwrap_or_else(|| farm_summary(read.settings.profiles.len(), read.rows.statuses.iter()));
+    let risks = dates_at_risk(read.plans.clone());
+    let (runs, line) = daemon_line(read.own_node(&web), &activity, web.ledger.silence_hint(), now);
     let content = html! {
-        h1 { "Farm" }
-        (daemon_line(daemon, &activity, web.ledger.silence_hint(), now))
-        (nodes_section(&nodes, &view))
-        (machine_strip(&settings, status, &facts, now))
-        (needs_section(&web, &alerts, now).await?)
-        div.cards {
-            @for card in &cards { (card) }
+        div.farm-head { h1 { "Farm" } (figures(&read, &risks)) }
+        @if !runs { (line) }
+        div.urgent {
+            (needs_section(&web, &alerts, now).await?)
+            (risks_section(&risks, &view))
         }
-        @for status in gone {
-            p { "The machine " b { (status.machine) }
-                @match machines.iter().find(|observed| observed.machine == status.machine && !observed.node.is_empty()) {
-                    Some(observed) => { " is served by the node " (node_link(&nodes, &observed.node)) ": " }
-                    None => { " is no longer configured: " }
-                }
-                (count(status.waiting_parts, "part waits", "parts wait")) "." }
-        }
-        @if settings.profiles.is_empty() { p { "No machine is configured on this node." } }
+        (board(&web, &read, &view).await?)
+        (others(&read))
+        @if runs { (line) }
+        (nodes_section(&read.nodes, &view))
     };
     Ok(html_page("Farm", "/", Some("drop.js"), &content))
 }
 
-/// A line per machine, for a phone, where the cards come after what needs a person.
-fn machine_strip(settings: &Settings, statuses: &[MachineStatus], facts: &[MachineFact], now: Timestamp) -> Markup {
-    let line = |((name, profile), fact): ((&String, &MachineProfile), &MachineFact)| {
-        let status = statuses.iter().find(|status| status.machine == *name);
-        html! {
-            li { a href=(format!("#{name}")) { (name) } " " span.soft { (brief_state(profile, status, fact, now)) } }
+/// The plan stands on the farm page.
+pub(crate) async fn lead_to_board() -> Redirect {
+    Redirect::permanent("/")
+}
+
+/// The farm in numbers.
+fn figures(read: &FarmSight, risks: &[DateRisk]) -> Markup {
+    let printers: Vec<PrinterWord> =
+        read.facts.iter().flat_map(|fact| &fact.printers).map(|printer| printer.state).collect();
+    let print = printers.iter().filter(|word| **word == PrinterWord::Printing).count();
+    let waiting: u32 = read.rows.statuses.iter().map(|status| status.waiting_copies).sum();
+    let late = risks.iter().filter(|risk| risk.is_late).count();
+    let tone = |number: usize, tone: Tone| (number > 0).then_some(tone);
+    html! {
+        ul.figures {
+            (figure(&format!("{print} of {}", printers.len()), "printers print", None))
+            (figure(&waiting.to_string(), if waiting == 1 { "copy waits" } else { "copies wait" }, None))
+            (figure(&late.to_string(), "dates late", tone(late, Tone::Wrong)))
+            (figure(&(risks.len() - late).to_string(), "dates tight", tone(risks.len() - late, Tone::Tight)))
         }
+    }
+}
+
+/// The dates at risk, the earliest first.
+fn risks_section(risks: &[DateRisk], view: &TimeView) -> Markup {
+    let (shown, folded) = risks.split_at(risks.len().min(MAX_AT_RISK));
+    html! {
+        @if !shown.is_empty() {
+            section.risks #risks aria-label="Late, or at risk to be" {
+                h2 { "Late, or at risk to be" }
+                ul.rows { @for risk in shown { (risk_row(risk, view)) } }
+                @if !folded.is_empty() {
+                    details { summary { (count(folded.len() as u32, "more date", "more dates")) }
+                        ul.rows { @for risk in folded { (risk_row(risk, view)) } } }
+                }
+            }
+        }
+    }
+}
+
+fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
+    let part = || risk.numbers.first().map(|part| format!("/parts/{part}")).unwrap_or_default();
+    let page = if risk.order.is_empty() { part() } else { order_address(&risk.order) };
+    let due = GivenDate { due_at: risk.due_at, text: risk.due_text.clone() };
+    html! {
+        li { a.row href=(page) {
+            span.row-name { (risk.subject_text()) } (chip(risk.word()))
+            span.row-more { "due " (due_of(&due, view))
+                @if let Some(done) = risk.done_at { ", done about " (time_of(done, view)) }
+                span.why { ": " (risk.reason) } "." }
+        } }
+    }
+}
+
+/// The board.
+async fn board(web: &DashboardState, read: &FarmSight, view: &TimeView) -> HandlerResult<Markup> {
+    let layouts = read.layouts(web).await?;
+    let axis = TimeAxis::new(read.now, &read.settings.time_zone);
+    let setting = JobSetting { axis: &axis, view, layouts: &layouts };
+    let usual = HistoryQuery { since: read.now.checked_sub(USUAL_PERIOD).ok(), ..HistoryQuery::default() };
+    let usual = web.ledger.height_summaries(&usual).await?;
+    let nothing = MachineStatus::default();
+    let mut rows = Vec::new();
+    for ((profile, fact), plan) in read.settings.profiles.values().zip(&read.facts).zip(&read.plans) {
+        let own = |status: &&MachineStatus| status.machine == profile.name;
+        let status = read.rows.statuses.iter().find(own).unwrap_or(&nothing);
+        let last = match &status.last_published {
+            Some(last) => web.ledger.find_build(last.build).await?,
+            None => None,
+        };
+        rows.push(MachineRowOnBoard {
+            profile,
+            fact,
+            plan,
+            status,
+            observed: read.rows.observed(&profile.name),
+            last,
+            usual_density: usual.iter().find(|sum| sum.machine == profile.name).and_then(|sum| sum.mean_density),
+        });
+    }
+    rows.sort_by_key(MachineRowOnBoard::urgency);
+    let is_new = read.rows.statuses.iter().all(|status| status.last_published.is_none() && status.waiting_parts == 0)
+        && read.plans.iter().all(|plan| plan.builds.is_empty());
+    Ok(html! {
+        @if rows.is_empty() { (no_machine()) }
+        @else if is_new { (nothing_came(web.orders)) }
+        @if !rows.is_empty() {
+            section.board aria-label="Board" {
+                (axis.draw())
+                @for row in &rows { (row.draw(web, &setting)) }
+                (legend())
+            }
+        }
+    })
+}
+
+/// What the looks of the board mean.
+fn legend() -> Markup {
+    html! {
+        p.legend aria-hidden="true" {
+            span { i.solid {} "is printed" } span { i.outlined {} "is made, or lies in the queue" } span { i.dashed {} "is to come, if nothing more arrives" }
+            span { i.cool {} "cools" } span { i.closed {} "no print begins" }
+        }
+    }
+}
+
+fn no_machine() -> Markup {
+    let text = html! { "A machine is a file of a few lines: its volume, its clearance, its printers. " code { "nestd machine new" }
+    " writes it." };
+    empty(
+        "No machine is configured on this node",
+        &text,
+        &html! { a.button.first href="/help/administrator" { "How to add a machine" } },
+    )
+}
+
+fn nothing_came(takes_orders: bool) -> Markup {
+    let text = html! {
+        "Drop STL or 3MF files "
+        @if takes_orders { "on a machine below, or copy them " }
+        "into its hot folder. The farm collects them, nests them as low as it can and puts the build into the printer's queue."
     };
-    html! { ul.strip aria-label="Machines" { @for machine in settings.profiles.iter().zip(facts) { (line(machine)) } } }
+    empty("Nothing has come yet", &text, &html! { a.button.first href="/help/technician" { "How parts come in" } })
 }
 
-/// What the cards of all machines show of builds and due dates.
-struct MachineBuilds {
-    /// The builds of the last weeks.
-    usual: Vec<HeightSummary>,
-}
-
-impl MachineBuilds {
-    async fn read_for(web: &DashboardState, now: Timestamp) -> HandlerResult<Self> {
-        let usual = HistoryQuery { since: now.checked_sub(USUAL_PERIOD).ok(), ..HistoryQuery::default() };
-        Ok(Self { usual: web.ledger.height_summaries(&usual).await? })
+/// Machines that are not configured here, for which parts wait.
+fn others(read: &FarmSight) -> Markup {
+    let gone = read.rows.statuses.iter().filter(|status| !read.settings.profiles.contains_key(&status.machine));
+    let node = |name: &str| read.rows.observed(name).map(|observed| &observed.node).filter(|node| !node.is_empty());
+    html! {
+        @for status in gone {
+            p.elsewhere { "The machine " b { (status.machine) }
+                @match node(&status.machine) {
+                    Some(node) => { " is served by the node " (node_link(&read.nodes, node)) ": " }
+                    None => { " is no longer configured: " }
+                }
+                (count(status.waiting_parts, "part waits", "parts wait")) "." }
+        }
     }
-}
-
-/// The builds with these numbers.
-async fn find_builds(web: &DashboardState, ids: impl Iterator<Item = BuildId>) -> HandlerResult<Vec<BuildRow>> {
-    let mut found = Vec::new();
-    for id in ids {
-        found.extend(web.ledger.find_build(id).await?);
-    }
-    Ok(found)
 }
 
 /// The name of a node, with a link to its pages where it has any.
@@ -137,21 +266,24 @@ fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
     }
 }
 
-/// The state of the daemon. `activity` says what it does, according to the rows and alerts that the page shows.
-fn daemon_line(daemon: Option<&NodeRow>, activity: &str, silence_hint: &str, now: Timestamp) -> Markup {
-    match daemon {
+/// Whether the daemon runs, and its state. `activity` says what it does, according to the rows and alerts that the page shows.
+fn daemon_line(daemon: Option<&NodeRow>, activity: &str, silence_hint: &str, now: Timestamp) -> (bool, Markup) {
+    let line = match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
                 "The daemon runs on " (d.host) ", but has not written into the ledger for " (format_age(d.beat_at.0, now))
                 ": this page may be that old. " (silence_hint) "."
             }
         },
-        Some(d) if d.alive => html! {
-            p.ok.daemon { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (activity) "." }
-        },
+        Some(d) if d.alive => {
+            let text =
+                html! { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (activity) "." };
+            return (true, html! { p.ok.daemon { (text) } });
+        }
         Some(d) => html! {
             p.bad role="alert" { "The daemon does not run; its last sign of life was " (format_age(d.beat_at.0, now)) " ago." }
         },
         None => html! { p.bad role="alert" { "The daemon has not run yet." } },
-    }
+    };
+    (false, line)
 }

@@ -79,13 +79,31 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
 
 /// An alert with its buttons.
 fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts, now: Timestamp) -> Markup {
+    let (text, whole) = (text_without_paths(web, alert), alert.alert_text());
     html! {
         div.need {
-            p { b { (alert.alert_text()) } " " span.soft { "Since " (format_age(alert.since, now)) "." } }
+            p { b { (text) } " " span.soft { "Since " (format_age(alert.since, now)) "." } }
             (alert_buttons(web, alert, facts))
-            details { summary { "What to do" } p { (prose_with_code(alert.kind.remedy())) } }
+            details { summary { "What to do" }
+                p { (prose_with_code(alert.kind.remedy())) }
+                @if whole != text { p.soft { (whole) } }
+            }
         }
     }
+}
+
+/// What is wrong, with words in the place of the paths of the server.
+fn text_without_paths(web: &DashboardState, alert: &FarmAlert) -> String {
+    let (settings, text) = (web.current_settings(), alert.alert_text());
+    let Some(machine) = settings.profiles.get(&alert.machine) else { return text };
+    let queues = machine.printers.iter().map(|printer| (printer.queue.to_string(), "its queue folder"));
+    let folders = [
+        (&machine.folders.inbox, "its hot folder"),
+        (&machine.folders.error, "its error folder"),
+        (&machine.folders.archive, "its archive"),
+    ];
+    let folders = folders.map(|(folder, name)| (folder.display().to_string(), name)).into_iter().chain(queues);
+    folders.fold(text, |text, (path, name)| text.replace(&path, name))
 }
 
 /// The buttons and links that end an alert.
@@ -160,11 +178,11 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             }))
         }
         div.buttons {
-            a.button href=(format!("/parts?state=refused&machine={machine}")) { "All refused parts" }
+            a.button href=(format!("/parts?state=refused&machine={machine}")) { "All refused" }
             @if web.orders {
                 form.order method="post" action=(format!("/machines/{machine}/dismiss")) {
                     (key_field(web))
-                    button type="submit" { "Seen to: leave them there" span.unseen { " (" (machine) ")" } }
+                    button type="submit" { "Seen to" span.unseen { ": leave them there (" (machine) ")" } }
                 }
             }
         }

@@ -15,7 +15,7 @@ use crate::{
         base::{
             error::{HandlerError, HandlerResult},
             format::{count, prose_with_code},
-            listing::{fact_list, table_of},
+            listing::{fact_sheet, table_of},
             page::html_page,
             query::{order_address, parse_field, query_string},
         },
@@ -129,7 +129,7 @@ pub(crate) async fn show_part(
         @for question in PartQuestion::of_part(&part) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
         }
-        (fact_list(&part_facts(&part, part.wanted_copies().to_string(), &view), &view))
+        (fact_sheet(part_facts(&part, part.wanted_copies().to_string(), &view), &view))
         div.buttons {
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
                 (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))

@@ -23,6 +23,7 @@ use crate::{
             cache::RecentCache,
             client::ClientGate,
             client_limits::{ClientLimits, ClientRates},
+            compressed::compress_pages,
             connection_limits::{LimitedListener, RequestInProgress},
             error::HandlerError,
             listener::DashboardListener,
@@ -41,7 +42,7 @@ use crate::{
         },
         forms::{build_forms, order_forms, part_forms},
         help::pages as help,
-        pages::{build, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, plan, search},
+        pages::{build, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search},
     },
 };
 
@@ -133,7 +134,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/month", get(month::show_month))
         .route("/month.csv", get(month::download_csv))
         .route("/month.json", get(month::get_month))
-        .route("/plan", get(plan::show_plans))
+        .route("/plan", get(farm_page::lead_to_board))
         .route("/components", get(components::show_components))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
@@ -161,6 +162,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .layer(middleware::from_fn_with_state(web.clone(), sent_form::carry_out_once))
         .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
+        .layer(middleware::from_fn(compress_pages))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .with_state(web)
 }

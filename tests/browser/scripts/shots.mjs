@@ -2,10 +2,10 @@
 import { join } from "node:path";
 import { drawn, open } from "./browser.mjs";
 
-/** Waits until every picture of a page is there, also those that are loaded when they come into sight. */
+/** Waits until every picture of a page that has room is there, also those that are loaded when they come into sight. */
 async function pictured(page) {
   await page.evaluate(() => document.querySelectorAll("img").forEach((image) => { image.loading = "eager"; }));
-  await page.waitForFunction(() => [...document.images].every((image) => image.complete && image.naturalWidth > 0), null, { timeout: 60000 });
+  await page.waitForFunction(() => [...document.images].every((image) => image.getClientRects().length === 0 || image.complete && image.naturalWidth > 0), null, { timeout: 60000 });
 }
 
 /** A picture of each page, [name, address, width, scheme], in a folder. */

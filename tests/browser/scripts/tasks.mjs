@@ -33,9 +33,9 @@ const tasks = [
     assert.fail("no copy is under the pointer");
   }],
   ["what is late", 0, async (one) => {
-    const late = one.page.locator(".card .bad", { hasText: "Late, or at risk" });
-    assert.match(await late.innerText(), /late_part\.stl/);
-    return (await late.locator("li").first().innerText());
+    const late = one.page.getByRole("region", { name: "Late, or at risk to be" }).getByRole("link", { name: /late_part\.stl/ });
+    assert.match(await late.innerText(), /late[^]*due 15 Jan/);
+    return late.innerText();
   }],
   ["what failed, and print it again", 3, async (one) => {
     const failed = one.page.locator(".failed");
@@ -75,7 +75,7 @@ const tasks = [
     return line.locator("p").innerText();
   }],
   ["which machine is free tonight", 0, async (one) => {
-    const free = one.page.locator(".card", { has: one.page.locator(".state.free") }).locator("h2");
+    const free = one.page.locator(".machine h2", { has: one.page.locator(".chip", { hasText: /^free$/ }) });
     assert.ok(await free.count() >= 1);
     return (await free.allInnerTexts()).join(", ");
   }],

@@ -62,7 +62,7 @@ fn ask_faces(farm: &TestFarm) -> BTreeMap<&'static str, Said> {
         true => told.clone(),
         false => (text.to_owned(), doing.clone(), String::new()),
     };
-    let marked = page.contains(&format!("class=\"state {0}\">{0}<", told.0));
+    let marked = page.contains(&format!("<i></i>{}</span></h2>", told.0));
     BTreeMap::from([
         ("the JSON", told.clone()),
         ("nestd status --json", said_in(&command["machines"][0])),

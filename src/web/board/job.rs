@@ -1,0 +1,173 @@
+//! A build on the board: a bar on the time axis, on a phone an entry of a list. It says what the plan says.
+
+use std::collections::BTreeMap;
+
+use ledger::{BuildId, UtcTimestamp};
+use maud::{Markup, html};
+
+use super::axis::{AxisSpan, TimeAxis};
+use crate::{
+    farm::{DatesKept, PlanStage, PlannedBuild},
+    tables::TimeView,
+    web::{
+        base::format::count,
+        core::picture::small_picture,
+        look::{
+            chip::{Tone, chip, chip_of},
+            times::time_of,
+        },
+    },
+};
+
+/// What all builds of a board share.
+pub(crate) struct JobSetting<'a> {
+    pub(crate) axis: &'a TimeAxis,
+    pub(crate) view: &'a TimeView,
+    /// The version of the layout of each build that can be drawn.
+    pub(crate) layouts: &'a BTreeMap<BuildId, String>,
+}
+
+/// A build with its place on the axis.
+pub(crate) struct Job<'a> {
+    pub(crate) build: &'a PlannedBuild,
+    span: AxisSpan,
+}
+
+impl<'a> Job<'a> {
+    /// The build, if a part of it is on the axis.
+    pub(crate) fn on_axis(build: &'a PlannedBuild, axis: &TimeAxis, now: UtcTimestamp) -> Option<Self> {
+        build.printer.as_ref()?;
+        // What nobody told the end of occupies its printer until now.
+        let ends = if build.stage == PlanStage::Ended { build.ends_at?.max(now) } else { build.ends_at? };
+        let span = axis.span(build.begins_at?.0, ends.0)?;
+        Some(Self { build, span })
+    }
+
+    /// The bar.
+    pub(crate) fn draw(&self, setting: &JobSetting<'_>) -> Markup {
+        let build = self.build;
+        let cools = build.printed_at.zip(build.ends_at).and_then(|(from, to)| setting.axis.span(from.0, to.0));
+        let place = self.span.classes();
+        html! {
+            li class=(li_class(build)) {
+                i class=(format!("body {place}")) {}
+                @if let Some(cools) = cools { i class=(format!("cool {}", cools.classes())) {} }
+                (link(build, &place, setting))
+            }
+        }
+    }
+}
+
+/// A build that has no place on the axis: it comes later, or it is not known when.
+pub(crate) fn later_job(build: &PlannedBuild, setting: &JobSetting<'_>) -> Markup {
+    html! { li class=(li_class(build)) { (link(build, "", setting)) } }
+}
+
+fn li_class(build: &PlannedBuild) -> String {
+    let look = match build.stage {
+        PlanStage::Ended | PlanStage::Cooling | PlanStage::Printing => "solid",
+        PlanStage::Queued | PlanStage::Made => "outlined",
+        PlanStage::Open | PlanStage::Later => "dashed",
+    };
+    format!("{} {look}", dates_tone(build.dates).class())
+}
+
+/// The tone of a build: how it keeps its dates.
+fn dates_tone(dates: DatesKept) -> Tone {
+    match dates {
+        DatesKept::NoDate => Tone::Busy,
+        other => Tone::of_word(other.word()),
+    }
+}
+
+/// The entry, which leads to the page of the build if there is one.
+fn link(build: &PlannedBuild, place: &str, setting: &JobSetting<'_>) -> Markup {
+    let class = format!("job {place}");
+    let shown = shown(build, setting);
+    match build.build {
+        Some(number) => html! { a class=(class.trim_end()) href=(format!("/builds/{number}")) { (shown) } },
+        None => html! { span class=(class.trim_end()) { (shown) } },
+    }
+}
+
+/// What is seen of it, as far as there is room, and all of it in a sentence for who hears it.
+fn shown(build: &PlannedBuild, setting: &JobSetting<'_>) -> Markup {
+    let sentence = sentence(build, setting.view);
+    let picture =
+        build.build.filter(|_| build.is_nested).and_then(|number| Some((number, setting.layouts.get(&number)?)));
+    html! {
+        @if let Some((number, version)) = picture { (small_picture(number, version)) }
+        span.job-text aria-hidden="true" title=(sentence) {
+            span.job-name {
+                (dates_mark(build.dates))
+                @match build.build { Some(number) => b { span.narrow { "Build " } (number) }, None => b { "Next" } }
+                span.job-mm { " " (height(build)) }
+            }
+            span.job-more { (chip(build.stage.word(build.awaits_release))) " " span.job-when { (when(build, setting.view)) } }
+            @if build.dates != DatesKept::NoDate { span.job-dates { (dates_chip(build.dates)) } }
+        }
+        span.unseen { (sentence) }
+    }
+}
+
+/// The shape of how the dates are kept.
+fn dates_mark(dates: DatesKept) -> Markup {
+    html! { @if dates != DatesKept::NoDate { span class=(format!("mark {}", dates_tone(dates).class())) { i {} } } }
+}
+
+/// How the due dates are kept.
+pub(crate) fn dates_chip(dates: DatesKept) -> Markup {
+    let text = match dates {
+        DatesKept::Kept => "dates kept",
+        other => other.word(),
+    };
+    chip_of(dates_tone(dates), text)
+}
+
+fn height(build: &PlannedBuild) -> String {
+    match (build.is_nested, build.height_mm > 0.0) {
+        (true, _) => format!("{:.1} mm", build.height_mm),
+        (false, true) => format!("about {:.0} mm", build.height_mm),
+        (false, false) => String::new(),
+    }
+}
+
+/// When it comes to its next stage.
+fn when(build: &PlannedBuild, view: &TimeView) -> Markup {
+    let time = |at: UtcTimestamp| time_of(at, view);
+    html! {
+        @match (build.stage, build.printed_at, build.ends_at, build.fires_at, build.begins_at) {
+            (PlanStage::Ended, _, Some(ends), ..) => { "since " (time(ends)) }
+            (PlanStage::Cooling, _, Some(ends), ..) => { "until " (time(ends)) }
+            (PlanStage::Printing, Some(printed), ..) => { "until " (time(printed)) }
+            (PlanStage::Open | PlanStage::Later, _, _, Some(fires), Some(begins)) => { "fires " (time(fires)) ", begins " (time(begins)) }
+            (_, _, _, _, Some(begins)) => { "begins " (time(begins)) }
+            _ => "no time known yet",
+        }
+    }
+}
+
+/// All that is known of it.
+fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
+    let name = build.build.map_or_else(|| "A build to come".to_owned(), |number| format!("Build {number}"));
+    let printer = build.printer.as_ref().map_or_else(String::new, |printer| format!(" on {printer}"));
+    let time = |word: &str, at: Option<UtcTimestamp>| at.map(|at| format!("{word} {}", view.near_text(at)));
+    let begun = matches!(build.stage, PlanStage::Printing | PlanStage::Cooling | PlanStage::Ended);
+    let dates = match build.dates {
+        DatesKept::NoDate => None,
+        DatesKept::Kept => Some("its due dates are kept".to_owned()),
+        DatesKept::Tight => Some("a due date is tight".to_owned()),
+        DatesKept::Late => Some("a due date is late".to_owned()),
+    };
+    let pieces = [
+        Some(build.stage.word(build.awaits_release).to_owned()),
+        Some(height(build)).filter(|height| !height.is_empty()),
+        Some(count(build.copies, "copy", "copies")),
+        time("fires", build.fires_at),
+        time(if begun { "began" } else { "begins" }, build.begins_at),
+        time("printed", build.printed_at),
+        time("unpacked", build.ends_at),
+        dates,
+    ];
+    format!("{name}{printer}: {}.", pieces.into_iter().flatten().collect::<Vec<_>>().join(", "))
+}

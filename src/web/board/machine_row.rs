@@ -1,0 +1,283 @@
+//! A machine on the board: what it does, one click to what a person does next, and a lane with its builds for each printer.
+
+use std::collections::BTreeSet;
+
+use jiff::Timestamp;
+use ledger::{
+    BuildId, BuildRow, BuildState, CommandKind, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast,
+    UtcTimestamp,
+};
+use maud::{Markup, html};
+
+use super::{
+    axis::TimeAxis,
+    job::{Job, JobSetting, later_job},
+};
+use crate::{
+    farm::{MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, forecast_fire, held_text, night_text},
+    settings::MachineProfile,
+    tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
+    web::{
+        base::{format::count, listing::fact_list},
+        core::{command::command_button, state::DashboardState},
+        forms::drop_form::drop_form,
+        look::{
+            chip::chip,
+            times::{due_of, time_of},
+        },
+    },
+};
+
+/// Builds without a place on the axis that are shown at once.
+const MAX_LATER: usize = 3;
+
+/// What the board shows of a machine.
+pub(crate) struct MachineRowOnBoard<'a> {
+    pub(crate) profile: &'a MachineProfile,
+    pub(crate) fact: &'a MachineFact,
+    pub(crate) plan: &'a MachinePlan,
+    pub(crate) status: &'a MachineStatus,
+    /// As the daemon saw it last.
+    pub(crate) observed: Option<&'a MachineRow>,
+    /// The build that was published last.
+    pub(crate) last: Option<BuildRow>,
+    /// Mean density of its builds of the last weeks, 0..1.
+    pub(crate) usual_density: Option<f64>,
+}
+
+impl MachineRowOnBoard<'_> {
+    /// Machines in trouble come first: those that do nothing because of it, then those with dates that are late, or at risk.
+    pub(crate) fn urgency(&self) -> u8 {
+        match self.fact.state {
+            MachineWord::Unavailable | MachineWord::Down => 0,
+            MachineWord::Paused => 1,
+            _ if self.plan.risks.iter().any(|risk| risk.is_late) => 2,
+            MachineWord::Ended => 3,
+            _ if self.plan.builds.iter().any(|build| build.awaits_release) => 3,
+            _ if !self.plan.risks.is_empty() => 4,
+            _ => 5,
+        }
+    }
+
+    /// The row; the board asks for files to be dropped on it.
+    pub(crate) fn draw(&self, web: &DashboardState, setting: &JobSetting<'_>) -> Markup {
+        let (name, view) = (self.profile.name.as_str(), setting.view);
+        let now = view.now().unwrap_or_else(Timestamp::now);
+        let jobs: Vec<Job<'_>> =
+            self.plan.builds.iter().filter_map(|build| Job::on_axis(build, setting.axis, now.into())).collect();
+        html! {
+            section.machine id=(name) aria-label=(name) {
+                (self.head(web, view, now))
+                div.lanes {
+                    @for printer in &self.fact.printers { (self.lane(printer, &jobs, setting)) }
+                    (self.later(&jobs, setting))
+                }
+                div.machine-foot {
+                    (self.waiting(view, now))
+                    @for build in &self.status.nesting { (self.search_progress(build, now)) }
+                    div.folds {
+                        @if web.orders {
+                            details { summary { "Add files" span.unseen { " to " (name) } span.soft { ", or drop them here" } }
+                                (drop_form(web, self.profile, web.current_settings().limits.max_bytes)) }
+                        }
+                        details { summary { "Details" span.unseen { " of " (name) } } (self.details(view, now)) }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Its name, its state, and what a person does next.
+    fn head(&self, web: &DashboardState, view: &TimeView, now: Timestamp) -> Markup {
+        let (name, status) = (self.profile.name.as_str(), self.status);
+        html! {
+            div.machine-head {
+                h2 { (name) " " (chip(self.fact.state.word())) }
+                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now) { p.soft { "Free " (time_of(free, view)) } }
+                (machine_warnings(status, self.observed, view))
+                div.buttons {
+                    (self.next_step(web))
+                    @if web.orders && status.waiting_parts > 0 {
+                        a.button href=(format!("/machines/{name}/flush")) { "Flush" span.unseen { " " (name) ": see what would be built now" } }
+                    }
+                    @if status.paused.is_none() { (command_button(web, CommandKind::Pause, "Pause", name, name, None)) }
+                }
+            }
+        }
+    }
+
+    /// What a person does next with this machine, if anything.
+    fn next_step(&self, web: &DashboardState) -> Markup {
+        let name = self.profile.name.as_str();
+        let released = self.plan.builds.iter().find(|build| build.awaits_release).and_then(|build| build.build);
+        let at =
+            |stage: PlanStage| self.plan.builds.iter().find(|build| build.stage == stage).and_then(|build| build.build);
+        let told = [PlanStage::Ended, PlanStage::Cooling, PlanStage::Printing].into_iter().find_map(at);
+        html! {
+            @if self.status.paused.is_some() {
+                span.next-step { (command_button(web, CommandKind::Resume, "Resume", name, name, None)) }
+            } @else if let Some(build) = released {
+                a.button.first href=(format!("/builds/{build}#release")) { "Say yes to build " (build) }
+            }
+            @if let Some(build) = told {
+                a.button.first[at(PlanStage::Ended).is_some()] href=(format!("/builds/{build}#told")) { "Tell how build " (build) " printed" }
+            }
+        }
+    }
+
+    /// A printer and its builds in the order of time.
+    fn lane(&self, printer: &PrinterFact, jobs: &[Job<'_>], setting: &JobSetting<'_>) -> Markup {
+        let is_only = self.fact.printers.len() == 1;
+        let own = jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer));
+        let doing = if is_only { &self.fact.doing } else { &printer.doing };
+        html! {
+            div.lane {
+                p.lane-name {
+                    @if !is_only { b { (printer.printer) } " " (chip(printer.state.word())) " " }
+                    span.soft { (doing) "." }
+                }
+                div.track.down[printer.down.is_some()] {
+                    (self.closed(printer, setting.axis))
+                    (setting.axis.lines())
+                    ol.jobs aria-label=(format!("Builds of {}", printer.printer)) { @for job in own { (job.draw(setting)) } }
+                }
+            }
+        }
+    }
+
+    /// When no print begins.
+    fn closed(&self, printer: &PrinterFact, axis: &TimeAxis) -> Markup {
+        let rules = self.profile.printers.iter().find(|rules| rules.name == printer.printer);
+        let (from, to) = axis.ends();
+        let spans = rules.map(|rules| rules.closed_spans(from, to, &self.profile.time_zone)).unwrap_or_default();
+        html! { @for span in spans.iter().filter_map(|(from, to)| axis.span(*from, *to)) { i class=(format!("closed {}", span.classes())) {} } }
+    }
+
+    /// The builds that have no place on the axis.
+    fn later(&self, jobs: &[Job<'_>], setting: &JobSetting<'_>) -> Markup {
+        let on_axis: BTreeSet<*const _> = jobs.iter().map(|job| std::ptr::from_ref(job.build)).collect();
+        let later: Vec<_> =
+            self.plan.builds.iter().filter(|build| !on_axis.contains(&std::ptr::from_ref(*build))).collect();
+        let (shown, folded) = later.split_at(later.len().min(MAX_LATER));
+        html! {
+            @if !shown.is_empty() {
+                ol.jobs.later aria-label=(format!("Later builds of {}", self.profile.name)) { @for build in shown { (later_job(build, setting)) } }
+            }
+            @if !folded.is_empty() {
+                details { summary { (count(folded.len() as u32, "more build", "more builds")) }
+                    ol.jobs.later { @for build in folded { (later_job(build, setting)) } } }
+            }
+        }
+    }
+
+    /// What waits, what the open build is like, and when it fires.
+    fn waiting(&self, view: &TimeView, now: Timestamp) -> Markup {
+        let status = self.status;
+        let machine = MachineForecast::new(status.clone(), Some(self.profile), self.fact.clone(), now);
+        let fires = forecast_fire(self.profile, status, now);
+        html! {
+            p.waiting {
+                @if status.waiting_parts == 0 { span.soft { "Nothing waits." } }
+                @else { span { "Waiting: " b { (count(status.waiting_copies, "copy", "copies")) } " of " (count(status.waiting_parts, "part", "parts"))
+                    @if let Some(due) = GivenDate::new(status.due_at, &status.due_text) { ", the first due " (due_of(&due, view)) } } }
+                @if let Some(open) = machine.forecast_build() { (self.open_build(open)) }
+                @if let Some(fires) = fires {
+                    span { "Fires " b { @if fires.at <= now { "now" } @else { (time_of(UtcTimestamp(fires.at), view)) } }
+                        @if fires.at < fires.latest { " if nothing more arrives" }
+                        ": " (fires.fire_reason(self.profile, status)) }
+                }
+                @if let Some(held) = held_text(self.profile, status) { span { "It waits: " (held) } }
+                @if status.refused_parts > 0 {
+                    a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.label) ": " (status.refused_parts) }
+                }
+            }
+        }
+    }
+
+    /// How high and how dense the open build is.
+    fn open_build(&self, open: &OpenBuildForecast) -> Markup {
+        let volume_z_mm = self.profile.space.volume_mm.z;
+        let share = open.height_mm.map(|height| 100.0 * height / volume_z_mm);
+        let usual = self.usual_density.and_then(|density| fields::DENSITY.with_unit(density));
+        html! {
+            span { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "
+                @if let Some(height) = fields::HEIGHT.with_unit(open.height_mm) { b { (height) } " of " (volume_z_mm) " mm, " }
+                @if let Some(density) = fields::DENSITY.with_unit(open.density) { (density) " dense" }
+                @if let Some(usual) = usual { " (usual: " (usual) ")" }
+                ", " (count(open.copies.unwrap_or(0), "copy", "copies"))
+                @if let Some(share) = share {
+                    " " meter min="0" max="100" value=(format!("{share:.1}")) aria-label=(format!("Height used by the open build of {}: {share:.0} %", self.profile.name)) {}
+                }
+            }
+        }
+    }
+
+    /// How far the search for a build is.
+    fn search_progress(&self, build: &NestingBuild, now: Timestamp) -> Markup {
+        let limit_secs = self.profile.search.final_secs;
+        let spent_secs = build.nesting_at.map(|at| now.duration_since(at.0).as_secs_f64().clamp(0.0, limit_secs));
+        let is_searching = build.state == BuildState::Nesting;
+        html! {
+            p.making { "Build " a href=(format!("/builds/{}", build.build)) { (build.build) }
+                @if is_searching { " is searched" } @else { " is proved and goes to the queue" }
+                ": " (count(build.copies, "copy", "copies"))
+                @if let (true, Some(spent)) = (is_searching, spent_secs) {
+                    ", " (format!("{spent:.0} of {limit_secs:.0} s"))
+                    @if spent < limit_secs { " " progress max=(limit_secs) value=(format!("{spent:.0}")) aria-label=(format!("Search for build {}", build.build)) {} }
+                } }
+        }
+    }
+
+    /// What only some want to know.
+    fn details(&self, view: &TimeView, now: Timestamp) -> Markup {
+        let machine = MachineForecast::new(self.status.clone(), Some(self.profile), self.fact.clone(), now);
+        html! {
+            (fact_list(&more_facts(&machine, view), view))
+            (self.last_outcome(view))
+            @for note in plan_notes(self.plan, view) { p { (note) } }
+        }
+    }
+
+    /// What became of the build that was published last.
+    fn last_outcome(&self, view: &TimeView) -> Markup {
+        html! {
+            @if let Some(last) = &self.last {
+                p { (fields::LAST_PUBLISHED.label) ": build " a href=(format!("/builds/{}", last.id)) { (last.id) }
+                    @if let Some(height) = fields::HEIGHT.with_unit(last.measures.height_mm) { ", " (height) }
+                    @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { ", " (density) " dense" }
+                    @if let Some(at) = last.times.published_at { ", " (time_of(at, view)) }
+                    " " (chip(&last.state_word())) }
+            }
+        }
+    }
+}
+
+/// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
+fn machine_warnings(status: &MachineStatus, observed: Option<&MachineRow>, view: &TimeView) -> Markup {
+    html! {
+        @if let Some(paused) = &status.paused {
+            p.bad role="status" { "Paused by " (paused.paused_by) " since " (time_of(paused.paused_at, view)) ": nothing is fired." }
+        }
+        @if let Some(observed) = observed.filter(|observed| !observed.trouble.is_empty()) {
+            p.bad role="status" { "Unavailable"
+                @if let Some(at) = observed.trouble_at { ", since " (time_of(at, view)) }
+                ": " (observed.trouble) }
+        }
+    }
+}
+
+/// What waits for a machine, beside what its row says.
+fn more_facts(machine: &MachineForecast, view: &TimeView) -> Vec<SheetFact> {
+    let status = &machine.status;
+    let lines = [
+        fields::OLDEST.fact(view.now().and_then(|now| machine.oldest(now))),
+        fields::WHILE_IT_WAITS.fact(machine.forecast_build().and_then(night_text)),
+        (status.claimed_parts > 0).then(|| fields::BEING_READ.fact_of(count(status.claimed_parts, "file", "files"))),
+    ];
+    lines.into_iter().flatten().collect()
+}
+
+/// The builds of a plan that can be drawn.
+pub(crate) fn drawn_builds(plan: &MachinePlan) -> impl Iterator<Item = BuildId> {
+    plan.builds.iter().filter(|build| build.is_nested).filter_map(|build| build.build)
+}

@@ -20,7 +20,7 @@ pub enum QueueError {
     #[error("{0:?} is not a valid name for a file in the queue")]
     InvalidName(String),
     /// Another file with that name is in the queue; nothing was overwritten.
-    #[error("{} is in the queue already and is another file", .0.display())]
+    #[error("{} is another file and has the name of the build: take it out", .0.display())]
     NameTaken(PathBuf),
     /// The writer failed; no file is left behind.
     #[error("cannot write {}", .path.display())]

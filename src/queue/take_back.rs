@@ -23,9 +23,8 @@ impl QueueFolder {
         step();
         match rename_noreplace(&visible, &withdrawn) {
             Ok(()) => {}
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                return Err(QueueError::NameTaken(withdrawn));
-            }
+            // It was taken back before. What lies under its name now is a second file, and stays there.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             // Also where a share carried out the rename, lost the answer and tried again.
             Err(_) if !path_exists(&visible)? => {}
             Err(error) => return Err(io_error("take back", &visible)(error)),

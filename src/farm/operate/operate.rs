@@ -11,7 +11,7 @@ use crate::{
         printers::printers::fate_of_queued,
         scanning::{
             machine_fit::find_misfit,
-            queue_contents::{ContentReader, VisibleFiles, is_proved},
+            queue_contents::{BuildFiles, ContentReader, SoughtFile, VisibleFile, is_proved},
         },
     },
     queue::{OpenQueue, QueueAddress},
@@ -88,13 +88,15 @@ async fn see_file(
     build: BuildRow,
     word: &OperatorWord,
 ) -> Result<Option<SeenFile>, LedgerError> {
-    let FileLook { place: seen, others } = look_for_file(settings, &build).await;
+    let second = ledger.second_files(build.id).await?;
+    let is_second = !second.is_empty();
+    let FileLook { place: seen, others } = look_for_file(settings, &build, second).await;
     if let QueuePlace::Visible { printer, queue_id, .. } = &seen {
         ledger.record_back_in_queue(build.id, printer, queue_id).await?;
     }
     if !others.is_empty() {
         let own = if let QueuePlace::Visible { printer, .. } = seen { Some(printer) } else { None };
-        return Ok(Some(SeenFile::Copied { own, others }));
+        return Ok(Some(SeenFile::Copied { own, is_second, others }));
     }
     let place = &build.place;
     let is_out = match seen {
@@ -115,13 +117,13 @@ async fn see_file(
 }
 
 /// Looks into the queues of the machine of a build.
-async fn look_for_file(settings: &Settings, build: &BuildRow) -> FileLook {
+async fn look_for_file(settings: &Settings, build: &BuildRow, second: Vec<String>) -> FileLook {
     let unknown = FileLook { place: QueuePlace::Unknown, others: Vec::new() };
     let Some(profile) = settings.profiles.get(&build.machine) else { return unknown };
     let queues: Vec<(String, QueueAddress)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
     let build = build.clone();
-    let look = tokio::task::spawn_blocking(move || look_into(&queues, &build));
+    let look = tokio::task::spawn_blocking(move || look_into(&queues, &build, &second));
     match tokio::time::timeout(LOOK_TIMEOUT, look).await {
         Ok(Ok(Some(seen))) => seen,
         _ => unknown,
@@ -129,16 +131,17 @@ async fn look_for_file(settings: &Settings, build: &BuildRow) -> FileLook {
 }
 
 /// `None` = the build was never written.
-fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow) -> Option<FileLook> {
-    let name = build.staged.file_name.as_deref()?;
+fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow, second: &[String]) -> Option<FileLook> {
+    let sought = SoughtFile::of(build, second)?;
+    let name = sought.name;
     let find = |(printer, queue): &(String, QueueAddress)| Some((printer.clone(), queue.find()?));
     let queues: Vec<(String, OpenQueue)> = printers.iter().filter_map(find).collect();
-    let own_id = build.staged.queue_id.as_deref();
-    let published_in = queues.iter().find(|(_, queue)| Some(queue.id()) == own_id);
+    let published_in = queues.iter().find(|(_, queue)| Some(queue.id()) == sought.queue_id);
     // Before and after: it may come or go meanwhile.
     let was_withdrawn = published_in.is_some_and(|(_, queue)| queue.holds_taken_back(name));
-    let VisibleFiles { own, others } = VisibleFiles::find(&queues, name, own_id);
-    if let Some((printer, queue)) = own {
+    let files = BuildFiles::find(&queues, &sought);
+    let others = files.other_places();
+    if let Some(VisibleFile { printer, queue, .. }) = files.own {
         let mut reader = ContentReader::new(1);
         let is_proved = queue.stamp(name).is_none_or(|stamp| is_proved(build, (&*queue, name, stamp), &mut reader));
         let place = QueuePlace::Visible { printer, queue_id: queue.id().to_owned(), is_proved };

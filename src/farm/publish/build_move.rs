@@ -7,7 +7,7 @@ use super::taken_file::TakeBackTarget;
 use crate::{
     farm::{
         core::{desks::Building, machine_state::MachineState},
-        printers::printers::choose_for_build,
+        printers::printers::{choose_for_build, usable_printers},
         scanning::machine_fit::find_misfit,
     },
     queue::OpenQueue,
@@ -50,18 +50,18 @@ pub(super) async fn find_other_printer(
             };
             let machine = &desk.machines[&build.machine];
             let chosen = open_queue(machine, &printer);
-            if before.as_ref() != Some(&printer) {
-                abandoned = before.and_then(|before| open_queue(machine, &before));
+            if let Some(before) = before.filter(|before| *before != printer) {
+                abandoned = open_queue(machine, &before);
                 desk.shared.ledger.begin_move(build.id, &printer).await?;
                 build = desk.shared.ledger.find_build(build.id).await?.context("its row is gone")?;
             }
             chosen
         }
     };
-    if build.place.move_to.is_none() {
-        return Ok(None);
-    }
     let Some(queue) = target else {
+        if build.place.move_to.is_none() {
+            return Ok(None);
+        }
         ensure!(
             source.is_none(),
             "the queue folder that it goes to is not available; where its printer was removed from the machine's file, configure \
@@ -73,7 +73,8 @@ pub(super) async fn find_other_printer(
     };
     // Without a queue of origin, it is only removed from the other one.
     let source = source.unwrap_or_else(|| queue.clone());
-    Ok(Some((build, source, TakeBackTarget::Printer { queue, abandoned, misfit })))
+    let usable = usable_printers(&desk.machines[&build.machine]).into_iter().map(str::to_owned).collect();
+    Ok(Some((build, source, TakeBackTarget::Printer { queue, usable, abandoned, misfit })))
 }
 
 /// Fails unless a move can be ended without the queue where the build was published: if that is no printer's any more, and the outcome

@@ -20,7 +20,7 @@ use crate::{
         },
         scanning::machine_fit::find_misfit,
     },
-    queue::PublishOutcome,
+    queue::{PublishOutcome, QueueError},
 };
 
 /// Takes a verified build one step further into the queue.
@@ -169,10 +169,12 @@ async fn report_publish_failure(desk: &mut Building<'_>, id: BuildId, failure: &
     desk.nesting.backoff.record_failure(id);
     let machine = desk.shared.ledger.find_build(id).await?.map(|b| b.machine).unwrap_or_default();
     let about = format!("build {id}");
-    match failure.downcast_ref::<QueueReplacedError>() {
-        Some(replaced) => {
-            desk.shared.alerts.raise(AlertKind::QueueReplaced, &machine, &about, &format!("{about}: {replaced}"));
-        }
+    let kind = match failure.downcast_ref::<QueueError>() {
+        Some(QueueError::NameTaken(_)) => Some(AlertKind::QueueAltered),
+        _ => failure.is::<QueueReplacedError>().then_some(AlertKind::QueueReplaced),
+    };
+    match kind {
+        Some(kind) => desk.shared.alerts.raise(kind, &machine, &about, &format!("{about}: {failure}")),
         None => desk.shared.report_failure(AlertKind::PublishingFails, &machine, &about, failure),
     }
     Ok(())
@@ -182,7 +184,7 @@ async fn on_build_published(desk: &mut Building<'_>, id: BuildId, published: Pub
     desk.shared.ledger.publish_build(id).await?;
     desk.nesting.backoff.record_success(&id);
     let Some(build) = desk.shared.ledger.find_build(id).await? else { return Ok(()) };
-    for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
+    for kind in [AlertKind::QueueReplaced, AlertKind::QueueAltered, AlertKind::PublishingFails] {
         desk.shared.alerts.clear(kind, &build.machine, &format!("build {id}"));
     }
     let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;

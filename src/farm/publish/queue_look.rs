@@ -16,7 +16,10 @@ use crate::{
         core::{desks::Serving, farm::Farm, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
         printers::queue_alerts::report_wrong_files,
-        scanning::queue_files::{QueueFileFindings, QueueFileLook},
+        scanning::{
+            queue_contents::{BuildFiles, SoughtFile},
+            queue_files::{QueueFileFindings, QueueFileLook},
+        },
     },
     queue::{FileState, OpenQueue, PrinterQueue},
     settings::MachineProfile,
@@ -66,6 +69,10 @@ impl BackgroundJob<Farm> for QueueLookJob {
                 info!(build.id = %build.id, machine = %self.machine, "The file of build {} lies in the queue of {printer} again.", build.id);
                 desk.shared.ledger.record_back_in_queue(build.id, &printer, &queue_id).await?;
             }
+            for (build, place) in files.second {
+                info!(build.id = %build, machine = %self.machine, "A second file of build {build} lies in a queue: {place}.");
+                desk.shared.ledger.record_second_file(build, &place).await?;
+            }
             report_wrong_files(desk.shared.alerts, &self.machine, &files.wrong);
         }
         Ok(())
@@ -76,6 +83,7 @@ impl BackgroundJob<Farm> for QueueLookJob {
 pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
     for (name, machine) in desk.machines.iter() {
         let wanted = desk.shared.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
+        let copied = desk.shared.ledger.builds_with_second_files(name, MAX_LOOKED_FOR).await?;
         let look = QueueLook {
             profile: machine.profile.clone(),
             queues: machine.printers.open_queues(),
@@ -85,7 +93,7 @@ pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
         };
         report_removed_printers(desk.shared.alerts, &machine.printers, name, &wanted);
         if !look.queues.is_empty() {
-            desk.jobs.start(QueueLookJob { machine: name.clone() }, move || look.look_for(wanted));
+            desk.jobs.start(QueueLookJob { machine: name.clone() }, move || look.look_for(wanted, &copied));
         }
     }
     Ok(())
@@ -127,8 +135,15 @@ struct QueueLook {
 }
 
 impl QueueLook {
-    fn look_for(&self, wanted: Vec<QueuedBuild>) -> QueueFindings {
-        let mut found = QueueFindings { files: self.look_at_files(), ..QueueFindings::default() };
+    fn look_for(&self, wanted: Vec<QueuedBuild>, copied: &[BuildRow]) -> QueueFindings {
+        let files = match self.look_at_files(copied) {
+            Ok(files) => Some(files),
+            Err(failure) => {
+                warn!(machine = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
+                None
+            }
+        };
+        let mut found = QueueFindings { files, ..QueueFindings::default() };
         for build in wanted {
             let own = self.queues.iter().find(|(_, queue)| Some(queue.id()) == build.queue_id.as_deref());
             // Another folder than the one that it was published in says nothing.
@@ -136,19 +151,20 @@ impl QueueLook {
             if !matches!(own.state(&file), Ok(FileState::Gone)) {
                 continue;
             }
-            let is_visible = |(_, queue): &&(String, OpenQueue)| matches!(queue.state(&file), Ok(FileState::Visible));
-            match self.queues.iter().find(is_visible) {
-                Some((printer, queue)) => {
+            let Ok(second) = self.second_files(build.build) else { continue };
+            let sought = SoughtFile { name: &file, queue_id: build.queue_id.as_deref(), second: &second };
+            match BuildFiles::find_named(&self.queues, &sought) {
+                BuildFiles { own: Some(there), .. } => {
                     let place = FoundPlace {
-                        printer: printer.clone(),
-                        queue_id: queue.id().to_owned(),
+                        printer: there.printer,
+                        queue_id: there.queue.id().to_owned(),
                         instead_of: build.queue_id,
                         is_taken_back: false,
                     };
                     found.elsewhere.push((build.build, place));
                 }
-                None if self.queues.iter().any(|(_, queue)| queue.holds_taken_back(&file)) => {}
-                None => found.taken.push((build.build, own.id().to_owned())),
+                BuildFiles { taken_back: Some(_), .. } => {}
+                _ => found.taken.push((build.build, own.id().to_owned())),
             }
         }
         for (printer, queue) in &self.queues {
@@ -165,21 +181,21 @@ impl QueueLook {
         found
     }
 
+    fn second_files(&self, build: BuildId) -> Result<Vec<String>> {
+        Ok(self.runtime.block_on(self.ledger.second_files(build))?)
+    }
+
     /// Looks at the visible files.
-    fn look_at_files(&self) -> Option<QueueFileFindings> {
+    fn look_at_files(&self, copied: &[BuildRow]) -> Result<QueueFileFindings> {
         let look = QueueFileLook {
             profile: &self.profile,
             queues: &self.queues,
             find_build: &|name| Ok(self.runtime.block_on(self.ledger.find_build_of_file(name))?),
             has_bad_copies: &|build| Ok(self.runtime.block_on(self.ledger.has_bad_copies(build.id))?),
+            second_files: &|build| self.second_files(build.id),
+            copied,
         };
-        match look.look() {
-            Ok(found) => Some(found),
-            Err(failure) => {
-                warn!(machine = %self.profile.name, "The files in the queues are looked at later: {failure:#}.");
-                None
-            }
-        }
+        look.look()
     }
 
     /// A file that was taken back belongs to a move or a withdrawal. Where the ledger knows of none, a file that is there was not printed: it goes

@@ -79,7 +79,8 @@ async fn start(desk: &mut Building<'_>, build: BuildRow) -> Result<()> {
     let Some((build, source, target)) = found else { return Ok(()) };
     let machine = &desk.machines[&build.machine];
     let (queues, leases, ledger) = (machine.printers.open_queues(), machine.leases.clone(), desk.shared.ledger.clone());
-    let file = TakenFile { build, source, target, queues, leases, ledger, runtime: Handle::current() };
+    let second = ledger.second_files(build.id).await?;
+    let file = TakenFile { build, second, source, target, queues, leases, ledger, runtime: Handle::current() };
     desk.jobs.start(TakeBackJob { build: file.build.id }, move || file.go_on());
     Ok(())
 }
@@ -168,7 +169,16 @@ async fn commit_step(desk: &mut Building<'_>, build: &BuildRow, step: TakeBackSt
             }
             return Ok(NextStep::AtOnce);
         }
-        TakeBackStep::Staged(queue_id) => match ledger.record_move(id, &queue_id).await {
+        TakeBackStep::Free(printer) => match ledger.begin_move(id, &printer).await {
+            Ok(()) | Err(LedgerError::WrongState { .. }) => return Ok(NextStep::AtOnce),
+            Err(failure) => return Err(failure.into()),
+        },
+        TakeBackStep::Held => {
+            desk.nesting.backoff.record_failure(id);
+            desk.shared.alerts.clear(AlertKind::PublishingFails, machine, &format!("build {id}"));
+            return Ok(NextStep::Later);
+        }
+        TakeBackStep::Staged { printer, queue_id } => match ledger.record_move(id, &printer, &queue_id).await {
             // Where its outcome was told meanwhile, the next step drops it.
             Ok(()) | Err(LedgerError::WrongState { .. }) => return Ok(NextStep::AtOnce),
             Err(failure) => return Err(failure.into()),

@@ -14,7 +14,7 @@ use crate::{
             build_record::note_withdrawn,
             staged_build::{has_hash, is_of_hash},
         },
-        scanning::queue_contents::VisibleFiles,
+        scanning::queue_contents::{BuildFiles, SoughtFile, VisibleFile},
     },
     queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome},
 };
@@ -32,6 +32,8 @@ pub(super) enum TakeBackTarget {
     Printer {
         /// Its queue.
         queue: OpenQueue,
+        /// The printers that can be used.
+        usable: Vec<String>,
         /// The queue that it was to go to before another one was chosen.
         abandoned: Option<OpenQueue>,
         /// Why it does not fit its machine any more; `None` = it does.
@@ -54,8 +56,12 @@ pub(crate) enum TakeBackStep {
     TakenBack,
     /// It is in no queue any more.
     Removed,
-    /// All of it is staged in the queue with this id.
-    Staged(String),
+    /// Nothing keeps it from going to this printer.
+    Free(String),
+    /// Second files of it lie in queues, or lay there: it goes nowhere before a person has looked, which the look into the queues tells.
+    Held,
+    /// All of it is in the queue of a printer, with this id: staged by nestd, or visible, where a person copied it there.
+    Staged { printer: String, queue_id: String },
     /// It is visible at the other printer, or was.
     Published,
     /// Its outcome was told meanwhile, but the other printer has taken it.
@@ -65,6 +71,8 @@ pub(crate) enum TakeBackStep {
 /// A file that is taken back.
 pub(super) struct TakenFile {
     pub(super) build: BuildRow,
+    /// Where second files of it were seen.
+    pub(super) second: Vec<String>,
     /// The queue where it was published.
     pub(super) source: OpenQueue,
     pub(super) target: TakeBackTarget,
@@ -93,13 +101,9 @@ impl TakenFile {
                 self.source.remove_taken_back(name)?;
                 Ok(TakeBackStep::Removed)
             }
-            TakeBackTarget::Printer { queue, abandoned, misfit } => {
+            TakeBackTarget::Printer { queue, usable, abandoned, misfit } => {
                 match (self.build.place.move_queue_id.is_some(), self.build.state == BuildState::Published) {
-                    (false, true) => match self.take_back(name)? {
-                        None => self.stage(name, (queue, abandoned.as_ref(), misfit.as_deref())),
-                        Some(TakeBackStep::Altered) => bail!(self.not_proved_text()),
-                        Some(step) => Ok(step),
-                    },
+                    (false, true) => self.move_to(name, (queue, usable), (abandoned.as_ref(), misfit.as_deref())),
                     (true, true) => self.publish(name, queue, misfit.as_deref()),
                     (_, false) => self.drop_file(name, queue),
                 }
@@ -135,8 +139,12 @@ impl TakenFile {
         if self.source.holds_taken_back(name) {
             return None;
         }
-        let others = VisibleFiles::find(&self.queues, name, Some(self.source.id())).others;
+        let others = BuildFiles::find(&self.queues, &self.sought(name)).other_places();
         (!others.is_empty()).then(|| others.join(", "))
+    }
+
+    fn sought<'f>(&'f self, name: &'f str) -> SoughtFile<'f> {
+        SoughtFile { name, queue_id: Some(self.source.id()), second: &self.second }
     }
 
     fn proved_hash(&self) -> Result<&str> {
@@ -144,15 +152,69 @@ impl TakenFile {
     }
 
     fn find_elsewhere(&self, name: &str) -> Option<FoundPlace> {
-        let lies_in =
-            |queue: &OpenQueue| matches!(queue.state(name), Ok(FileState::Visible)) || queue.holds_taken_back(name);
-        let (printer, queue) = self.queues.iter().find(|(_, queue)| lies_in(queue))?;
+        let BuildFiles { own, taken_back, .. } = BuildFiles::find_named(&self.queues, &self.sought(name));
+        let (printer, queue) = own.map(|own| (own.printer, own.queue)).or(taken_back)?;
         Some(FoundPlace {
-            printer: printer.clone(),
+            printer,
             queue_id: queue.id().to_owned(),
             instead_of: self.build.staged.queue_id.clone(),
             is_taken_back: false,
         })
+    }
+
+    /// Takes the file back and stages it in the queue of the other printer. Where a person has copied it to a printer, that copy is the
+    /// moved one.
+    fn move_to(
+        &self,
+        name: &str,
+        (target, usable): (&OpenQueue, &[String]),
+        (abandoned, misfit): (Option<&OpenQueue>, Option<&str>),
+    ) -> Result<TakeBackStep> {
+        let files = BuildFiles::find(&self.queues, &SoughtFile { second: &[], ..self.sought(name) });
+        let is_taken_back = self.source.holds_taken_back(name);
+        let is_own = |file: &&VisibleFile| file.name == name && file.queue.id() == self.source.id() && !is_taken_back;
+        let (own, others): (Vec<&VisibleFile>, Vec<_>) = files.own.iter().chain(&files.others).partition(is_own);
+        let copied = match others[..] {
+            // Its printer took it, or it is elsewhere.
+            _ if own.is_empty() && !is_taken_back => None,
+            [] if self.second.is_empty() => None,
+            [file] if self.is_moved_by_hand(file, usable)? => Some(file),
+            _ => return Ok(TakeBackStep::Held),
+        };
+        if let Some(file) = copied {
+            self.runtime.block_on(self.ledger.record_second_file(self.build.id, &file.to_string()))?;
+        }
+        if self.build.place.move_to.is_none() {
+            let printer = copied.map(|file| file.printer.clone()).or_else(|| self.printer_of(target));
+            return Ok(printer.map_or(TakeBackStep::Held, TakeBackStep::Free));
+        }
+        match (self.take_back(name)?, copied) {
+            (None, Some(file)) => {
+                for queue in [Some(target), abandoned].into_iter().flatten() {
+                    discard_staged(&**queue, name)?;
+                }
+                file.queue.discard(name)?;
+                Ok(TakeBackStep::Staged { printer: file.printer.clone(), queue_id: file.queue.id().to_owned() })
+            }
+            (None, None) => self.stage(name, (target, abandoned, misfit)),
+            // It was there a moment ago: that one was not moved by hand.
+            (Some(TakeBackStep::Elsewhere(_)), Some(_)) => Ok(TakeBackStep::Taken),
+            (Some(TakeBackStep::Altered), _) => bail!(self.not_proved_text()),
+            (Some(step), _) => Ok(step),
+        }
+    }
+
+    /// Whether a second file is the only one that was ever seen, is the proved one, and lies where it can be printed.
+    fn is_moved_by_hand(&self, file: &VisibleFile, usable: &[String]) -> Result<bool> {
+        let is_known = self.second.iter().all(|place| *place == file.to_string());
+        Ok(is_known
+            && Some(&file.name) == self.build.staged.file_name.as_ref()
+            && usable.contains(&file.printer)
+            && has_hash(&file.queue.file(&file.name, FileState::Visible)?, self.proved_hash()?)?)
+    }
+
+    fn printer_of(&self, queue: &OpenQueue) -> Option<String> {
+        self.queues.iter().find(|(_, other)| other.id() == queue.id()).map(|(printer, _)| printer.clone())
     }
 
     /// Stages what was taken back in the queue of the other printer.
@@ -171,12 +233,16 @@ impl TakenFile {
         if let Some(abandoned) = abandoned {
             discard_staged(&**abandoned, name)?;
         }
-        target.stage_taken_back(&*self.source, name)?;
+        if let Err(failure) = target.stage_taken_back(&*self.source, name) {
+            target.discard(name)?;
+            return Err(failure.into());
+        }
         if !has_hash(&target.file(name, FileState::Staged)?, self.proved_hash()?)? {
             target.discard(name)?;
             bail!(self.not_proved_text());
         }
-        Ok(TakeBackStep::Staged(target.id().to_owned()))
+        let printer = self.printer_of(target).context("the queue is no printer's")?;
+        Ok(TakeBackStep::Staged { printer, queue_id: target.id().to_owned() })
     }
 
     fn not_proved_text(&self) -> String {
@@ -195,6 +261,9 @@ impl TakenFile {
                  reload nestd; then `nestd withdraw {}`, and change the file again",
                 self.build.id
             );
+        }
+        if target.state(name)? == FileState::Staged && (target.stamp(name).is_some() || !self.second.is_empty()) {
+            return Ok(TakeBackStep::Held);
         }
         // First, so that what was taken back is never there when it may be visible at the other printer.
         self.source.remove_taken_back(name)?;

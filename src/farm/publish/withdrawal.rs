@@ -31,6 +31,9 @@ pub(crate) async fn consider_withdrawal(
     }
     let Some(queued) = shared.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
     let Some(build) = shared.ledger.find_build(queued.build).await? else { return Ok(()) };
+    if !shared.ledger.second_files(build.id).await?.is_empty() {
+        return Ok(());
+    }
     let taken_back = shared.ledger.builds_to_take_back(name).await?;
     let is_ending = taken_back.iter().any(|build| build.place.withdraw_by.is_some())
         || shared.ledger.withdrawn_for_open(name).await?.is_some();

@@ -3,6 +3,7 @@
 
 use std::{
     collections::{BTreeMap, HashSet},
+    fmt,
     fs::File,
     io::{self, Read},
     path::Path,
@@ -10,7 +11,7 @@ use std::{
 };
 
 use build_file::{HeadingMetadata, ReadLimits};
-use ledger::BuildRow;
+use ledger::{BuildRow, StagedFile};
 
 use crate::queue::{FileStamp, FileState, OpenQueue, PrinterQueue, QueueAddress};
 
@@ -108,39 +109,90 @@ pub(crate) fn forget_others(queue: &dyn PrinterQueue, names: &[String]) {
     known_contents().retain(|(address, name), _| address != queue.address() || names.contains(name));
 }
 
-/// Where the copies of a build lie visible in the queues of its machine.
-#[derive(Debug, Default)]
-pub(crate) struct VisibleFiles {
-    /// The printer in whose queue its file lies under its own name, and that queue.
-    pub(crate) own: Option<(String, OpenQueue)>,
-    /// All others, under that name or any other, as people are told: `job.3mf at left`.
-    pub(crate) others: Vec<String>,
+/// The file of a build that is looked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SoughtFile<'a> {
+    /// Its name.
+    pub(crate) name: &'a str,
+    /// Marker of the queue folder where it was published.
+    pub(crate) queue_id: Option<&'a str>,
+    /// Where second files were seen, as people are told: none of these is its own.
+    pub(crate) second: &'a [String],
 }
 
-impl VisibleFiles {
-    /// Looks into all queues of the machine of a build for the file of this name. `queue_id` = the queue where it was published. A queue
-    /// that is away keeps nobody from looking into the others.
-    pub(crate) fn find(queues: &[(String, OpenQueue)], name: &str, queue_id: Option<&str>) -> Self {
-        let mut reader = ContentReader::new(usize::MAX);
-        let (mut found, mut named) = (Self::default(), Vec::new());
-        for (printer, queue) in queues {
-            if matches!(queue.state(name), Ok(FileState::Visible)) {
-                named.push((printer, queue));
-            }
+impl<'a> SoughtFile<'a> {
+    /// The file of a build; `None` = it was never written.
+    pub(crate) fn of(build: &'a BuildRow, second: &'a [String]) -> Option<Self> {
+        let StagedFile { file_name, queue_id, .. } = &build.staged;
+        Some(Self { name: file_name.as_deref()?, queue_id: queue_id.as_deref(), second })
+    }
+}
+
+/// A visible file that holds the copies of a build.
+#[derive(Debug, Clone)]
+pub(crate) struct VisibleFile {
+    pub(crate) name: String,
+    pub(crate) printer: String,
+    pub(crate) queue: OpenQueue,
+}
+
+impl fmt::Display for VisibleFile {
+    /// As people are told, and as the ledger keeps it: `job.3mf at left`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} at {}", self.name, self.printer)
+    }
+}
+
+/// Where the files of a build are in the queues of its machine. A queue that is away keeps nobody from looking into the others.
+#[derive(Debug, Default)]
+pub(crate) struct BuildFiles {
+    /// Its own, under its own name.
+    pub(crate) own: Option<VisibleFile>,
+    /// The printer from whose queue it was taken back, where it still is, and that queue.
+    pub(crate) taken_back: Option<(String, OpenQueue)>,
+    /// All others that are visible.
+    pub(crate) others: Vec<VisibleFile>,
+}
+
+impl BuildFiles {
+    /// Looks into all queues for files of this name.
+    pub(crate) fn find_named(queues: &[(String, OpenQueue)], sought: &SoughtFile<'_>) -> Self {
+        let name = sought.name;
+        let taken_back = queues.iter().find(|(_, queue)| queue.holds_taken_back(name)).cloned();
+        let is_visible = |(_, queue): &&(String, OpenQueue)| queue.state(name).is_ok() && queue.stamp(name).is_some();
+        let mut others: Vec<VisibleFile> =
+            queues.iter().filter(is_visible).map(|named| visible_file(name, named)).collect();
+        // Where it was published, or else the first.
+        others.sort_by_key(|file| Some(file.queue.id()) != sought.queue_id);
+        let own = others.iter().position(|file| !sought.second.contains(&file.to_string()));
+        let own = own.map(|own| others.remove(own));
+        Self { own, taken_back, others }
+    }
+
+    /// The same, and looks for its copies under other names.
+    pub(crate) fn find(queues: &[(String, OpenQueue)], sought: &SoughtFile<'_>) -> Self {
+        let (name, mut reader) = (sought.name, ContentReader::new(usize::MAX));
+        let mut found = Self::find_named(queues, sought);
+        for named in queues {
+            let queue = &named.1;
             let names = queue.names(FileState::Visible).unwrap_or_default();
             let copies = names.into_iter().filter(|other| other != name).filter(|other| {
                 let stamp = queue.stamp(other);
                 stamp.is_some_and(|stamp| reader.own_name(&**queue, other, stamp).as_deref() == Some(name))
             });
-            found.others.extend(copies.map(|other| format!("{other} at {printer}")));
+            found.others.extend(copies.map(|other| visible_file(&other, named)));
         }
-        // Where it was published, or else the first.
-        named.sort_by_key(|(_, queue)| Some(queue.id()) != queue_id);
-        let mut named = named.into_iter();
-        found.own = named.next().map(|(printer, queue)| (printer.clone(), queue.clone()));
-        found.others.extend(named.map(|(printer, _)| format!("{name} at {printer}")));
         found
     }
+
+    /// Where all but its own are, as people are told.
+    pub(crate) fn other_places(&self) -> Vec<String> {
+        self.others.iter().map(ToString::to_string).collect()
+    }
+}
+
+fn visible_file(name: &str, (printer, queue): &(String, OpenQueue)) -> VisibleFile {
+    VisibleFile { name: name.to_owned(), printer: printer.clone(), queue: queue.clone() }
 }
 
 /// Whether a visible file is the one that was proved as a build, as far as it was read.

@@ -1,12 +1,14 @@
 //! The build files that lie visible in the queue folders of a machine, and whether they should. The entries of the folders are the list,
 //! and the ledger is asked by name, so that a look costs no more with a long history.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
-use ledger::{BuildRow, BuildState};
+use ledger::{BuildId, BuildRow, BuildState};
 
 use super::{
     machine_fit::find_misfit,
-    queue_contents::{self, ContentReader},
+    queue_contents::{self, BuildFiles, ContentReader, SoughtFile, VisibleFile},
 };
 use crate::{
     queue::{FileState, OpenQueue, PrinterQueue},
@@ -23,6 +25,8 @@ pub(crate) struct QueueFileFindings {
     pub(crate) wrong: Vec<String>,
     /// Builds that were taken and lie in a queue again, each with its printer and the marker of the folder.
     pub(crate) back: Vec<(BuildRow, String, String)>,
+    /// Second files of published builds that were not seen before: where.
+    pub(crate) second: Vec<(BuildId, String)>,
 }
 
 /// A look at the visible files of a machine.
@@ -35,36 +39,69 @@ pub(crate) struct QueueFileLook<'a> {
     pub(crate) find_build: &'a dyn Fn(&str) -> Result<Option<BuildRow>>,
     /// Whether copies of a build were told bad.
     pub(crate) has_bad_copies: &'a dyn Fn(&BuildRow) -> Result<bool>,
+    /// Where second files of a build were seen.
+    pub(crate) second_files: &'a dyn Fn(&BuildRow) -> Result<Vec<String>>,
+    /// The published builds of which second files were seen.
+    pub(crate) copied: &'a [BuildRow],
+}
+
+/// A visible file that is looked at.
+struct LookedAt<'a> {
+    printer: &'a str,
+    queue: &'a dyn PrinterQueue,
+    name: &'a str,
+}
+
+impl LookedAt<'_> {
+    /// As people are told.
+    fn place(&self) -> String {
+        format!("{} at {}", self.name, self.printer)
+    }
 }
 
 impl QueueFileLook<'_> {
     /// Looks at every visible file.
     pub(crate) fn look(&self) -> Result<QueueFileFindings> {
         let (mut found, mut reader) = (QueueFileFindings::default(), ContentReader::new(MAX_READ_PER_LOOK));
+        let (mut places, mut away) = (BTreeSet::new(), Vec::new());
         for (printer, queue) in self.queues {
             // A folder that is away keeps nobody from looking into the others.
-            let Ok(names) = queue.names(FileState::Visible) else { continue };
+            let Ok(names) = queue.names(FileState::Visible) else {
+                away.push(format!(" at {printer}"));
+                continue;
+            };
             for name in &names {
-                self.look_at((printer, &**queue), name, &mut reader, &mut found)?;
+                let file = LookedAt { printer, queue: &**queue, name };
+                let wrong = self.find_fault(&file, &mut reader, &mut found)?;
+                places.insert(file.place());
+                found.wrong.extend(wrong.map(|wrong| format!("{} {wrong}", file.place())));
             }
             queue_contents::forget_others(&**queue, &names);
+        }
+        for build in self.copied {
+            let second = (self.second_files)(build)?;
+            let is_gone = |place: &&String| !places.contains(*place) && !away.iter().any(|away| place.ends_with(away));
+            let gone: Vec<&str> = second.iter().filter(is_gone).map(String::as_str).collect();
+            if !gone.is_empty() {
+                found.wrong.extend(self.describe_gone(build, &second, &gone.join(" and ")));
+            }
         }
         found.wrong.sort();
         Ok(found)
     }
 
-    fn look_at(
+    /// What is wrong with a file, if something is.
+    fn find_fault(
         &self,
-        (printer, queue): (&String, &dyn PrinterQueue),
-        name: &str,
+        file: &LookedAt<'_>,
         reader: &mut ContentReader,
         found: &mut QueueFileFindings,
-    ) -> Result<()> {
+    ) -> Result<Option<String>> {
+        let LookedAt { queue, name, .. } = *file;
         let row = if name.ends_with(".build.3mf") { (self.find_build)(name)? } else { None };
         // After the row was read: what lies there now was not taken back before that.
-        let Some(stamp) = queue.stamp(name) else { return Ok(()) };
-        let wrong = match row {
-            Some(build) if build.place.is_on_its_way() => None,
+        let Some(stamp) = queue.stamp(name) else { return Ok(None) };
+        Ok(match row {
             Some(build) if build.machine != self.profile.name => Some(match build.state {
                 BuildState::Published => {
                     format!("is build {} of {}: take it to a queue of {1}", build.id, build.machine)
@@ -78,39 +115,91 @@ impl QueueFileLook<'_> {
             }),
             Some(build) if build.state == BuildState::Published => {
                 let is_proved = queue_contents::is_proved(&build, (queue, name, stamp), reader);
-                let wrong = self.find_fault_of_published(&build, queue, is_proved);
-                if wrong.is_none() && build.place.taken_at.is_some() {
-                    found.back.push((build, printer.clone(), queue.id().to_owned()));
-                }
-                wrong
+                self.find_fault_of_published(file, build, is_proved, found)?
             }
+            Some(build) if build.place.is_on_its_way() => None,
             Some(build) => self.find_fault_of_told(&build)?,
             None => match reader.own_name(queue, name, stamp) {
-                Some(own) => (self.find_build)(&own)?.map(|build| self.describe_copy(&build, &own)),
+                Some(own) => match (self.find_build)(&own)? {
+                    Some(build) => Some(self.describe_copy(file, &build, found)?),
+                    None => None,
+                },
                 None => None,
             },
-        };
-        found.wrong.extend(wrong.map(|wrong| format!("{name} at {printer} {wrong}")));
-        Ok(())
+        })
     }
 
-    fn find_fault_of_published(&self, build: &BuildRow, queue: &dyn PrinterQueue, is_proved: bool) -> Option<String> {
-        let id = build.id;
+    fn find_fault_of_published(
+        &self,
+        file: &LookedAt<'_>,
+        build: BuildRow,
+        is_proved: bool,
+        found: &mut QueueFileFindings,
+    ) -> Result<Option<String>> {
+        let (id, queue) = (build.id, file.queue);
+        let second = (self.second_files)(&build)?;
+        let Some(files) = self.find_files(&build, &second) else { return Ok(None) };
+        if queue.stamp(file.name).is_none() {
+            return Ok(None);
+        }
+        let is_own = files.own.as_ref().is_some_and(|own| own.printer == file.printer);
+        let is_where_published = Some(queue.id()) == build.staged.queue_id.as_deref();
+        let may_lie_there = match (build.place.is_on_its_way(), &build.place.move_queue_id) {
+            (false, _) => is_own,
+            (true, Some(moved)) => moved == queue.id() && queue.state(file.name)? == FileState::Visible,
+            (true, None) => is_where_published && !queue.holds_taken_back(file.name),
+        };
+        if !may_lie_there {
+            return Ok(Some(Self::note_second(file, &build, (&files, &second), found)));
+        }
+        if build.place.is_on_its_way() {
+            return Ok(None);
+        }
         if !is_proved {
-            return Some(format!(
+            return Ok(Some(format!(
                 "is not the file that was proved as build {id}: take it out, look whether it was printed, and tell the outcome of build {id}"
-            ));
+            )));
         }
-        let is_own = |queue: &dyn PrinterQueue| Some(queue.id()) == build.staged.queue_id.as_deref();
-        let name = build.staged.file_name.as_deref().unwrap_or_default();
-        let own = self.queues.iter().find(|(_, other)| is_own(&**other) && !is_own(queue));
-        if let Some((printer, _)) = own.filter(|(_, own)| own.stamp(name).is_some()) {
-            return Some(format!("is a second file of build {id}, which lies at {printer}: take it out"));
+        if let Some(why) = find_misfit(self.profile, &build) {
+            return Ok(Some(format!(
+                "does not fit, for {why}. `nestd withdraw {id}` takes it out, and its copies are nested for the machine as it is now"
+            )));
         }
-        let why = find_misfit(self.profile, build)?;
-        Some(format!(
-            "does not fit, for {why}. `nestd withdraw {id}` takes it out, and its copies are nested for the machine as it is now"
-        ))
+        if build.place.taken_at.is_some() {
+            found.back.push((build, file.printer.to_owned(), queue.id().to_owned()));
+        }
+        Ok(None)
+    }
+
+    fn find_files(&self, build: &BuildRow, second: &[String]) -> Option<BuildFiles> {
+        Some(BuildFiles::find_named(self.queues, &SoughtFile::of(build, second)?))
+    }
+
+    /// Says of a second file of a published build that it is one. It is noted as long as the other one was not taken.
+    fn note_second(
+        file: &LookedAt<'_>,
+        build: &BuildRow,
+        (files, second): (&BuildFiles, &[String]),
+        found: &mut QueueFileFindings,
+    ) -> String {
+        let (id, place) = (build.id, file.place());
+        let is_other_there = files.own.is_some() || files.taken_back.is_some() || build.place.is_on_its_way();
+        if is_other_there && !second.contains(&place) {
+            found.second.push((id, place));
+        }
+        match &files.own {
+            _ if build.place.is_on_its_way() => {
+                format!("is a second file of build {id}, which is on its way out of a queue: take it out")
+            }
+            Some(VisibleFile { printer, .. }) => {
+                format!("is a second file of build {id}, which lies at {printer}: take it out")
+            }
+            None => format!(
+                "is a second file of build {id}, which was taken out of the queue of {}: where that one is printed, take this one out; \
+                 where it was only moved away, `nestd dismiss b{id}`",
+                build.place.printer.as_deref().unwrap_or(&build.machine)
+            ),
+        }
     }
 
     /// What is wrong with the file of a build that is not to be printed any more. Where people leave files in the queue when they have
@@ -131,11 +220,38 @@ impl QueueFileLook<'_> {
     }
 
     /// What is wrong with a file that holds the copies of a build under another name.
-    fn describe_copy(&self, build: &BuildRow, own: &str) -> String {
-        let is_wanted = build.state == BuildState::Published && build.machine == self.profile.name;
-        let is_alone = self.queues.iter().all(|(_, queue)| queue.stamp(own).is_none());
-        let or_rename = if is_wanted && is_alone { ", or give it that name back" } else { "" };
+    fn describe_copy(&self, file: &LookedAt<'_>, build: &BuildRow, found: &mut QueueFileFindings) -> Result<String> {
         let (id, state) = (build.id, build.state_word());
-        format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}")
+        let own = build.staged.file_name.as_deref().unwrap_or_default();
+        let is_wanted = build.state == BuildState::Published && build.machine == self.profile.name;
+        let mut or_rename = "";
+        if is_wanted {
+            let second = (self.second_files)(build)?;
+            match self.find_files(build, &second).unwrap_or_default() {
+                BuildFiles { own: None, taken_back: None, others } => {
+                    if others.is_empty() && second.is_empty() {
+                        or_rename = ", or give it that name back";
+                    }
+                }
+                files => drop(Self::note_second(file, build, (&files, &second), found)),
+            }
+        }
+        Ok(format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}"))
+    }
+
+    /// What is to be done where second files of a build are gone: nobody but a person can say whether they were printed.
+    fn describe_gone(&self, build: &BuildRow, second: &[String], gone: &str) -> Option<String> {
+        let (id, files) = (build.id, self.find_files(build, second)?);
+        let what = format!("a second file of build {id} lay in the queue as {gone}, and is gone");
+        let then = match &files.own {
+            Some(own) => format!("take {own} out and tell `nestd outcome {id} printing`"),
+            None if build.place.taken_at.is_some() => {
+                return Some(format!(
+                    "{what}, and so is its own: it may be printed twice; stop one of the prints, and tell the outcome of build {id}"
+                ));
+            }
+            None => format!("tell `nestd outcome {id} printing`"),
+        };
+        Some(format!("{what}: where that one is printed, {then}; where a person took it out, `nestd dismiss b{id}`"))
     }
 }

@@ -99,6 +99,22 @@ pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[
     }
 }
 
+/// Says that second files of a published build were seen in the queues, with the button that says that nobody prints from them.
+pub(crate) async fn second_files(web: &DashboardState, build: &BuildRow) -> HandlerResult<Markup> {
+    let second = match build.state {
+        BuildState::Published => web.ledger.second_files(build.id).await?,
+        _ => Vec::new(),
+    };
+    Ok(html! {
+        @if !second.is_empty() {
+            div.failed role="alert" {
+                p { "A second file of it was seen in the queue: " (second.join(", ")) ". Where it is printed from there, take the other one out, and say that it prints." }
+                @if web.orders { (act_form(web, build.id, "seen", "Nobody prints the second file")) }
+            }
+        }
+    })
+}
+
 /// Says that a failed print needs a person, with the button that dismisses it.
 pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
     html! {

@@ -24,7 +24,7 @@ use crate::{
             view_section::{ViewSection, ViewedPart},
         },
         figures::chart,
-        forms::build_forms::{build_forms, release_form, unseen_failure},
+        forms::build_forms::{build_forms, release_form, second_files, unseen_failure},
     },
 };
 
@@ -57,6 +57,7 @@ pub(crate) async fn show_build(
     let content = html! {
         h1 { "Build " (build.id) " on " (build.machine) ": " (fact.word) }
         @if let Some(ends) = fact.ends_at { p { "Its parts can be unpacked about " (view.near_text(ends)) ", as far as is known." } }
+        (second_files(&web, &build).await?)
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
             p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }

@@ -91,6 +91,8 @@ pub enum EventKind {
     PrinterUp,
     /// The file of a published build was moved to another printer.
     Relocated,
+    /// A second file of a published build lay in a queue folder.
+    SecondFile,
     /// A person said that a proved build may be published.
     Released,
     /// The file of a published build was taken back out of the queue, or its printer was first.

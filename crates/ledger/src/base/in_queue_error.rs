@@ -44,15 +44,17 @@ pub enum InQueueError {
     /// Its copies lie in a queue folder under another name, or a second time: nestd takes only the file back that it published.
     #[error(
         "the file of build {build} {}, and could be printed from there. Take {} out of the queue{}; then say it again",
-        describe_places(.own.as_deref(), .others),
+        describe_places(.own.as_deref(), *.is_second, .others),
         join_with_and(.others),
-        if .own.is_none() && .others.len() == 1 { ", or give it its own name back" } else { "" }
+        if .own.is_none() && !.is_second && .others.len() == 1 { ", or give it its own name back" } else { "" }
     )]
     Copied {
         /// The build.
         build: BuildId,
         /// The printer at whose queue it lies under its own name.
         own: Option<String>,
+        /// Whether its own file was seen beside the others, and is out of the queue now.
+        is_second: bool,
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
     },
@@ -65,10 +67,11 @@ pub enum InQueueError {
 }
 
 /// Where the copies of a build lie: `lies in the queue of left, and a second time as job.3mf at right`.
-fn describe_places(own: Option<&str>, others: &[String]) -> String {
+fn describe_places(own: Option<&str>, is_second: bool, others: &[String]) -> String {
     let places = join_with_and(others);
     match own {
         Some(printer) => format!("lies in the queue of {printer}, and a second time as {places}"),
+        None if is_second => format!("is out of the queue, where a second one lies as {places}"),
         None => format!("lies in the queue under another name, as {places}"),
     }
 }

@@ -5,4 +5,5 @@ pub(super) mod nesting;
 pub(super) mod night_search;
 pub(super) mod placement;
 pub(super) mod publish;
+pub(super) mod second_file;
 pub(super) mod take_back;

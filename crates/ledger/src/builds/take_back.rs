@@ -48,12 +48,12 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The file that was taken back is complete in the queue folder with this marker: from now on it may be visible there.
-    pub async fn record_move(&self, build: BuildId, queue_id: &str) -> Result<()> {
+    /// The file that was taken back is complete in the queue folder of a printer, with this marker: from now on it may be visible there.
+    pub async fn record_move(&self, build: BuildId, to: &str, queue_id: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Published]).await?;
-        let set = sql::query("UPDATE build SET move_queue_id = $1 WHERE id = $2 AND move_to IS NOT NULL");
-        set.bind(queue_id).bind(build).execute(change.db()).await?;
+        let set = sql::query("UPDATE build SET move_to = $1, move_queue_id = $2 WHERE id = $3 AND move_to IS NOT NULL");
+        set.bind(to).bind(queue_id).bind(build).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -67,7 +67,8 @@ impl Ledger {
         if sql::query(set).bind(build).execute(change.db()).await? == 0 {
             return Ok(false);
         }
-        let detail = format!("from {} to {}", from.unwrap_or_default(), to.unwrap_or_default());
+        let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
+        let detail = if from == to { format!("back in the queue of {to}") } else { format!("from {from} to {to}") };
         change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
         change.commit().await?;
         Ok(true)

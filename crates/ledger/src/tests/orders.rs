@@ -44,7 +44,7 @@ async fn a_failed_build_puts_every_copy_back_with_all_that_was_asked_and_first_i
     // The failed build still shows what was in it.
     assert_eq!(ledger.placements_of_build(build).await.unwrap().len(), 3);
     assert_eq!(ledger.unseen_failures().await.unwrap().len(), 1);
-    ledger.mark_failure_seen(build, "ann").await.unwrap();
+    ledger.mark_seen(build, "ann").await.unwrap();
     assert!(ledger.unseen_failures().await.unwrap().is_empty());
     let again = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
     ledger.record_outcome(again, &told(PrintOutcome::Complete)).await.unwrap();

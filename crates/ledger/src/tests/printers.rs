@@ -67,7 +67,7 @@ async fn a_move_is_recorded_step_by_step_and_the_other_printer_is_fixed_once_the
     assert_eq!(place(&ledger, build).await.taken_at, None, "a file on its way is in no queue folder");
     assert!(!ledger.finish_move(build).await.unwrap());
     assert_eq!(place(&ledger, build).await.printer.as_deref(), Some("left"), "it is not there yet");
-    ledger.record_move(build, "marker").await.unwrap();
+    ledger.record_move(build, "middle", "marker").await.unwrap();
     ledger.begin_move(build, "right").await.unwrap();
     assert_eq!(to_move(&ledger).await, [build]);
     assert!(ledger.finish_move(build).await.unwrap());
@@ -91,7 +91,7 @@ async fn a_move_ends_where_the_printer_took_the_file_and_none_begins_after_an_ou
     let told = published_at(&ledger, "b", "left").await;
     ledger.begin_move(told, "right").await.unwrap();
     ledger.record_outcome(told, &ToldOutcome::new(PrintOutcome::Failed, "", "a@b")).await.unwrap();
-    assert!(matches!(ledger.record_move(told, "marker").await, Err(LedgerError::WrongState { .. })));
+    assert!(matches!(ledger.record_move(told, "right", "marker").await, Err(LedgerError::WrongState { .. })));
     assert!(matches!(ledger.begin_move(told, "right").await, Err(LedgerError::WrongState { .. })));
     ledger.end_take_back(told, TakeBackEnd::Removed).await.unwrap();
     let now = place(&ledger, told).await;
@@ -103,7 +103,7 @@ async fn a_move_is_not_finished_once_the_outcome_was_told() {
     let ledger = fresh().await;
     let build = published_at(&ledger, "a", "left").await;
     ledger.begin_move(build, "right").await.unwrap();
-    ledger.record_move(build, "marker").await.unwrap();
+    ledger.record_move(build, "right", "marker").await.unwrap();
     ledger.record_outcome(build, &ToldOutcome::new(PrintOutcome::Failed, "", "a@b")).await.unwrap();
     assert!(!ledger.finish_move(build).await.unwrap());
     assert_eq!(

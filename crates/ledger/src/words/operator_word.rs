@@ -140,9 +140,12 @@ impl Ledger {
                 }));
             }
             OperatorWord::SeenTo(build) => {
-                self.mark_failure_seen(*build, by).await?;
-                let said = format!("The failed print of build {build} is dismissed; its copies are as they were.");
-                return Ok(WordAnswer::from(said));
+                return Ok(WordAnswer::from(match self.mark_seen(*build, by).await? {
+                    true => format!(
+                        "The second file of build {build} is dismissed: what lies in a queue now is its only one."
+                    ),
+                    false => format!("The failed print of build {build} is dismissed; its copies are as they were."),
+                }));
             }
             OperatorWord::PrinterDown { machine, printer, reason } => {
                 self.take_printer_down(printer, machine, by, reason).await?;
@@ -274,7 +277,9 @@ fn is_out_of_queue(seen: &SeenFiles, build: BuildId) -> Result<bool> {
     match seen.get(&build).cloned() {
         Some(SeenFile::OutOfQueue) => Ok(true),
         Some(SeenFile::Altered { printer }) => Err(InQueueError::Altered { build, printer }.into()),
-        Some(SeenFile::Copied { own, others }) => Err(InQueueError::Copied { build, own, others }.into()),
+        Some(SeenFile::Copied { own, is_second, others }) => {
+            Err(InQueueError::Copied { build, own, is_second, others }.into())
+        }
         None => Ok(false),
     }
 }

@@ -10,6 +10,7 @@ use crate::{
         sql::{self, sql_row},
         text_column::own_word,
     },
+    builds::second_file::second_files_of,
     store::change::LedgerChange,
 };
 
@@ -97,15 +98,19 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// Records that somebody has seen to a failed print.
-    pub(crate) async fn mark_failure_seen(&self, build: BuildId, by: &str) -> Result<()> {
+    /// Records that somebody has seen to a failed print, or to a second file of a published build: then `true`.
+    pub(crate) async fn mark_seen(&self, build: BuildId, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let machine = change.ensure_build_state(build, &[BuildState::Failed]).await?;
-        let now = change.now;
-        let seen = sql::query("UPDATE build SET seen_at = coalesce(seen_at, $1) WHERE id = $2").bind(now).bind(build);
-        seen.execute(change.db()).await?;
+        let (mut machine, state) = change.require_build(build).await?;
+        let has_second = state == BuildState::Published && !second_files_of(&mut change, build).await?.is_empty();
+        if !has_second {
+            machine = change.ensure_build_state(build, &[BuildState::Failed]).await?;
+            let set = sql::query("UPDATE build SET seen_at = coalesce(seen_at, $1) WHERE id = $2");
+            set.bind(change.now).bind(build).execute(change.db()).await?;
+        }
         change.write_event(EventKind::Seen, &machine, None, Some(build), &format!("{by} has seen to it")).await?;
-        change.commit().await
+        change.commit().await?;
+        Ok(has_second)
     }
 
     /// Failed prints that nobody has seen to, oldest first.

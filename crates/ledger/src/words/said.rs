@@ -24,7 +24,7 @@ pub enum OperatorWord {
         /// BLAKE3 of the build file that the person was shown; `None` = of whichever there is.
         seen: Option<String>,
     },
-    /// Somebody has seen to its failed print.
+    /// Somebody has seen to its failed print, or to a second file of it.
     SeenTo(BuildId),
     /// A printer takes no builds any more.
     PrinterDown {
@@ -67,6 +67,8 @@ pub enum SeenFile {
     Copied {
         /// The printer at whose queue it lies under its own name.
         own: Option<String>,
+        /// Whether it was seen there before: what lies there now is a second one.
+        is_second: bool,
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
     },

@@ -6,6 +6,7 @@ pub(super) mod printer_recovery;
 pub(super) mod printers;
 pub(super) mod queue_files;
 pub(super) mod reprints;
+pub(super) mod second_files;
 pub(super) mod shrunk_machines;
 pub(super) mod told;
 pub(super) mod withdrawals;

@@ -47,7 +47,7 @@ fn stage_on_the_right(farm: &HandDrivenFarm, build: &BuildRow, file: &str) {
         ledger.begin_move(build.id, "right").await.unwrap();
         left.take_back(file, &|_| Ok(true)).unwrap();
         right.stage_taken_back(&left, file).unwrap();
-        ledger.record_move(build.id, right.id()).await.unwrap();
+        ledger.record_move(build.id, "right", right.id()).await.unwrap();
         left.remove_taken_back(file).unwrap();
     });
 }

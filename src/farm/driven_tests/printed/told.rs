@@ -187,7 +187,7 @@ fn a_file_that_comes_back_lies_in_the_queue_again() {
 
 #[test]
 fn a_published_file_that_was_emptied_or_copied_is_an_alert_until_it_is_as_it_was() {
-    let (mut farm, _) = three_copies();
+    let (mut farm, build) = three_copies();
     let file = farm.queued().remove(0);
     let bytes = fs::read(&file).unwrap();
     let copy = file.with_file_name("Copy of it.build.3mf");
@@ -203,7 +203,8 @@ fn a_published_file_that_was_emptied_or_copied_is_an_alert_until_it_is_as_it_was
         if harm == "emptied" {
             fs::write(&file, &bytes).unwrap()
         } else {
-            fs::remove_file(&copy).unwrap()
+            fs::remove_file(&copy).unwrap();
+            farm.say(&OperatorWord::SeenTo(build.id), false).unwrap();
         }
         farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::QueueAltered));
     }

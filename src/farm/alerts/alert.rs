@@ -321,10 +321,7 @@ impl AlertKind {
                 "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/administrator.md says \
                  how to settle the build."
             }
-            Self::QueueAltered => {
-                "Do what is said of each file before somebody prints it. Where it was printed all the same, tell the outcome of its build \
-                 (`nestd outcome`)."
-            }
+            Self::QueueAltered => "Do what is said of each file before somebody prints it.",
             Self::NotTakenBack => "Look whether it was printed, or is, and tell that (`nestd outcome`): it ends this.",
             Self::MachineGone => {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \

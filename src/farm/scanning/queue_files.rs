@@ -107,10 +107,11 @@ impl QueueFileLook<'_> {
                     format!("is build {} of {}: take it to a queue of {1}", build.id, build.machine)
                 }
                 _ => format!(
-                    "is the file of build {} of {} ({}): take it out, or its copies are printed a second time",
+                    "is the file of build {} of {} ({}): take it out, or its copies are printed a second time{}",
                     build.id,
                     build.machine,
-                    build.state_word()
+                    build.state_word(),
+                    where_printed(&build)
                 ),
             }),
             Some(build) if build.state == BuildState::Published => {
@@ -208,7 +209,8 @@ impl QueueFileLook<'_> {
         let (id, state) = (build.id, build.state_word());
         Ok(match build.state {
             BuildState::Failed => Some(format!(
-                "is the file of build {id}, which is {state}: take it out, or its copies are printed a second time"
+                "is the file of build {id}, which is {state}: take it out, or its copies are printed a second time{}",
+                where_printed(build)
             )),
             BuildState::Printing | BuildState::Complete | BuildState::Interrupted
                 if build.place.taken_at.is_some() || (self.has_bad_copies)(build)? =>
@@ -236,7 +238,10 @@ impl QueueFileLook<'_> {
                 files => drop(Self::note_second(file, build, (&files, &second), found)),
             }
         }
-        Ok(format!("holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}"))
+        Ok(format!(
+            "holds the copies of build {id} ({state}), whose file is {own}: take it out{or_rename}{}",
+            where_printed(build)
+        ))
     }
 
     /// What is to be done where second files of a build are gone: nobody but a person can say whether they were printed.
@@ -253,5 +258,20 @@ impl QueueFileLook<'_> {
             None => format!("tell `nestd outcome {id} printing`"),
         };
         Some(format!("{what}: where that one is printed, {then}; where a person took it out, `nestd dismiss b{id}`"))
+    }
+}
+
+/// What is to be said where the copies of a build that wait again were printed all the same.
+fn where_printed(build: &BuildRow) -> String {
+    let id = build.id;
+    match (build.state, build.place.withdrawn_at) {
+        (BuildState::Failed, Some(_)) => format!(
+            "; where it was printed all the same, take as many of those that wait out with `nestd cancel PART=N` (`nestd show b{id}` lists \
+             its parts)"
+        ),
+        (BuildState::Failed, None) => {
+            format!("; where it was printed all the same, `nestd outcome {id} complete --correct` says so")
+        }
+        _ => String::new(),
     }
 }

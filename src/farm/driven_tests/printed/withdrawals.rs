@@ -124,8 +124,10 @@ fn no_copy_of_a_build_that_was_taken_back_is_lost_and_its_file_is_told_of_where_
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
     fs::write(&file, bytes).unwrap();
     farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::QueueAltered));
+    let told = format!("{} {}", farm.alert_text(AlertKind::QueueAltered), AlertKind::QueueAltered.remedy());
+    assert!(told.contains("`nestd cancel PART=N`") && !told.contains("nestd outcome"), "{told}");
     fs::remove_file(&file).unwrap();
-    // Somebody printed it from a copy all the same: the remedy that the refusal names.
+    // Somebody printed it all the same: the remedy that alert and refusal name.
     let argument = CommandArgument { copies: Some(1), ..CommandArgument::default() };
     let (kind, machine, asked_by) = (CommandKind::Cancel, String::new(), "a@test".to_owned());
     farm.submit_command(&NewCommand { kind, machine, part: Some(part), argument, asked_by });

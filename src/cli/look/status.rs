@@ -61,7 +61,10 @@ pub struct FarmStatus {
     is_served: bool,
     /// What keeps a daemon that runs from writing into the ledger, as far as that is likely.
     #[serde(skip)]
-    silence_hint: &'static str,
+    silence_hint: String,
+    /// Who keeps the ledger from being changed.
+    #[serde(skip)]
+    locked_by: Option<String>,
     /// Problems that a person must solve.
     #[serde(serialize_with = "attention_as_json")]
     attention: Vec<FarmAlert>,
@@ -170,12 +173,13 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
     let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served_by(node).await?);
     let nodes = list_farm_nodes(ledger).await?;
-    let silence_hint = ledger.silence_hint();
+    let (silence_hint, locked_by) = (ledger.silence_hint().await?, ledger.locked_by().await?);
     Ok(FarmStatus {
         daemon,
         nodes,
         is_served,
         silence_hint,
+        locked_by,
         attention: Vec::new(),
         machines,
         dates_at_risk: Vec::new(),
@@ -252,10 +256,13 @@ impl FarmStatus {
     /// What the last heartbeat tells.
     fn heartbeat_line(&self, daemon: Option<&NodeRow>, now: Timestamp) -> String {
         match daemon {
-            None if self.is_served => {
-                "A daemon is starting, or waits for something: its log says for what, and `nestd check` finds most causes."
-                    .to_owned()
-            }
+            None if self.is_served => match self.is_cut_off() || self.locked_by.is_some() {
+                true => format!("A daemon waits before it begins. {}", self.silence_reason()),
+                false => {
+                    "A daemon is starting, or waits for something: its log says for what, and `nestd check` finds most causes."
+                        .to_owned()
+                }
+            },
             None => "The daemon does not run.".to_owned(),
             // Its last sign of life is an earlier daemon's: this one could not write any.
             Some(d) if !d.alive && self.is_served => format!(
@@ -275,7 +282,10 @@ impl FarmStatus {
                         format_age(Some(d.beat_at), now),
                         self.silence_reason()
                     ),
-                    false => format!("{runs}: {}.", self.activity_text()),
+                    false => match self.locked_by.is_some() && !self.is_cut_off() {
+                        true => format!("{runs}. {}", self.silence_reason()),
+                        false => format!("{runs}: {}.", self.activity_text()),
+                    },
                 }
             }
         }
@@ -283,10 +293,15 @@ impl FarmStatus {
 
     /// Why the daemon writes nothing: what it has told itself, which stands below, or what it may be.
     fn silence_reason(&self) -> String {
-        match self.attention.iter().any(|alert| alert.kind.cuts_ledger_off()) {
+        match self.is_cut_off() {
             true => "It says below why.".to_owned(),
             false => format!("{}; `nestd check` says more.", self.silence_hint),
         }
+    }
+
+    /// Whether it has told what keeps it from the ledger.
+    fn is_cut_off(&self) -> bool {
+        self.attention.iter().any(|alert| alert.kind.cuts_ledger_off())
     }
 
     /// What the daemon does, according to its alerts and the rows of the table below.

@@ -121,6 +121,12 @@ impl AlertKind {
         matches!(self, Self::LedgerLocked | Self::LedgerUnreachable | Self::RepairDue)
     }
 
+    /// Whether it is what people do every day, and nothing around the daemon is wrong.
+    pub fn is_usual_work(self) -> bool {
+        use AlertKind::{Incomplete, PrintFailed, Question, Refused, ReleaseDue, Stray};
+        matches!(self, Incomplete | PrintFailed | Question | Refused | ReleaseDue | Stray)
+    }
+
     /// Every kind.
     pub const ALL: [Self; 39] = [
         Self::LedgerDamaged,

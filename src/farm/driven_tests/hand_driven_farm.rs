@@ -100,8 +100,8 @@ impl HandDrivenFarm {
         let (config, root) = (self.root().join("config/nestd.toml"), self.root().to_owned());
         let load = Box::new(move || settings::load_settings(Some(&config), Some(&root)));
         let settings = load().unwrap();
-        let opening = open_farm(load, settings, self.time.clone());
-        self.runtime.block_on(opening).map_err(|(_, _, failure)| failure)
+        let opened = self.runtime.block_on(open_farm(load, settings, self.time.clone(), &mut None));
+        opened.map_err(|(_, _, failure)| failure)
     }
 
     /// Closes it in an orderly way.

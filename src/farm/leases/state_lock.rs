@@ -4,6 +4,7 @@ use std::{
     fs::File,
     io::{Read, Write},
     path::Path,
+    sync::Arc,
     thread,
     time::Duration,
 };
@@ -20,10 +21,11 @@ pub use ledger::LOCK_NAME as NAME;
 const LOCK_ATTEMPTS: u32 = 10;
 const LOCK_RETRY_DELAY: Duration = Duration::from_millis(50);
 
-/// Held as long as the daemon runs; the kernel releases it when the process ends, in whatever way.
-#[derive(Debug)]
+/// Held as long as the daemon runs, also between two attempts to open the farm; the kernel releases it when the process ends, in whatever
+/// way. All copies are one lock.
+#[derive(Debug, Clone)]
 pub struct StateDirLock {
-    _file: File,
+    _file: Arc<File>,
 }
 
 impl StateDirLock {
@@ -56,7 +58,7 @@ impl StateDirLock {
                 );
                 // Only information for a second daemon: on a full disk the lock works without it.
                 let _ = file.set_len(0).and_then(|()| file.write_all(who.as_bytes()));
-                Ok(Self { _file: file })
+                Ok(Self { _file: Arc::new(file) })
             }
             Err(rustix::io::Errno::WOULDBLOCK) => {
                 let mut who = String::new();

@@ -53,8 +53,9 @@ pub(super) async fn open_with_retry(
     let (mut load, mut settings, mut waits, mut alerts) =
         (load, settings, RetryBackoff::default(), AlertRegistry::default());
     let mut told: Option<AlertKind> = None;
+    let mut lock = None;
     loop {
-        let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine()).await {
+        let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine(), &mut lock).await {
             Ok(farm) => return Ok(Some(farm)),
             Err(kept) => kept,
         };
@@ -88,13 +89,14 @@ pub(super) async fn open_with_retry(
     }
 }
 
-/// On failure, returns what the next attempt needs.
+/// On failure, returns what the next attempt needs. `lock` is taken by the first attempt, and is for all of them.
 pub(crate) async fn open_farm(
     load: Load,
     settings: Settings,
     time: TimeSource,
+    lock: &mut Option<StateDirLock>,
 ) -> Result<Farm, (Load, Settings, anyhow::Error)> {
-    match OpenedState::open(&settings, &time).await {
+    match OpenedState::open(&settings, &time, lock).await {
         Ok(parts) => {
             let mut farm = build_farm(load, settings, parts, time);
             match open_machines(&mut farm).await {
@@ -165,12 +167,15 @@ struct OpenedState {
 }
 
 impl OpenedState {
-    async fn open(settings: &Settings, time: &TimeSource) -> Result<Self> {
+    async fn open(settings: &Settings, time: &TimeSource, held: &mut Option<StateDirLock>) -> Result<Self> {
         let since = time.date();
         settings.files.apply_to_process();
         access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = StateDirLock::acquire(&settings.state_dir, since)?;
+        let lock = match held.clone() {
+            Some(lock) => lock,
+            None => held.insert(StateDirLock::acquire(&settings.state_dir, since)?).clone(),
+        };
         if let Some(file) = settings.ledger.file() {
             ledger::clear_unfinished(file)?;
         }

@@ -88,7 +88,11 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let activity =
         halt_summary(&alerts).unwrap_or_else(|| farm_summary(read.settings.profiles.len(), read.rows.statuses.iter()));
     let risks = dates_at_risk(read.plans.clone());
-    let (runs, line) = daemon_line(read.own_node(&web), &activity, web.ledger.silence_hint(), now);
+    let why_silent = match alerts.iter().any(|alert| alert.kind.cuts_ledger_off()) {
+        true => "It is said below why".to_owned(),
+        false => web.ledger.silence_hint().await?,
+    };
+    let (runs, line) = daemon_line(read.own_node(&web), &activity, &why_silent, now);
     let content = html! {
         div.farm-head { h1 { "Farm" } (figures(&read, &risks)) }
         @if !runs { (line) }
@@ -267,12 +271,12 @@ fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
 }
 
 /// Whether the daemon runs, and its state. `activity` says what it does, according to the rows and alerts that the page shows.
-fn daemon_line(daemon: Option<&NodeRow>, activity: &str, silence_hint: &str, now: Timestamp) -> (bool, Markup) {
+fn daemon_line(daemon: Option<&NodeRow>, activity: &str, why_silent: &str, now: Timestamp) -> (bool, Markup) {
     let line = match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
                 "The daemon runs on " (d.host) ", but has not written into the ledger for " (format_age(d.beat_at.0, now))
-                ": this page may be that old. " (silence_hint) "."
+                ": this page may be that old. " (why_silent) "."
             }
         },
         Some(d) if d.alive => {

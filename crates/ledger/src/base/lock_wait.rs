@@ -32,7 +32,8 @@ struct HeldLock {
 /// A process that holds the write lock.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LockHolder {
-    pid: u32,
+    /// Its number.
+    pub pid: u32,
     name: String,
 }
 
@@ -84,7 +85,7 @@ impl LockWait {
 
 /// The process that holds the write lock of a ledger, by the kernel's list of locks. The file itself is not opened: to close it would
 /// release the locks that SQLite has on it in this process.
-fn find_holder(ledger: &Path) -> Option<LockHolder> {
+pub fn find_holder(ledger: &Path) -> Option<LockHolder> {
     let mut index = ledger.as_os_str().to_owned();
     index.push("-shm");
     let inode = fs::metadata(index).ok()?.ino();

@@ -18,6 +18,7 @@ use crate::{
     Ledger, LiveRights, ObservedMachine, UtcTimestamp,
     base::{
         error::Result,
+        lock_wait::{TOLD_AFTER, find_holder},
         sql::{self, FromSqlRow, SqlRow},
     },
     store::change::LedgerChange,
@@ -185,13 +186,31 @@ impl Ledger {
     }
 
     /// What helps where a daemon runs and does not write into the ledger, as far as that can be told from here.
-    pub fn silence_hint(&self) -> &'static str {
-        match self.file() {
+    pub async fn silence_hint(&self) -> Result<String> {
+        if let Some(by) = self.locked_by().await? {
+            return Ok(format!(
+                "{by} keeps the ledger from being changed: nestd waits until it has finished its change, or is ended"
+            ));
+        }
+        let hint = match self.file() {
             Some(_) => "Where the disk of the state folder is full, free some room",
             None => {
                 "Its way to the database is cut or slow, or all changes wait for one connection, which its alerts then name"
             }
-        }
+        };
+        Ok(hint.to_owned())
+    }
+
+    /// The process, other than a daemon, that keeps a ledger in a file from being changed for longer than a change takes; `None` = none, as
+    /// far as that can be told from here.
+    pub async fn locked_by(&self) -> Result<Option<String>> {
+        let Some(file) = self.file() else { return Ok(None) };
+        let daemons: Vec<u32> = self.list_nodes().await?.into_iter().map(|node| node.pid).collect();
+        // The kernel's list is read in pieces while others change it: a lock that is held may be missing once.
+        let find = || find_holder(file).or_else(|| find_holder(file));
+        let Some(first) = find().filter(|holder| !daemons.contains(&holder.pid)) else { return Ok(None) };
+        tokio::time::sleep(TOLD_AFTER).await;
+        Ok(find().filter(|now| *now == first).map(|holder| holder.to_string()))
     }
 
     /// Whether a daemon serves this ledger, including one that cannot write a heartbeat (a full disk) or is just

@@ -72,35 +72,49 @@ async fn check_rows(
     if faults.is_empty() {
         report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger));
     }
-    match ledger.find_node(&settings.node.name).await? {
-        Some(daemon) if daemon.alive => {
-            report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
-        }
-        _ if ledger.is_served_by(&settings.node.name).await? => {
-            let text = "runs, but could not write into the ledger since it was started";
-            let told =
-                farm::read_stored_alerts(&settings.state_dir).into_iter().find(|told| told.kind.cuts_ledger_off());
-            match told {
-                Some(told) => {
-                    report.add_problem("daemon", format!("{text}. {}", told.alert_text()), told.kind.remedy())
-                }
-                None => report.add_problem(
-                    "daemon",
-                    text.to_owned(),
-                    format!("{}. Its log says more", ledger.silence_hint()),
-                ),
-            }
-        }
-        _ => {
-            report.add_note("daemon", "does not run");
-            check_left_claims(ledger, settings, report).await;
-        }
-    }
+    check_daemon(ledger, settings, report).await?;
     compare_with_folders(ledger, settings, report).await;
     others.check_waiting_parts(ledger, settings, report).await?;
     for build in ledger.builds_in_state(BuildState::Verified).await? {
         if let Some(profile) = settings.profiles.get(&build.machine) {
             check_staging_queue(&build, profile, report);
+        }
+    }
+    Ok(())
+}
+
+/// Reports what keeps the daemon from its work, and all that it says itself needs a person.
+async fn check_daemon(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) -> Result<(), LedgerError> {
+    let daemon = ledger.find_node(&settings.node.name).await?.filter(|daemon| daemon.alive);
+    let is_running = daemon.is_some() || ledger.is_served_by(&settings.node.name).await?;
+    let told = if is_running { farm::read_stored_alerts(&settings.state_dir) } else { Vec::new() };
+    let is_cut_off = told.iter().any(|told| told.kind.cuts_ledger_off());
+    let locked_by = ledger.locked_by().await?.filter(|_| !is_cut_off);
+    if let Some(by) = &locked_by {
+        let text = format!("{by} keeps it from being changed");
+        report.add_problem(SUBJECT, text, farm::AlertKind::LedgerLocked.remedy());
+    }
+    match daemon {
+        Some(daemon) => report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host)),
+        None if is_running => {
+            let text = "runs, but could not write into the ledger since it was started";
+            match is_cut_off || locked_by.is_some() {
+                true => report.add_note("daemon", text),
+                false => {
+                    report.add_problem("daemon", text, format!("{}. Its log says more", ledger.silence_hint().await?))
+                }
+            }
+        }
+        None => {
+            report.add_note("daemon", "does not run");
+            check_left_claims(ledger, settings, report).await;
+        }
+    }
+    for told in told {
+        let (text, remedy) = (told.alert_text().trim_end_matches('.').to_owned(), told.kind.remedy());
+        match told.kind.is_usual_work() {
+            true => report.add_warning("alert", text, remedy),
+            false => report.add_problem("alert", text, remedy),
         }
     }
     Ok(())

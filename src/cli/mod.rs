@@ -12,7 +12,7 @@ mod tests;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::farm;
 
@@ -175,8 +175,8 @@ enum CliCommand {
 /// Parses the command line, runs the command and prints an error chain once.
 pub fn main() -> ExitCode {
     // A shell that completes a word runs nestd with COMPLETE set; then this prints and ends.
-    clap_complete::CompleteEnv::with_factory(CommandLine::command).complete();
-    let cli = CommandLine::parse();
+    clap_complete::CompleteEnv::with_factory(command_line).complete();
+    let cli = CommandLine::from_arg_matches(&command_line().get_matches()).unwrap_or_else(|wrong| wrong.exit());
     match dispatch_command(&cli) {
         Ok(CommandExit::Success) => ExitCode::SUCCESS,
         Ok(CommandExit::Failure) => ExitCode::from(1),
@@ -185,6 +185,11 @@ pub fn main() -> ExitCode {
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
         }
     }
+}
+
+/// All commands and options.
+fn command_line() -> Command {
+    terminal::values::with_former_option(CommandLine::command())
 }
 
 fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {

@@ -10,6 +10,7 @@ use nester::TiltLimit;
 use super::{
     CommandExit, CommandLine,
     act::command::{self, DaemonCommand},
+    command_line,
     look::status,
     terminal::{
         lookup::{self, LookupQuery},
@@ -32,8 +33,7 @@ async fn write_heartbeat(ledger: &Ledger) {
 
 #[test]
 fn the_command_line_is_sound() {
-    use clap::CommandFactory;
-    CommandLine::command().debug_assert();
+    command_line().debug_assert();
 }
 
 /// What the chapter of commands must name: each command by its whole name, and each option.

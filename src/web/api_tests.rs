@@ -221,8 +221,6 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/builds/{build}", "/api/v1/builds/77", StatusCode::NOT_FOUND),
         ("/api/v1/builds/{build}/pick", "/api/v1/builds/one/pick", StatusCode::BAD_REQUEST),
         ("/api/v1/parts", "/api/v1/parts?state=lost", StatusCode::BAD_REQUEST),
-        ("/api/v1/parts", "/api/v1/parts?profile=cube", StatusCode::BAD_REQUEST),
-        ("/api/v1/builds", "/api/v1/builds?profile=cube", StatusCode::BAD_REQUEST),
         ("/api/v1/heights", "/api/v1/heights?since=today", StatusCode::BAD_REQUEST),
         ("/api/v1/orders", "/api/v1/orders?state=lost", StatusCode::BAD_REQUEST),
         ("/api/v1/orders", "/api/v1/orders?limit=many", StatusCode::BAD_REQUEST),
@@ -365,4 +363,27 @@ async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_t
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
     let text = farm.to_string();
     assert!(text.contains("\"night\":\"goes-on\"") && text.contains("\"night_gain_mm\":2.5"), "{text}");
+}
+
+#[tokio::test]
+async fn a_parameter_that_an_address_does_not_have_is_refused_by_its_name_and_a_former_one_with_that_of_now() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let asking = ["builds", "heights", "parts", "plan", "orders", "month"].map(|name| format!("/api/v1/{name}"));
+    let pages = ["/history", "/history.csv", "/history.json", "/parts", "/orders", "/month", "/month.csv"];
+    let pages = pages.iter().chain(&["/month.json", "/search", "/help", "/builds/1/picture", "/builds/1/break-out"]);
+    let without = ["/api/v1/farm", "/api/v1/builds/1", "/api/v1/orders/bracket.stl"];
+    for address in asking.iter().map(String::as_str).chain(pages.copied()).chain(without) {
+        assert_eq!(dashboard.get(address).await.status, StatusCode::OK, "{address}");
+        for name in ["profile", "machne"] {
+            let refused = dashboard.get(&format!("{address}?{name}=cube")).await;
+            assert_eq!(refused.status, StatusCode::BAD_REQUEST, "{address}?{name}");
+            assert!(refused.text.contains(name), "{address}: {}", refused.text);
+        }
+    }
+    for address in ["/parts", "/history", "/api/v1/plan", "/api/v1/builds"] {
+        let refused = dashboard.get(&format!("{address}?profile=cube")).await.text;
+        assert!(refused.contains("'machine' now") || refused.contains("&#39;machine&#39; now"), "{address}: {refused}");
+    }
+    let twice = dashboard.get("/api/v1/plan?machine=a&machine=b").await;
+    assert!(twice.status == StatusCode::BAD_REQUEST && twice.text.contains("machine"), "{}", twice.text);
 }

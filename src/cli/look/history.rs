@@ -12,7 +12,6 @@ use crate::{
             farm_context::{parse_time, with_ledger_to_read},
             table::{TextTable, print_json, print_text},
             terminal::output_columns,
-            values::former_option,
         },
     },
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
@@ -35,7 +34,6 @@ const LEAST_COLUMNS: &[&str] = &[
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-#[command(arg = former_option("profile", "--machine"))]
 pub struct HistoryArgs {
     /// Builds since then: an age (7d, 12h), a date (2026-11-01) or an RFC 3339 time
     #[arg(long, value_name = "TIME")]

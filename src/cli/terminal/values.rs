@@ -1,15 +1,31 @@
 //! Parsers of option values that several commands use.
 
-use clap::{Arg, builder::UnknownArgumentValueParser};
+use clap::{Arg, Command, builder::UnknownArgumentValueParser};
 use glam::DVec3;
 use nester::VolumeMargins;
 
 /// Longest side of a picture, pixels. Drawing the largest picture needs half a gigabyte of memory.
 const MAX_PIXELS: u32 = 4096;
 
-/// An option that has another name now: whoever gives it is told that one.
-pub(crate) fn former_option(former: &'static str, now: &'static str) -> Arg {
-    Arg::new(former).long(former).hide(true).value_parser(UnknownArgumentValueParser::suggest_arg(now))
+/// Tells whoever gives `--profile`, as a machine was named before, how it is named now: with every command that takes a machine.
+pub(crate) fn with_former_option(command: Command) -> Command {
+    let is_option = command.get_arguments().any(|arg| arg.get_long() == Some("machine"));
+    let is_named = |arg: &Arg| {
+        let names = arg.get_value_names().unwrap_or_default();
+        arg.is_positional() && names.iter().any(|name| name.contains("MACHINE"))
+    };
+    let told = match () {
+        () if is_option => Some(UnknownArgumentValueParser::suggest_arg("--machine")),
+        () if command.get_arguments().any(is_named) => {
+            Some(UnknownArgumentValueParser::suggest("the machine is named without an option: MACHINE"))
+        }
+        () => None,
+    };
+    let command = match told {
+        Some(told) => command.arg(Arg::new("profile").long("profile").hide(true).value_parser(told)),
+        None => command,
+    };
+    command.mut_subcommands(with_former_option)
 }
 
 /// `380x284x380`.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::{
     Form,
-    extract::{Path, Query, State},
+    extract::{Path, State},
 };
 use ledger::{BuildId, OperatorWord, PartId, PickMark};
 use maud::{Markup, html};
@@ -18,7 +18,7 @@ use super::{
 use crate::{
     tables::TimeView,
     web::{
-        base::{error::HandlerResult, page::html_page},
+        base::{error::HandlerResult, page::html_page, query::Query},
         core::{
             command::answer_form,
             device_name::device_user,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::{
     body::Bytes,
-    extract::{Path, Query, State},
+    extract::{Path, State},
     http::header,
     response::{IntoResponse, Response},
 };
@@ -25,6 +25,7 @@ use crate::{
         base::{
             error::{HandlerError, HandlerResult},
             format::count,
+            query::Query,
         },
         figures::pick_map::PICTURE_ALT_TEXT,
     },

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::{
     Json,
-    extract::{Path, Query, State},
+    extract::{Path, State},
 };
 use jiff::Timestamp;
 use ledger::{BuildState, HeightSummary, HistoryRow, MachineStatus, NodeRow, PartId, UtcTimestamp};
@@ -20,7 +20,10 @@ use crate::{
     settings::MachineProfile,
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
-        base::error::{HandlerError, HandlerResult},
+        base::{
+            error::{HandlerError, HandlerResult},
+            query::Query,
+        },
         core::{cached_render::find_build, state::DashboardState},
         pages::{
             history::{self, HistoryFilter},

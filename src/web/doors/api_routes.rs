@@ -8,6 +8,7 @@ use axum::{
     Router,
     extract::DefaultBodyLimit,
     http::Method,
+    middleware::from_fn,
     routing::{MethodFilter, on},
 };
 use ledger::{HeightSummary, HistoryRow};
@@ -22,6 +23,7 @@ use crate::{
     farm::{DatedOrder, MachinePlan, OrderQuote},
     tables::PickList,
     web::{
+        base::query::refuse_query,
         core::state::DashboardState,
         pages::{history, month, order, part, pick_page},
     },
@@ -310,7 +312,11 @@ pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
 pub(crate) fn routes() -> Router<Arc<DashboardState>> {
     let method_of = |route: &ApiRoute| MethodFilter::try_from(Method::from_bytes(route.method.as_bytes()).ok()?).ok();
     let add = |router: Router<Arc<DashboardState>>, route: &ApiRoute| match method_of(route) {
-        Some(method) => router.route(route.path, (route.handler)(method)),
+        Some(method) => {
+            let handler = (route.handler)(method);
+            let asks = route.query.is_some();
+            router.route(route.path, if asks { handler } else { handler.layer(from_fn(refuse_query)) })
+        }
         None => router,
     };
     all_routes().fold(Router::new(), add).layer(DefaultBodyLimit::disable())

@@ -1,6 +1,6 @@
 //! The pages of the book: its contents with a search, and its chapters.
 
-use axum::extract::{Path, Query};
+use axum::extract::Path;
 use maud::{Markup, PreEscaped, html};
 use serde::Deserialize;
 
@@ -13,6 +13,7 @@ use crate::web::base::{
     error::{HandlerError, HandlerResult},
     format::count,
     page::html_page,
+    query::Query,
 };
 
 /// The address of the contents.

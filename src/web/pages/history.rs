@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use axum::{
-    extract::{Query, State},
+    extract::State,
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
@@ -23,7 +23,7 @@ use crate::{
             format::count,
             listing::table_of,
             page::html_page,
-            query::{parse_field, query_string},
+            query::{Query, parse_field, query_string},
         },
         core::state::DashboardState,
         figures::chart,
@@ -37,7 +37,7 @@ const MAX_ROWS: u32 = 500;
 
 /// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 #[schemars(inline)]
 pub(crate) struct HistoryFilter {
     /// Only builds of this machine.

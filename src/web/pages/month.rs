@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use axum::{
     Json,
-    extract::{Query, State},
+    extract::State,
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
@@ -27,7 +27,7 @@ use crate::{
             format::{DASH, count},
             listing::heading,
             page::html_page,
-            query::order_address,
+            query::{Query, order_address},
         },
         core::state::DashboardState,
         figures::chart::weekly_bars,

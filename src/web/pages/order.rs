@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::{
     Json,
-    extract::{Path, Query, State},
+    extract::{Path, State},
 };
 use jiff::Timestamp;
 use ledger::{
@@ -26,7 +26,7 @@ use crate::{
             format::count,
             listing::table_of,
             page::html_page,
-            query::parse_field,
+            query::{Query, parse_field},
         },
         core::state::DashboardState,
         forms::order_forms::{line_forms, order_buttons, order_forms},

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, Query, State};
+use axum::extract::{Path, State};
 use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
 use maud::{Markup, html};
 use schemars::JsonSchema;
@@ -17,7 +17,7 @@ use crate::{
             format::{count, prose_with_code},
             listing::{fact_sheet, table_of},
             page::html_page,
-            query::{order_address, parse_field, query_string},
+            query::{Query, order_address, parse_field, query_string},
         },
         core::{command::command_button, state::DashboardState},
         forms::part_forms::part_forms,
@@ -29,7 +29,7 @@ const MAX_PARTS: u32 = 500;
 
 /// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 #[schemars(inline)]
 pub(crate) struct PartFilter {
     /// In one state.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Query, State};
+use axum::extract::State;
 use ledger::{NamedBuildRow, NamedPartRow};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use crate::{
             error::HandlerResult,
             format::count,
             page::html_page,
-            query::{order_address, query_string},
+            query::{Query, order_address, query_string},
         },
         core::state::DashboardState,
     },

@@ -1,16 +1,13 @@
 //! Sends styles and scripts.
 
 use anyhow::Context;
-use axum::{
-    extract::{Path, Query},
-    http::HeaderMap,
-    response::Response,
-};
+use axum::{extract::Path, http::HeaderMap, response::Response};
 use serde::Deserialize;
 
 use crate::web::base::{
     assets::find_asset,
     error::{HandlerError, HandlerResult},
+    query::Query,
 };
 
 /// The version that a page asks for.

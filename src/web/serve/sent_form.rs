@@ -7,7 +7,7 @@ use std::{future::Future, sync::Arc, time::Duration};
 use anyhow::Context;
 use axum::{
     body::{Body, to_bytes},
-    extract::{Path, Query, Request, State},
+    extract::{Path, Request, State},
     http::{StatusCode, header},
     middleware::Next,
     response::{IntoResponse, Response},
@@ -23,6 +23,7 @@ use crate::web::{
         error::{HandlerError, HandlerResult},
         format::prose_with_pages,
         page::html_page,
+        query::Query,
     },
     core::{
         command::check_takes_orders, form_answer::FormAnswer, form_keys::number_of, order_keys::KeyGuard,

@@ -90,8 +90,11 @@ fn wrong_use_is_exit_code_2() {
         assert_eq!((code, out.as_str()), (2, ""), "{words}: {err}");
         assert!(!err.is_empty());
     }
-    let (code, _, err) = run(farm.path(), "history --profile paper-200");
-    assert!(code == 2 && err.contains("'--machine'"), "the name of now: {err}");
+    for words in ["history", "nest a.stl", "quote a.stl", "plan", "flush", "pause", "dismiss"] {
+        let (code, _, err) = run(farm.path(), &format!("{words} --profile paper-200"));
+        let is_named = err.contains("'--machine'") || err.contains("without an option: MACHINE");
+        assert!(code == 2 && is_named, "{words}: the name of now: {err}");
+    }
     let (code, _, err) = run(farm.path(), "-c /nowhere/nestd.toml status");
     assert_eq!(code, 2, "{err}");
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use nester::{FaceNotDown, InterlockRule, NestingMethod, OrientationRule, TiltLimit, VolumeMargins};
 
 use crate::{
-    cli::terminal::values::{former_option, parse_distance, parse_margins, parse_share, parse_volume, parse_word},
+    cli::terminal::values::{parse_distance, parse_margins, parse_share, parse_volume, parse_word},
     settings::parse_secs,
 };
 
@@ -15,7 +15,6 @@ use crate::{
 #[command(
     after_help = "Exit code 0 everything placed and proved, 1 a copy could not be placed (the rest is still written), \
                         2 wrong use.",
-    arg = former_option("profile", "--machine"),
     group = clap::ArgGroup::new("volume_of").args(["machine", "volume"]).multiple(true).required(true)
 )]
 pub struct NestArgs {

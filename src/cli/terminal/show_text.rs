@@ -77,7 +77,7 @@ fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
             .iter()
             .map(|question| fields::QUESTION.fact_of(format!("{} {}", question.text, question.remedy))),
     );
-    facts.extend(row.warnings.lines().filter_map(|warning| fields::WARNING.fact(warning)));
+    facts.extend(row.told_warnings().filter_map(|warning| fields::WARNING.fact(warning)));
     format!(
         "Part {}, {}: {}\n{}{}",
         row.id,

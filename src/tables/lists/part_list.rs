@@ -111,7 +111,7 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
     }
     let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
     // What is asked was a warning before.
-    let warnings = part.warnings.lines().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
+    let warnings = part.told_warnings().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
     let texts = asked.map(|asked| format!("Waits for a yes: {asked}")).into_iter().chain(warnings.map(str::to_owned));
     CellValue::Prose(texts.collect::<Vec<_>>().join("; "))
 }

@@ -125,7 +125,7 @@ pub(crate) async fn show_part(
             p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
         }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.refused.reason)) } }
-        @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
+        @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
         }

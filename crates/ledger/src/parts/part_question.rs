@@ -1,4 +1,4 @@
-//! Waiting parts with an open question: a person must say or do something.
+//! Parts with an open question: a person must say or do something.
 
 use build_file::{COPIES_QUESTION, is_copies_question};
 use schemars::JsonSchema;
@@ -33,17 +33,19 @@ impl QuestionKind {
     /// part whose number of copies is asked for is wanted once, and a line of its warnings asks for it.
     pub fn of_part(part: &PartRow) -> Vec<Self> {
         let is_waiting = part.state == PartState::Waiting;
+        // More copies can be ordered while the one that was taken is being built.
+        let is_taken = is_waiting || part.state == PartState::Batched;
         let is_unclear = part.wanted_copies() == 1 && part.warnings.lines().any(is_copies_question);
         let asked = [
             (Self::Confirmation, is_waiting && !part.owed.question.is_empty()),
             (Self::Original, part.state.is_live() && part.times.damaged_at.is_some()),
-            (Self::Copies, is_waiting && is_unclear),
+            (Self::Copies, is_taken && is_unclear),
         ];
         asked.into_iter().filter_map(|(kind, is_open)| is_open.then_some(kind)).collect()
     }
 }
 
-/// A waiting part with an open question.
+/// A part with an open question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuestionedPart {
     /// The part.
@@ -57,18 +59,29 @@ pub struct QuestionedPart {
 sql_row!(QuestionedPart { kind, total; part });
 
 impl Ledger {
-    /// The first `most` waiting parts of each machine and kind with an open question, oldest first. A part whose number of
-    /// copies is asked for waits as one copy with a warning that contains [`COPIES_QUESTION`].
+    /// The first `most` parts of each machine and kind with an open question, oldest first. A part whose number of
+    /// copies is asked for is one copy with a warning that contains [`COPIES_QUESTION`].
     pub async fn parts_with_questions(&self, most: u32) -> Result<Vec<QuestionedPart>> {
         // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
         let query = sql::select_as(
             "FROM (SELECT *, COUNT(*) OVER (PARTITION BY machine, kind) AS total, \
              ROW_NUMBER() OVER (PARTITION BY machine, kind ORDER BY id) AS at FROM (\
-             SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
+             SELECT *, CASE WHEN state = 'waiting' AND question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
              WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
-             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY machine, id",
+             FROM part WHERE state IN ('waiting', 'batched')) AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY machine, id",
         );
         Ok(query.bind(COPIES_QUESTION).bind(most).fetch_all(self.reader()?).await?)
+    }
+}
+
+impl PartRow {
+    /// Its warnings as people are shown them: what nobody can answer any more is not asked.
+    pub fn told_warnings(&self) -> impl Iterator<Item = &str> {
+        let is_asked = QuestionKind::of_part(self).contains(&QuestionKind::Copies);
+        self.warnings.lines().map(move |warning| match warning.strip_prefix(COPIES_QUESTION) {
+            Some(told) if !is_asked => told.trim_start(),
+            _ => warning,
+        })
     }
 }
 

@@ -3,10 +3,12 @@
 use std::{fs, path::Path};
 
 use build_file::is_copies_question;
-use ledger::{CommandArgument, CommandKind, CommandState, EventKind, NewCommand, PartEdit, PartRow, PartState};
+use ledger::{
+    CommandArgument, CommandKind, CommandState, EventKind, NewCommand, PartEdit, PartRow, PartState, QuestionKind,
+};
 
 use crate::farm::{
-    AlertKind,
+    AlertKind, PartQuestion,
     driven_tests::{HandDrivenFarm, QUICK, block, stl},
 };
 
@@ -111,6 +113,36 @@ fn answer_in_every_way(farm: &mut HandDrivenFarm) {
     farm.pass_until("nothing else is asked", |farm| farm.status_text().matches("Question:").count() == 1);
     let told = farm.ask(async |ledger| ledger.events_of_part(one).await.unwrap()).pop().unwrap();
     assert_eq!((told.kind, told.detail.as_str()), (EventKind::Edited, "ann@farm: 1 copy, as it was taken"));
+}
+
+#[test]
+fn the_number_of_copies_is_asked_and_answered_also_while_the_build_is_made_and_is_asked_no_more_afterwards() {
+    for is_answered in [true, false] {
+        let mut farm = HandDrivenFarm::open(&QUICK.replace("final_secs = 0.05", "final_secs = 3.0"));
+        farm.drop_part("bracketx4.stl", &block(10.0, 10.0, 10.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        farm.order(CommandKind::Flush, None);
+        farm.pass_moments_until("its build is made", |farm| !farm.parts(PartState::Batched).is_empty());
+        let part = farm.parts(PartState::Batched).remove(0);
+        let kinds =
+            |part: &PartRow| PartQuestion::of_part(part).into_iter().map(|asked| asked.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&part), [QuestionKind::Copies]);
+        assert_eq!(farm.ask(async |ledger| ledger.parts_with_questions(9).await.unwrap()).len(), 1);
+        if is_answered {
+            let confirm = farm.order(CommandKind::Confirm, Some(part.id));
+            let find =
+                |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.find_command(confirm).await.unwrap().unwrap());
+            farm.pass_moments_until("it is answered", |farm| find(farm).answered_at.is_some());
+            assert_eq!(find(&farm).state, CommandState::Done, "{}", find(&farm).answer);
+        }
+        farm.pass_moments_until("it is built", |farm| !farm.parts(PartState::Built).is_empty());
+        let built = farm.parts(PartState::Built).remove(0);
+        assert_eq!(kinds(&built), []);
+        let told = built.told_warnings().collect::<Vec<_>>().join(" ");
+        assert!(!told.contains("How many copies?") && told.contains("Taken as 1 copy") != is_answered, "{told}");
+        let answer = farm.order_and_wait(CommandKind::Confirm, Some(built.id)).answer;
+        assert!(answer.contains("waits for no confirmation"), "{answer}");
+    }
 }
 
 #[test]

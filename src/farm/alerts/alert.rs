@@ -334,8 +334,8 @@ impl AlertKind {
                  them. Lines that a program ordered are cancelled with DELETE (docs/integrator.md)."
             }
             Self::Incomplete => {
-                "Add the rows or files that are missing, and leave one list in each folder; what is left is refused, each with its \
-                 reason: lists and parts after `incomplete_secs`, tickets without a part after `orphan_ticket_secs`."
+                "Add the rows or files that are missing, but none that is in a build, and leave one list in each folder; what is \
+                 left is refused, each with its reason: lists and parts after `incomplete_secs`, tickets without a part after `orphan_ticket_secs`."
             }
             Self::Refused => {
                 "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \

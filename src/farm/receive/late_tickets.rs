@@ -71,6 +71,8 @@ enum AwaitedPart {
     Missing,
     /// It was refused, and is to be dropped again together with its ticket.
     Refused,
+    /// It is in a published build. A new file of its name may come, which is printed as well.
+    Built,
 }
 
 impl AwaitedPart {
@@ -81,6 +83,14 @@ impl AwaitedPart {
             (Self::Missing, _) => "which are not there",
             (Self::Refused, 1) => "which was refused: drop it again",
             (Self::Refused, _) => "which were refused: drop them again",
+            (Self::Built, 1) => {
+                "which is in a build already: where no other file of that name is to be printed, remove what is said here (`nestd edit` \
+                 orders more copies)"
+            }
+            (Self::Built, _) => {
+                "which are in builds already: where no other files of these names are to be printed, remove what is said here (`nestd \
+                 edit` orders more copies)"
+            }
         }
     }
 }
@@ -193,7 +203,7 @@ async fn apply_late_ticket(
     match newest.state {
         PartState::Refused => return Ok(LateDecision::AwaitPart(AwaitedPart::Refused)),
         // A new file of the name of a part that is printed may still come.
-        PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
+        PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Built)),
         _ => {}
     }
     if ticket.copies.is_some() && solids.len() > 1 {

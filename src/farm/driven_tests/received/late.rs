@@ -50,6 +50,23 @@ fn a_ticket_that_comes_after_the_build_is_refused_with_what_became_of_the_part_a
 }
 
 #[test]
+fn a_ticket_that_comes_after_the_build_and_wants_no_more_is_said_to_and_nothing_is_printed_again() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    publish(&mut farm, 1);
+    farm.drop_bytes("bracket.stl.toml", b"copies = 1\n");
+    farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::Incomplete));
+    let told = farm.alert_text(AlertKind::Incomplete);
+    assert!(told.contains("bracket.stl, which is in a build already") && !told.contains("not there"), "{told}");
+    assert!(AlertKind::Incomplete.remedy().contains("none that is in a build"));
+    farm.pass_until("nothing waits any more", |farm| !farm.has_alert(AlertKind::Incomplete));
+    assert!(!farm.folder("inbox").join("bracket.stl.toml").exists(), "it says what is so, and is archived");
+    assert!(!farm.folder("error").join("bracket.stl.toml.reason.txt").exists());
+    assert_eq!((farm.queued().len(), farm.parts(PartState::Built).len()), (1, 1));
+}
+
+#[test]
 fn a_late_ticket_that_cannot_be_moved_away_does_not_undo_what_a_person_changed_since() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));

@@ -27,7 +27,10 @@ pub(super) async fn ask_about_doubts(
     let namesakes = ledger.namesakes_of_part(part, &names, since).await?;
     let doubt = match copy {
         Some(copy) => copy_doubt(&copy, &namesakes),
-        None => format_doubt(part, &namesakes),
+        None => match format_doubt(part, &namesakes) {
+            Some(doubt) => Some(doubt),
+            None => original_doubt(&names, &ledger.parts_with_stem(part, stem_of(&part.name), since).await?),
+        },
     };
     doubt.iter().for_each(|doubt| add_question(solids, doubt));
     Ok(())
@@ -58,6 +61,20 @@ fn copy_doubt(copy: &CopyName, namesakes: &[Namesake]) -> Option<String> {
         CopyKind::BesideOriginal => return known.map(|known| format!("its name is that of a copy of {known}")),
     };
     Some(format!("{what} {}", known.as_ref().unwrap_or(&copy.original)))
+}
+
+/// A file of which a copy came first. What a ticket or a row orders is wanted.
+fn original_doubt(names: &[String], others: &[Namesake]) -> Option<String> {
+    let is_copy = |other: &&Namesake| {
+        let copy = intake::read_copy_name(&other.name);
+        !other.has_ticket && copy.is_some_and(|copy| names.contains(&copy.original))
+    };
+    let copy = others.iter().find(is_copy)?;
+    Some(format!("{} (part {}) has the name of a copy of it", copy.name, copy.id))
+}
+
+fn stem_of(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }
 
 /// A part that was dropped before, or is ordered by a ticket, in another format.

@@ -137,6 +137,34 @@ fn a_revision_takes_the_place_of_the_first_with_all_that_was_asked() {
 }
 
 #[test]
+fn of_a_file_and_its_copy_one_waits_for_a_yes_whichever_came_first() {
+    for (first, second) in [("x.stl", "kopia_x.stl"), ("kopia_x.stl", "x.stl"), ("x_1.stl", "x.stl")] {
+        for is_at_once in [false, true] {
+            let mut farm = HandDrivenFarm::open(QUICK);
+            farm.drop_part(first, &block(10.0, 12.0, 14.0));
+            if !is_at_once {
+                farm.wait_for_parts(PartState::Waiting, 1);
+            }
+            farm.drop_part(second, &block(10.0, 12.0, 15.0));
+            farm.drop_part("max.stl", &block(10.0, 12.0, 16.0));
+            let parts = farm.wait_for_parts(PartState::Waiting, 3);
+            let asked: Vec<&str> =
+                parts.iter().filter(|part| !part.owed.question.is_empty()).map(|part| part.name.as_str()).collect();
+            assert!(is_at_once && asked.len() == 1 || asked == [second], "{first}, then {second}: {asked:?}");
+            farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::Question).contains("a copy of"));
+        }
+    }
+    // What a ticket orders is wanted.
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_bytes("kopia_x.stl.toml", b"copies = 2\n");
+    farm.drop_part("kopia_x.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.drop_part("x.stl", &block(10.0, 12.0, 15.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    assert!(!farm.has_alert(AlertKind::Question));
+}
+
+#[test]
 fn a_speck_waits_for_a_yes() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("cover.stl", &block(0.9, 0.8, 0.7));

@@ -205,8 +205,9 @@ fn report_json(
         clearance_proved_mm: proved.proof.clearance_proved_mm,
         separable: proved.separability.clone(),
         seed: request.seed,
-        cpu_secs: nested.cpu_secs,
-        wall_secs: nested.wall_secs,
+        // Of all searches, also those that were stopped before.
+        cpu_secs: request.build.search.cpu_secs.unwrap_or(0.0) + nested.cpu_secs,
+        wall_secs: request.build.search.wall_secs.unwrap_or(0.0) + nested.wall_secs,
         curve: height_curve(request, nested),
         ..SearchSummary::default()
     };

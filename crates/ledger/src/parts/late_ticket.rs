@@ -38,6 +38,12 @@ impl Ledger {
         }
         let edited = edit_part(&mut change, id, edit, &ticket.file_name).await?;
         insert_ticket(&mut change, id, ticket, came_at).await?;
+        // It leaves the folder, and answers nothing that is asked.
+        let told = format!("; {} came later and is applied, and is no answer to this", ticket.file_name);
+        let tell = sql::query(
+            "UPDATE part SET question = question || $1 WHERE id = $2 AND question <> '' AND instr(question, $1) = 0",
+        );
+        tell.bind(&told).bind(id).execute(change.db()).await?;
         change.commit().await?;
         Ok(Some(edited))
     }

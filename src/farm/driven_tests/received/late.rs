@@ -189,6 +189,23 @@ fn a_speck_waits_for_a_yes() {
 }
 
 #[test]
+fn a_late_ticket_of_a_part_that_waits_for_a_yes_is_applied_and_said_to_be_no_answer() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("cover.stl", &block(0.9, 0.8, 0.7));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.drop_bytes("cover.stl.toml", b"copies = 2\n");
+    farm.pass_until("it is applied", |farm| farm.parts(PartState::Waiting)[0].wanted_copies() == 2);
+    farm.pass_secs(3.0);
+    assert!(!farm.folder("inbox").join("cover.stl.toml").exists(), "it is archived");
+    let told = farm.alert_text(AlertKind::Question);
+    assert!(told.contains("cover.stl.toml came later and is applied, and is no answer"), "{told}");
+    let part = farm.parts(PartState::Waiting).remove(0).id;
+    assert_eq!(farm.order_and_wait(CommandKind::Confirm, Some(part)).state, CommandState::Done);
+    publish(&mut farm, 1);
+    assert_eq!(copies(&farm, 0), 2);
+}
+
+#[test]
 fn an_empty_file_is_a_command_and_is_answered_in_the_status() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));

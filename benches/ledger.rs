@@ -102,6 +102,7 @@ fn part(number: u64) -> NewPartRow {
         copies: 2,
         terms: NewTerms {
             order_name: format!("order-{}", number / 12),
+            customer: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

@@ -104,8 +104,14 @@ enum CliCommand {
     },
     /// Issue the same proved build once more, as a new build
     Requeue(act::edit::RequeueArgs),
-    /// List orders and what became of their copies
+    /// List orders, what became of their copies, and when they are done
     Orders(look::orders::OrdersArgs),
+    /// Close orders as they are: what waits is cancelled, what was refused asks nobody any more
+    Close {
+        /// Names of orders
+        #[arg(required = true, value_name = "ORDER", add = terminal::candidates::of_orders())]
+        orders: Vec<String>,
+    },
     /// Mark a machine's refused files, or the failed print of a build, as seen: they raise no alert any more
     Dismiss {
         /// Machine, or build (b4)
@@ -215,6 +221,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Reprint { targets, anyway } => act::edit::run_reprint(common, targets, *anyway),
         CliCommand::Requeue(args) => act::edit::run_requeue(common, args),
         CliCommand::Orders(args) => look::orders::run(common, args),
+        CliCommand::Close { orders } => act::operate::run_close(common, orders),
         CliCommand::Dismiss { machine } => act::dismiss::run(common, machine),
         CliCommand::Outcome(args) => act::outcome::run(common, args),
         CliCommand::Scan => act::command::run(common, &DaemonCommand::Scan),

@@ -17,7 +17,11 @@ use super::{
         show_text, table,
     },
 };
-use crate::{settings::FarmZone, tables::TimeView};
+use crate::{
+    farm::DatedOrder,
+    settings::FarmZone,
+    tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView, for_people},
+};
 
 fn kept_view() -> TimeView {
     TimeView::kept(&FarmZone::default())
@@ -180,11 +184,15 @@ fn a_bare_number_or_name_may_be_several_things() {
     assert_eq!(json("part b42"), r#"LookupQuery { build: None, part: None, order: None, file: Some("b42") }"#);
 }
 
+async fn look_up(ledger: &ledger::Ledger, words: &[String]) -> lookup::LookupResult {
+    lookup::look_up(ledger, &LookupQuery::from_words(words), &[], &Default::default()).await.unwrap()
+}
+
 #[tokio::test]
 async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let ledger = fresh().await;
     let part = asked(new_part("fan", 3), |terms| {
-        terms.order_name = "kit 7".into();
+        (terms.order_name, terms.customer) = ("kit 7".into(), "Brandt".into());
         terms.clearance_mm = Some(4.5);
         terms.tilts = RequiredTilts(vec![TiltLimit::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]);
     });
@@ -194,7 +202,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;
     ledger.record_outcome(build, &ledger::ToldOutcome::new(PrintOutcome::Complete, "fine", "ann@farm")).await.unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
-    let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
+    let found = look_up(&ledger, &words("1")).await;
     let text = show_text::lookup_text(&found, &kept_view(), usize::MAX);
     for expected in [
         "Build 1 of paper-200: complete",
@@ -203,7 +211,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         "3.00 mm asked, 3.020 mm proved",
         "ann@farm  fine",
         "Part 1, fan.stl: waiting",
-        "3, 2 in build 1 (complete)",
+        "3, 2 in build 1 (good)",
         "10.00 x 20.00 x 30.00 mm, 12 triangles",
         "free, (0, 0.707, 0.707) within 30 degrees of up",
         "warning     odd name",
@@ -213,22 +221,52 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
     assert_eq!(json["part"]["part"]["state"], "waiting");
-    let order = lookup::look_up(&ledger, &LookupQuery::from_words(&words("kit 7"))).await.unwrap();
-    assert!(show_text::lookup_text(&order, &kept_view(), usize::MAX).starts_with("Order kit 7\n\n"));
-    let named = show_text::lookup_text(
-        &lookup::look_up(&ledger, &LookupQuery::from_words(&words("fan.stl"))).await.unwrap(),
-        &kept_view(),
-        usize::MAX,
-    );
+    let order = look_up(&ledger, &words("kit 7")).await;
+    let order = show_text::lookup_text(&order, &kept_view(), usize::MAX);
+    for expected in [
+        "Order kit 7: under way\n",
+        "customer    Brandt\n",
+        "copies      2 of 3 good, 1 waiting\n",
+        "to send     Your order kit 7: 2 of 3 parts are printed, the rest is in production.\n",
+        "2 in build 1 (good)",
+    ] {
+        assert!(order.contains(expected), "'{expected}' is missing in\n{order}");
+    }
+    assert!(!order.contains("BAD") && !order.contains("REFUSED"), "{order}");
+    let named = show_text::lookup_text(&look_up(&ledger, &words("fan.stl")).await, &kept_view(), usize::MAX);
     assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.50 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
-    let open = show_text::lookup_text(
-        &lookup::look_up(&ledger, &LookupQuery::from_words(&[format!("b{open}")])).await.unwrap(),
-        &kept_view(),
-        usize::MAX,
-    );
+    let open = show_text::lookup_text(&look_up(&ledger, &[format!("b{open}")]).await, &kept_view(), usize::MAX);
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");
     assert!(open.contains("COPIES WAITING") && open.contains("fan.stl"), "{open}");
-    let nothing = lookup::look_up(&ledger, &LookupQuery::from_words(&words("build 9"))).await.unwrap();
+    let nothing = look_up(&ledger, &words("build 9")).await;
     assert_eq!(serde_json::to_string(&nothing).unwrap(), "{}");
+}
+
+#[tokio::test]
+async fn the_list_of_orders_fits_80_columns_and_has_no_column_of_zeros() {
+    let ledger = fresh().await;
+    let due_at = Some(jiff::Timestamp::now() + jiff::SignedDuration::from_hours(100));
+    for (claim, order, customer) in
+        [("a", "A-17", "Brandt GmbH"), ("b", "K-2026-11-27-hinges", "M\u{fc}ller & S\u{f6}hne Feinmechanik")]
+    {
+        let part = asked(new_part(claim, 48), |terms| {
+            (terms.order_name, terms.customer, terms.due_at) = (order.to_owned(), customer.to_owned(), due_at);
+        });
+        let id = ledger.record_claim(&part).await.unwrap().id;
+        ledger.accept_solids(id, &[solid(0, 48)]).await.unwrap();
+    }
+    let query = ledger::OrderQuery { limit: 9, ..Default::default() };
+    let now = jiff::Timestamp::now();
+    let orders = ledger.order_summaries(&query).await.unwrap().into_iter();
+    let mut orders: Vec<DatedOrder> = orders.map(|order| DatedOrder::of_plans(order, &[], now)).collect();
+    orders[0].fact.done_at = due_at.map(|due| (due + jiff::SignedDuration::from_hours(28)).into());
+    orders[0].fact.missed_at = due_at.map(Into::into);
+    let table = table::TextTable::of(ORDER_COLUMNS, &orders, &TimeView::at(&Default::default(), now));
+    let narrow = table.fit_essentials(80, LEAST_ORDER_COLUMNS);
+    assert!(narrow.lines().all(|line| line.chars().count() <= 80), "{narrow}");
+    assert!(narrow.contains("ORDER") && narrow.contains("STATE") && narrow.contains(", 28 h late"), "{narrow}");
+    let wide = table.fit_essentials(usize::MAX, LEAST_ORDER_COLUMNS);
+    assert!(wide.contains("Brandt GmbH") && wide.contains("48 waiting") && !wide.contains("BAD"), "{wide}");
+    assert_eq!(for_people(ORDER_COLUMNS).count(), 6);
 }

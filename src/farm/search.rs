@@ -9,8 +9,6 @@ use ledger::{BuildId, Ledger, LedgerError, NamePattern, NamedBuildRow, NamedPart
 pub const MAX_COUNTED: usize = 1000;
 /// Longest text that is searched for, characters.
 const MAX_TEXT: usize = 200;
-/// How a list's column of customers begins in the note of a part.
-const CUSTOMER_MARK: &str = "customer: ";
 
 /// The first rows of a kind, and how many there are.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,13 +181,17 @@ async fn find_parts(
     let first = numbered.as_ref().map(|part| part.id);
     numbered.into_iter().for_each(|part| _ = parts.count_row(part, most));
     let is_named = |part: &NamedPartRow| {
-        words.are_in(&[&part.name, &part.object_name, &part.order_name, &part.note].map(String::as_str).join("\n"))
+        words.are_in(
+            &[&part.name, &part.object_name, &part.order_name, &part.customer, &part.note]
+                .map(String::as_str)
+                .join("\n"),
+        )
     };
     let take = |part: NamedPartRow| Some(part.id) == first || !is_named(&part) || parts.count_row(part, most);
     ledger.parts_resembling(&words.pattern(), take).await
 }
 
-/// The customers that lists named, by name.
+/// The customers of parts, by name.
 async fn find_customers(
     ledger: &Ledger,
     words: &SearchWords,
@@ -197,10 +199,11 @@ async fn find_customers(
 ) -> Result<FoundRows<FoundCustomer>, LedgerError> {
     let (mut customers, mut seen) = (BTreeMap::<String, FoundCustomer>::new(), 0);
     let take = |part: NamedPartRow| {
-        let named = customer_of_note(&part.note).filter(|name| words.are_in(name));
-        let Some(name) = named else { return true };
-        let empty = || FoundCustomer { name: name.to_owned(), orders: BTreeSet::new(), parts: 0 };
-        let customer = customers.entry(fold_name(name)).or_insert_with(empty);
+        if part.customer.is_empty() || !words.are_in(&part.customer) {
+            return true;
+        }
+        let empty = || FoundCustomer { name: part.customer.clone(), orders: BTreeSet::new(), parts: 0 };
+        let customer = customers.entry(fold_name(&part.customer)).or_insert_with(empty);
         customer.parts += 1;
         if !part.order_name.is_empty() {
             customer.orders.insert(part.order_name);
@@ -212,11 +215,6 @@ async fn find_customers(
     let mut found = FoundRows::new();
     customers.into_values().for_each(|customer| _ = found.count_row(customer, most));
     Ok(found)
-}
-
-/// The customer in the note of a part from a list: 'urgent; customer: Brandt; material: PA12'.
-fn customer_of_note(note: &str) -> Option<&str> {
-    note.split("; ").find_map(|piece| piece.strip_prefix(CUSTOMER_MARK)).map(str::trim).filter(|name| !name.is_empty())
 }
 
 #[cfg(test)]

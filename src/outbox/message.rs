@@ -200,6 +200,7 @@ fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: O
 fn part_json(part: &PartRow) -> Value {
     json!({
         "number": part.id, "name": part.name, "object_name": part.solid.object_name, "order": part.terms.order_name,
+        "customer": part.terms.customer,
         "copies": part.owed.copies, "state": part.state, "due_at": part.terms.due_at,
         "due_text": part.terms.due_text, "note": part.terms.note,
     })

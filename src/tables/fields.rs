@@ -45,7 +45,7 @@ pub const PART_LITRES: FieldDefinition = FieldDefinition::real("Parts", "l", 2);
 /// Volume of cakes in litres.
 pub const CAKE_LITRES: FieldDefinition = FieldDefinition::real("Cake", "l", 2);
 /// Builds whose print failed.
-pub const FAILED_BUILDS: FieldDefinition = FieldDefinition::whole("Failed");
+pub const FAILED_BUILDS: FieldDefinition = FieldDefinition::whole("Failed").unless_zero();
 /// Good copies among those of which somebody told how they came out.
 pub const YIELD: FieldDefinition = FieldDefinition::share("Yield");
 /// Number of layers of a build.
@@ -67,17 +67,23 @@ pub const LINES: FieldDefinition = FieldDefinition::whole("Lines");
 /// Copies wanted: = waiting + in builds + printed + good + refused.
 pub const COPIES_WANTED: FieldDefinition = FieldDefinition::whole("Wanted");
 /// Copies in builds that are being made.
-pub const COPIES_IN_BUILDS: FieldDefinition = FieldDefinition::whole("In builds");
-/// Copies in published builds of which nobody said that the print was good.
-pub const COPIES_PRINTED: FieldDefinition = FieldDefinition::whole("Printed");
+pub const COPIES_IN_BUILDS: FieldDefinition = FieldDefinition::whole("In builds").unless_zero();
+/// Copies in builds whose file lies in a queue.
+pub const COPIES_QUEUED: FieldDefinition = FieldDefinition::whole("Queued").unless_zero();
+/// Copies in builds that are printed.
+pub const COPIES_PRINTING: FieldDefinition = FieldDefinition::whole("Printing").unless_zero();
+/// What became of copies, in words.
+pub const COPIES_NOW: FieldDefinition = FieldDefinition::text("Copies");
+/// Copies in builds whose print is over, and of which nobody said that they are good.
+pub const COPIES_PRINTED: FieldDefinition = FieldDefinition::whole("Printed").unless_zero();
 /// Copies in builds that were told complete.
-pub const COPIES_GOOD: FieldDefinition = FieldDefinition::whole("Good");
+pub const COPIES_GOOD: FieldDefinition = FieldDefinition::whole("Good").unless_zero();
 /// Copies that are wanted and not made, because their part was refused or cancelled.
-pub const COPIES_REFUSED: FieldDefinition = FieldDefinition::whole("Refused");
+pub const COPIES_REFUSED: FieldDefinition = FieldDefinition::whole("Refused").unless_zero();
 /// Copies that were printed badly.
-pub const COPIES_BAD: FieldDefinition = FieldDefinition::whole("Bad");
+pub const COPIES_BAD: FieldDefinition = FieldDefinition::whole("Bad").unless_zero();
 /// Copies that are not wanted any more.
-pub const COPIES_CANCELLED: FieldDefinition = FieldDefinition::whole("Cancelled");
+pub const COPIES_CANCELLED: FieldDefinition = FieldDefinition::whole("Cancelled").unless_zero();
 /// Number of builds.
 pub const BUILDS: FieldDefinition = FieldDefinition::whole("Builds");
 /// Volume of parts.
@@ -127,6 +133,8 @@ pub const MADE: FieldDefinition = FieldDefinition::text("Made");
 pub const NAME: FieldDefinition = FieldDefinition::text("Name");
 /// Order or kit.
 pub const ORDER: FieldDefinition = FieldDefinition::text("Order");
+/// Who an order or a part is for.
+pub const CUSTOMER: FieldDefinition = FieldDefinition::text("Customer");
 /// Priority, 0 to 100.
 pub const PRIORITY: FieldDefinition = FieldDefinition::whole("Priority");
 /// When a part is due.
@@ -177,6 +185,12 @@ pub const FIRES_AT: FieldDefinition = FieldDefinition::time("Fires");
 pub const BEGINS: FieldDefinition = FieldDefinition::time("Begins");
 /// When parts can be unpacked.
 pub const UNPACKED: FieldDefinition = FieldDefinition::time("Unpacked");
+/// How a person closed an order.
+pub const CLOSED: FieldDefinition = FieldDefinition::text("Closed");
+/// What can be sent to the customer of an order.
+pub const CUSTOMER_NOTE: FieldDefinition = FieldDefinition::text("To send");
+/// When all of an order is done.
+pub const DONE: FieldDefinition = FieldDefinition::time("Done");
 /// An order, or a part without one.
 pub const ORDER_OR_PART: FieldDefinition = FieldDefinition::text("Order or part");
 /// How a due date stands.
@@ -215,7 +229,7 @@ pub const NOW: FieldDefinition = FieldDefinition::text("Now");
 /// Number of files that are being read.
 pub const BEING_READ: FieldDefinition = FieldDefinition::whole("Being read");
 /// Number of refused parts.
-pub const REFUSED: FieldDefinition = FieldDefinition::whole("Refused");
+pub const REFUSED: FieldDefinition = FieldDefinition::whole("Refused").unless_zero();
 /// The last published build.
 pub const LAST_PUBLISHED: FieldDefinition = FieldDefinition::time("Last published");
 

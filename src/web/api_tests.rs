@@ -255,7 +255,7 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
     assert_eq!(sorted("/api/v1/builds"), ["after", "machine", "part", "since", "sort", "state", "until"]);
     assert_eq!(sorted("/api/v1/heights"), ["machine", "part", "since", "state", "until"]);
     assert_eq!(sorted("/api/v1/parts"), ["after", "machine", "name", "state"]);
-    assert_eq!(sorted("/api/v1/orders"), ["find", "limit", "state"]);
+    assert_eq!(sorted("/api/v1/orders"), ["customer", "find", "limit", "state"]);
     assert_eq!(parameters("/api/v1/parts/{part}"), ["part"]);
     assert_eq!(document["paths"]["/api/v1/orders/{order}"]["get"]["parameters"][0]["schema"]["type"], "string");
     let text = document.to_string();

@@ -127,7 +127,7 @@ async fn every_form_of_every_page_does_once_what_is_sent_twice() {
             let daemon = answer_all(&dashboard.ledger);
             let form = forms_of(&dashboard.get(page).await.text).remove(at);
             // A form in which nothing is filled in says so, and changes nothing.
-            let form = form.set("priority", "90").set("copies", "2").set("name", "Ann");
+            let form = form.set("priority", "90").set("copies", "2").set("name", "Ann").set("customer", "Ann");
             let once = dashboard.press(&form).await;
             assert_eq!(once.status, StatusCode::SEE_OTHER, "{page} {form:?}: {}", once.text);
             let done = dashboard.done_so_far().await;
@@ -145,7 +145,9 @@ async fn every_form_of_every_page_does_once_what_is_sent_twice() {
     {
         assert!(tried.contains(&path), "{path} is on none of the pages: {tried:?}");
     }
-    for path in ["/parts/2/edit", "/orders/kit/edit", "/orders/kit/cancel", "/orders/bracket.stl/reprint"] {
+    for path in
+        ["/parts/2/edit", "/orders/kit/edit", "/orders/kit/cancel", "/orders/kit/close", "/orders/bracket.stl/reprint"]
+    {
         assert!(tried.contains(&path), "{path} is on none of the pages: {tried:?}");
     }
 }

@@ -97,6 +97,91 @@ async fn the_forms_of_an_order_command_every_line_that_waits() {
 }
 
 #[tokio::test]
+async fn an_order_is_for_a_customer_who_can_be_changed_also_when_all_of_it_is_built() {
+    let dashboard = with_a_build("bracket.stl").await;
+    dashboard.claim("b", "bracket.stl").await;
+    let form = [("key", "key"), ("customer", "Brandt & Co"), ("was_customer", ""), ("priority", "90")];
+    dashboard.post_to("/orders/bracket.stl/edit", &form).await;
+    let commands = dashboard.ledger.pending_commands().await.unwrap();
+    let customer = Some("Brandt & Co".to_owned());
+    let asked: Vec<_> =
+        commands.iter().map(|command| (command.part_id, command.read_argument().edit.unwrap())).collect();
+    assert_eq!(asked[0], (Some(PartId(1)), ledger::PartEdit { customer: customer.clone(), ..Default::default() }));
+    assert_eq!(asked[1].1, ledger::PartEdit { customer, priority: Some(90), ..Default::default() });
+    for (part, edit) in asked {
+        dashboard.ledger.edit_part(part.unwrap(), &edit, "ann@farm").await.unwrap();
+    }
+    let page = dashboard.get("/orders/bracket.stl").await.text;
+    assert!(page.contains("href=\"/orders?customer=Brandt+%26+Co\">Brandt &amp; Co"), "{page}");
+    for (asked, found) in [("brandt", 1), ("müller", 0)] {
+        let orders = dashboard.json(&format!("/api/v1/orders?customer={asked}")).await;
+        assert_eq!(orders.as_array().unwrap().len(), found, "{asked}");
+    }
+    assert!(dashboard.get("/search?q=customer+brandt").await.text.contains("/orders?customer=Brandt+%26+Co"));
+}
+
+#[tokio::test]
+async fn a_person_closes_an_order_as_it_is_and_its_page_says_who_did_it() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let refused = dashboard.claim("b", "bracket.stl").await;
+    dashboard.ledger.cancel_part(refused, ledger::RefusalCause::TooLarge, "too large").await.unwrap();
+    let page = dashboard.get("/orders/bracket.stl").await.text;
+    assert!(page.contains("Accept 2 of 3") && page.contains("Nobody is asked any more for 1 refused copy."), "{page}");
+    let needs = async || dashboard.get("/").await.text.contains("href=\"/parts/2\"");
+    let closed = dashboard.post_to("/orders/bracket.stl/close", &[("key", "key")]).await.text;
+    assert!(closed.contains("Order bracket.stl is closed with 2 of 3 copies."), "{closed}");
+    assert!(!needs().await, "nobody is asked for what was refused");
+    dashboard.tell(&[("act", "complete")]).await;
+    let page = dashboard.get("/orders/bracket.stl").await.text;
+    assert!(page.contains("</i>closed</span></h1>") && page.contains(" by dashboard, with 2 of 3 copies."), "{page}");
+    assert!(!page.contains("Accept "), "{page}");
+    assert!(page.contains("Your order bracket.stl is complete with 2 of 3 parts."), "{page}");
+    let again = dashboard.post_to("/orders/bracket.stl/close", &[("key", "key")]).await.text;
+    assert!(again.contains("Refused") && again.contains("nothing to close"), "{again}");
+    let order = dashboard.json("/api/v1/orders/bracket.stl").await;
+    let closing = ["standing", "closed_by", "accepted_copies", "closed_of"].map(|key| order[key].to_string());
+    assert_eq!(closing, ["\"closed\"", "\"dashboard\"", "2", "3"]);
+}
+
+#[tokio::test]
+async fn no_form_of_an_order_begins_with_cancel() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    dashboard.claim("a", "N1").await;
+    for path in ["/orders/N1", "/parts/1"] {
+        let page = dashboard.get(path).await.text;
+        let (cancel, edit) = (page.rfind(">Cancel").unwrap(), page.rfind(">Change").unwrap());
+        assert!(cancel > edit && page.find(">Cancel").unwrap() > page.find("/edit\"").unwrap(), "{path}: {page}");
+    }
+}
+
+#[tokio::test]
+async fn what_nobody_told_has_no_yield_and_is_late_once_its_print_must_be_over() {
+    let hour = jiff::SignedDuration::from_hours(1);
+    // A print of 87.5 mm takes 8.75 hours: nobody told that it is over, and it was put into the queue in time.
+    let dashboard = with_a_build_due("bracket.stl", Some(jiff::Timestamp::now() + hour)).await;
+    let published = dashboard.ledger.read_history(&Default::default()).await.unwrap()[0].at.0;
+    let zone = dashboard.web.current_settings().time_zone.clone();
+    let month = published.to_zoned(zone.time_zone().clone()).strftime("%Y-%m").to_string();
+    let machine = async || dashboard.json(&format!("/api/v1/month?at={month}")).await["machines"][0].clone();
+    assert_eq!(machine().await["yield_share"], serde_json::Value::Null);
+    let page = dashboard.get(&format!("/month?at={month}")).await.text;
+    assert!(page.contains("as many days of "), "{page}");
+    let late = async |now: jiff::Timestamp| {
+        let settings = dashboard.web.current_settings();
+        let plans = crate::farm::read_plans(&dashboard.ledger, settings.profiles.values(), now).await.unwrap();
+        let span = (published - hour * 24, published + hour * 24);
+        crate::farm::read_late_parts(&dashboard.ledger, &settings.profiles, &plans, span, now).await.unwrap()
+    };
+    assert!(late(published + hour * 8).await.is_empty(), "it is printed");
+    for hours in [9, 40 * 24] {
+        let told = late(published + hour * hours).await;
+        assert_eq!((told.len(), told[0].is_estimated), (1, true));
+        let after = told[0].done_at.unwrap().0.duration_since(published).as_secs();
+        assert!((8 * 3600..=9 * 3600).contains(&after), "{after} s after it was put into the queue");
+    }
+}
+
+#[tokio::test]
 async fn orders_are_found_by_any_part_of_their_name_and_open_ones_come_first() {
     let dashboard = with_a_build("Old Möbel.stl").await;
     assert_eq!(dashboard.tell(&[("act", "complete")]).await.status, StatusCode::SEE_OTHER);
@@ -126,12 +211,27 @@ async fn an_order_shows_each_line_with_its_copies_its_part_and_its_builds() {
     let dashboard = with_a_build("bracket.stl").await;
     let page = dashboard.get("/orders/bracket.stl").await.text;
     assert!(page.contains("href=\"/parts/1\"") && page.contains("href=\"/builds/1#part-1\""), "{page}");
-    assert!(page.contains("0 good of 2 copies wanted"), "{page}");
+    // No printer was decided, so that it is taken to print; it takes 8.75 hours.
+    assert!(page.contains("2 printing; since") && page.contains("Done "), "{page}");
     let order = dashboard.json("/api/v1/orders/bracket.stl").await;
-    assert_eq!((&order["state"], &order["printed"]), (&"open".into(), &2.into()));
+    assert_eq!(
+        (&order["state"], &order["standing"], &order["printing"]),
+        (&"open".into(), &"under_way".into(), &2.into())
+    );
     let line = &order["lines"][0];
-    assert_eq!((&line["part"], &line["wanted"], &line["printed"]), (&1.into(), &2.into(), &2.into()));
-    assert_eq!((&line["builds"][0]["build"], &line["builds"][0]["copies"]), (&1.into(), &2.into()));
+    assert_eq!((&line["part"], &line["wanted"], &line["printing"]), (&1.into(), &2.into(), &2.into()));
+    let build = &line["builds"][0];
+    assert_eq!((&build["build"], &build["copies"], &build["state_word"]), (&1.into(), &2.into(), &"printing".into()));
+    assert!(build["ends_at"].is_string() && build["ends_at"] == order["done_at"], "{order}");
+    let note = order["customer_note"].as_str().unwrap();
+    assert!(
+        note.starts_with("Your order bracket.stl: none of the 2 parts is printed yet, all of it is expected "),
+        "{note}"
+    );
+    assert!(page.contains(note) && page.contains("data-copies=\"customer-note\""), "{page}");
+    let heads =
+        page.split("<table>").skip(1).map(|table| table.split("</thead>").next().unwrap().matches("<th").count());
+    assert!(heads.clone().count() == 3 && heads.clone().all(|columns| columns <= 6), "{:?}", heads.collect::<Vec<_>>());
     for path in ["/parts?state=built", "/parts/1", "/builds/1"] {
         assert!(dashboard.get(path).await.text.contains("href=\"/orders/bracket.stl\""), "{path} links to the order");
     }
@@ -220,7 +320,14 @@ async fn a_form_sends_only_what_a_person_changed_and_shows_why_it_was_refused() 
 async fn forms_need_the_key_of_the_page_and_a_farm_that_takes_orders() {
     let (dashboard, silent) = (with_a_build("bracket.stl").await, TestDashboard::new(|web| web.orders = false).await);
     silent.claim("a", "kit").await;
-    let forms = ["/builds/1/told", "/parts/1/edit", "/parts/1/reprint", "/orders/kit/cancel", "/orders/kit/reprint"];
+    let forms = [
+        "/builds/1/told",
+        "/parts/1/edit",
+        "/parts/1/reprint",
+        "/orders/kit/cancel",
+        "/orders/kit/reprint",
+        "/orders/kit/close",
+    ];
     for path in forms {
         let fields = [("act", "failed"), ("copies", "1")];
         let with_key = |key| [("key", key)].into_iter().chain(fields).collect::<Vec<_>>();

@@ -156,12 +156,16 @@ const PAGES: [&str; 16] = [
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {
+    with_a_build_due(named, None).await
+}
+
+async fn with_a_build_due(named: &str, due_at: Option<jiff::Timestamp>) -> TestDashboard {
     let dashboard = TestDashboard::new(|_| ()).await;
     let part = ledger::NewPartRow {
         name: named.to_owned(),
         machine: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("a", 2), |terms| {
-            (terms.order_name, terms.note) = (named.to_owned(), named.to_owned());
+            (terms.order_name, terms.note, terms.due_at) = (named.to_owned(), named.to_owned(), due_at);
         })
     };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;

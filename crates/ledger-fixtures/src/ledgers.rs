@@ -83,6 +83,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
         copies,
         terms: NewTerms {
             order_name: String::new(),
+            customer: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

@@ -4,10 +4,12 @@
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. No other crate contains
 //! SQL.
 
+pub use base::close_order_error::CloseOrderError;
 pub use base::error::LedgerError;
 pub use base::event_kind::EventKind;
 pub use base::id::{BuildId, CommandId, PartId};
 pub use base::in_queue_error::InQueueError;
+pub use base::name_pattern::NamePattern;
 pub use base::refusal_cause::RefusalCause;
 pub use base::server_error::ServerError;
 pub use base::state::{BuildState, IllegalMove, PartState};
@@ -21,8 +23,8 @@ pub use keep::copy::{CopyError, CopyReport, ExistingRows};
 pub use keep::decisions::ClaimDecisions;
 pub use keep::deep_check::{BuiltPartRow, PartFileRow};
 pub use keep::replace::{aside_path, clear_unfinished, replace_ledger, restoring_path};
-pub use orders::customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
-pub use orders::name_search::{NamePattern, NamedBuildRow, NamedPartRow};
+pub use orders::customer_order::{LineCopies, OrderClosing, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
+pub use orders::name_search::{NamedBuildRow, NamedPartRow};
 pub use orders::order_request::{NewOrderRequest, OrderedLine, RecordedRequest};
 pub use orders::request_key::AnsweredRequest;
 pub use parts::due_dates::DuePartRow;
@@ -46,7 +48,7 @@ pub use service::event::EventRow;
 pub use service::experience::PublishedExperience;
 pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 pub use service::machine::{MachineRow, ObservedMachine};
-pub use service::month::{BadCopies, LatePart};
+pub use service::month::{BadCopies, LatePart, UntoldPrint};
 pub use service::node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
 pub use service::printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use service::receiver::{ReceiverKind, ReceiverRow};

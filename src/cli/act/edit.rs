@@ -54,6 +54,9 @@ pub struct EditArgs {
     /// Name of its order, or "" for none
     #[arg(long, value_name = "NAME")]
     order: Option<String>,
+    /// Who it is for, or ""; can also be changed where nothing waits any more
+    #[arg(long, value_name = "NAME")]
+    customer: Option<String>,
 }
 
 /// Runs `nestd edit`.
@@ -63,7 +66,12 @@ pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
         return Err(UsageError("say what is to change, for example --copies 3 or --due 2026-11-25".to_owned()).into());
     }
     run_for_parts(common, &args.targets, |target| match target.copies {
-        None => Ok(DaemonCommand::Edit(target.part.id, Box::new(edit.clone()))),
+        None => {
+            // Of an order of which some is printed, what can be changed there.
+            let possible =
+                Some(edit.possible_in(target.part.state)).filter(|part| edit.copies.is_none() && !part.is_empty());
+            Ok(DaemonCommand::Edit(target.part.id, Box::new(possible.unwrap_or_else(|| edit.clone()))))
+        }
         Some(_) => Err(UsageError("an edit concerns whole parts: say --copies N for a number".to_owned()).into()),
     })
 }
@@ -82,6 +90,7 @@ impl EditArgs {
         Ok(PartEdit {
             copies: self.copies,
             order_name: self.order.clone(),
+            customer: self.customer.clone(),
             priority: self.priority,
             due: due.transpose()?,
             orientation: self.orientation,
@@ -175,6 +184,7 @@ mod tests {
             unit: None,
             note: None,
             order: None,
+            customer: None,
         };
         let due = |text: &str| args(text).to_edit(&berlin).unwrap().due.unwrap();
         let day = Some(("2026-12-24T22:59:59Z".parse().unwrap(), "2026-12-24".to_owned()));

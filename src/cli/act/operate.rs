@@ -1,4 +1,4 @@
-//! What a person says of published builds (`nestd outcome|reprint|requeue`), and the wait until a file is taken back.
+//! What a person says of published builds (`nestd outcome|reprint|requeue`) and of orders (`nestd close`), and the wait until a file is taken back.
 
 use std::time::{Duration, Instant};
 
@@ -27,6 +27,11 @@ pub fn say(common: &CommonArgs, words: &[OperatorWord], anyway: bool) -> Result<
     let sentences = with_ledger(common, async |settings, ledger| say_all(settings, ledger, words, anyway).await)?;
     sentences.iter().try_for_each(|sentence| print_text(sentence))?;
     Ok(CommandExit::Success)
+}
+
+/// Runs `nestd close`.
+pub fn run_close(common: &CommonArgs, orders: &[String]) -> Result<CommandExit> {
+    say(common, &orders.iter().cloned().map(OperatorWord::CloseOrder).collect::<Vec<_>>(), false)
 }
 
 /// Says words with the ledger that is open, and returns what became of them.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use jiff::Timestamp;
-use ledger::{OrderQuery, OrderState};
+use ledger::OrderQuery;
 
 use crate::{
     cli::{
@@ -10,10 +10,11 @@ use crate::{
         terminal::{
             farm_context::with_ledger_to_read,
             table::{TextTable, print_json, print_text},
+            terminal::output_columns,
         },
     },
     farm::{DatedOrder, read_plans},
-    tables::{ORDER_COLUMNS, TimeView},
+    tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView},
 };
 
 /// Arguments of the command.
@@ -22,12 +23,18 @@ pub struct OrdersArgs {
     /// Only orders with this text anywhere in their names, in any case
     #[arg(long, value_name = "TEXT")]
     find: Option<String>,
-    /// Orders in every state, not only open ones
+    /// Only orders of customers with this text anywhere in their names, in any case
+    #[arg(long, value_name = "TEXT")]
+    customer: Option<String>,
+    /// Also orders that are done or closed
     #[arg(long)]
     all: bool,
     /// Maximum number of orders
     #[arg(long, default_value_t = 50, value_name = "N")]
     limit: u32,
+    /// Print all columns, however wide the terminal is
+    #[arg(long)]
+    wide: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -35,11 +42,15 @@ pub struct OrdersArgs {
 
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
-    let state = (!args.all && args.find.is_none()).then_some(OrderState::Open);
-    let query = OrderQuery { name: args.find.clone(), state, limit: args.limit };
+    let is_filtered = args.find.is_some() || args.customer.is_some();
+    let (name, customer) = (args.find.clone(), args.customer.clone());
+    let query =
+        OrderQuery { name, customer, is_asking: !args.all && !is_filtered, limit: args.limit, ..OrderQuery::default() };
     let (sheets, view) = with_ledger_to_read(common, async |settings, ledger| {
-        let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
-        let orders = DatedOrder::of_plans(ledger.order_summaries(&query).await?, &plans);
+        let now = Timestamp::now();
+        let plans = read_plans(ledger, settings.profiles.values(), now).await?;
+        let orders = ledger.order_summaries(&query).await?.into_iter();
+        let orders: Vec<DatedOrder> = orders.map(|order| DatedOrder::of_plans(order, &plans, now)).collect();
         Ok((orders, TimeView::current(&settings.time_zone)))
     })?;
     if args.json {
@@ -47,7 +58,10 @@ pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
     }
     match sheets.is_empty() {
         true => print_text("No such orders.")?,
-        false => print_text(&TextTable::of(ORDER_COLUMNS, &sheets, &view).to_string())?,
+        false => {
+            let table = TextTable::of(ORDER_COLUMNS, &sheets, &view);
+            print_text(&table.fit_essentials(output_columns(args.wide), LEAST_ORDER_COLUMNS))?;
+        }
     }
     Ok(CommandExit::Success)
 }

@@ -1,6 +1,7 @@
 //! `nestd show`: shows a build, a part or an order, with everything that the ledger knows about it.
 
 use anyhow::Result;
+use jiff::Timestamp;
 
 use crate::{
     cli::{
@@ -13,7 +14,7 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::locate_build_file,
+    farm::{locate_build_file, read_plans},
     settings::MachineProfile,
     tables::TimeView,
 };
@@ -37,7 +38,8 @@ pub struct ShowArgs {
 pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     let wanted = LookupQuery::from_words(&args.what);
     let (found, view) = with_ledger_to_read(common, async |settings, ledger| {
-        let mut found = look_up(ledger, &wanted).await?;
+        let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
+        let mut found = look_up(ledger, &wanted, &plans, &settings.time_zone).await?;
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
             let now = settings.profiles.get(&build.machine);

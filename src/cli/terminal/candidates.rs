@@ -5,7 +5,7 @@ use std::{ffi::OsStr, path::PathBuf};
 
 use clap::builder::StyledStr;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
-use ledger::{HistoryQuery, OrderQuery, OrderState, PartQuery, PartState};
+use ledger::{HistoryQuery, OrderQuery, PartQuery, PartState};
 
 use super::farm_context::run_with_ledger;
 use crate::{
@@ -33,6 +33,11 @@ pub fn of_builds() -> ArgValueCompleter {
 /// Offers parts that are not printed yet, and open orders.
 pub fn of_parts() -> ArgValueCompleter {
     ArgValueCompleter::new(|typed: &OsStr| matching(read_parts(None).into_iter().chain(read_orders()), typed))
+}
+
+/// Offers orders that are not over.
+pub fn of_orders() -> ArgValueCompleter {
+    ArgValueCompleter::new(|typed: &OsStr| matching(read_orders().into_iter(), typed))
 }
 
 /// Offers refused parts.
@@ -90,7 +95,7 @@ fn read_parts(state: Option<PartState>) -> Vec<(String, String)> {
 
 fn read_orders() -> Vec<(String, String)> {
     let read = run_with_ledger_of(async |ledger| {
-        let query = OrderQuery { state: Some(OrderState::Open), limit: MAX_WORDS, ..OrderQuery::default() };
+        let query = OrderQuery { is_asking: true, limit: MAX_WORDS, ..OrderQuery::default() };
         Ok(ledger.list_orders(&query).await?)
     });
     read.unwrap_or_default().into_iter().map(|order| (order.name, "order".to_owned())).collect()

@@ -3,11 +3,19 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
-use ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OutcomeRow, PartId, PartRow, PlacementRow};
+use jiff::Timestamp;
+use ledger::{
+    BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OrderSummary, OutcomeRow, PartId, PartRow,
+    PlacementRow,
+};
 use serde::Serialize;
 
 use super::values::parse_prefixed_number;
-use crate::{settings::MachineProfile, tables::CountedPart};
+use crate::{
+    farm::{BuildFact, DatedOrder, MachinePlan, build_fact, copy_counts, customer_note},
+    settings::{FarmZone, MachineProfile},
+    tables::{CountedPart, PlacedCopy},
+};
 
 /// What the user wants to see. A bare number or name may match a build, a part, an order and a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -31,6 +39,9 @@ pub struct LookupResult {
     /// A part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<PartDetails>,
+    /// How an order stands, with what its customer can be told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order_sheet: Option<OrderDetails>,
     /// The parts of an order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub order: Vec<PartDetails>,
@@ -39,11 +50,24 @@ pub struct LookupResult {
     pub named: Vec<PartDetails>,
 }
 
+/// How an order stands.
+#[derive(Debug, Serialize)]
+pub struct OrderDetails {
+    /// Its row and its copies, with when it is done.
+    #[serde(flatten)]
+    pub dated: DatedOrder,
+    /// What can be sent to its customer.
+    pub customer_note: String,
+}
+
 /// A build with all that belongs to it.
 #[derive(Debug, Serialize)]
 pub struct BuildDetails {
     /// Its row.
     pub build: BuildRow,
+    /// How far it is.
+    #[serde(flatten)]
+    pub fact: BuildFact,
     /// The path where its file was published; the printer may have taken it since.
     pub file: Option<std::path::PathBuf>,
     /// Its machine as it was then, where the configuration or the build knows it.
@@ -70,7 +94,7 @@ pub struct PartDetails {
     /// What became of its copies.
     pub copies: LineCopies,
     /// Where its copies are.
-    pub placements: Vec<PlacementRow>,
+    pub placements: Vec<PlacedCopy>,
     /// What happened to it.
     pub events: Vec<EventRow>,
 }
@@ -106,25 +130,31 @@ impl LookupResult {
     }
 }
 
-/// Finds everything in the ledger with that number or name.
-pub async fn look_up(ledger: &Ledger, wanted: &LookupQuery) -> Result<LookupResult> {
+/// Finds everything in the ledger with that number or name, and what is so of it according to the plans of the machines.
+pub async fn look_up(
+    ledger: &Ledger,
+    wanted: &LookupQuery,
+    plans: &[MachinePlan],
+    zone: &FarmZone,
+) -> Result<LookupResult> {
     let mut found = LookupResult::default();
     if let Some(number) = wanted.build {
-        found.build = read_build_details(ledger, BuildId(number)).await?;
+        found.build = read_build_details(ledger, BuildId(number), plans).await?;
     }
     if let Some(number) = wanted.part
         && let Some(part) = ledger.find_part(PartId(number)).await?
     {
-        found.part = Some(read_part_details(ledger, part).await?);
+        found.part = Some(read_part_details(ledger, part, plans).await?);
     }
     if let Some(name) = &wanted.order {
         for part in ledger.parts_of_order(name).await? {
-            found.order.push(read_part_details(ledger, part).await?);
+            found.order.push(read_part_details(ledger, part, plans).await?);
         }
+        found.order_sheet = read_order_details(ledger, name, plans, zone).await?;
     }
     if let Some(name) = &wanted.file {
         for part in ledger.parts_named(name).await? {
-            found.named.push(read_part_details(ledger, part).await?);
+            found.named.push(read_part_details(ledger, part, plans).await?);
         }
     }
     Ok(found)
@@ -132,19 +162,34 @@ pub async fn look_up(ledger: &Ledger, wanted: &LookupQuery) -> Result<LookupResu
 
 /// The builds that hold copies of the matching orders and parts.
 pub async fn find_builds(ledger: &Ledger, wanted: &LookupQuery) -> Result<Vec<BuildId>> {
-    let found = look_up(ledger, &LookupQuery { build: None, ..wanted.clone() }).await?;
+    let wanted = LookupQuery { build: None, ..wanted.clone() };
+    let found = look_up(ledger, &wanted, &[], &FarmZone::default()).await?;
     let sheets = found.part.iter().chain(&found.order).chain(&found.named);
-    let builds: BTreeSet<BuildId> = sheets.flat_map(|sheet| sheet.placements.iter().map(|p| p.build_id)).collect();
+    let builds: BTreeSet<BuildId> =
+        sheets.flat_map(|sheet| sheet.placements.iter().map(|copy| copy.placed.build_id)).collect();
     Ok(builds.into_iter().collect())
 }
 
-async fn read_build_details(ledger: &Ledger, id: BuildId) -> Result<Option<BuildDetails>> {
+async fn read_order_details(
+    ledger: &Ledger,
+    name: &str,
+    plans: &[MachinePlan],
+    zone: &FarmZone,
+) -> Result<Option<OrderDetails>> {
+    let Some(order) = ledger.find_order(name).await? else { return Ok(None) };
+    let (summary, now) = (OrderSummary::of_lines(order, &ledger.order_lines(name).await?), Timestamp::now());
+    let dated = DatedOrder::of_plans(summary, plans, now);
+    Ok(Some(OrderDetails { customer_note: customer_note(&dated, zone, now), dated }))
+}
+
+async fn read_build_details(ledger: &Ledger, id: BuildId, plans: &[MachinePlan]) -> Result<Option<BuildDetails>> {
     let Some(build) = ledger.find_build(id).await? else { return Ok(None) };
     let line = match build.state {
         BuildState::Open => ledger.waiting_copies(&build.machine).await?,
         _ => Vec::new(),
     };
     Ok(Some(BuildDetails {
+        fact: build_fact(&build, plans),
         build,
         file: None,
         machine: None,
@@ -157,8 +202,9 @@ async fn read_build_details(ledger: &Ledger, id: BuildId) -> Result<Option<Build
     }))
 }
 
-async fn read_part_details(ledger: &Ledger, part: PartRow) -> Result<PartDetails> {
-    let (placements, events) = (ledger.placements_of_part(part.id).await?, ledger.events_of_part(part.id).await?);
-    let copies = ledger.line_of_part(part.id).await?.copies;
+async fn read_part_details(ledger: &Ledger, part: PartRow, plans: &[MachinePlan]) -> Result<PartDetails> {
+    let events = ledger.events_of_part(part.id).await?;
+    let placements = PlacedCopy::of_plans(ledger.placements_of_part(part.id).await?, plans);
+    let copies = copy_counts(&ledger.line_of_part(part.id).await?.copies, plans, |planned| planned.part == part.id);
     Ok(PartDetails { part, copies, placements, events })
 }

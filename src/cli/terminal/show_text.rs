@@ -4,20 +4,21 @@ use build_file::escape_invisible;
 use ledger::{BuildState, EventRow};
 
 use super::{
-    lookup::{BuildDetails, LookupResult, PartDetails},
+    lookup::{BuildDetails, LookupResult, OrderDetails, PartDetails},
     table::TextTable,
     terminal::wrap_words,
 };
 use crate::{
     farm::PartQuestion,
     tables::{
-        BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart, SheetFact,
-        TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, fields, part_facts, whereabouts,
+        BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, GivenDate, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart,
+        PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, copies_text,
+        fields, part_facts, whereabouts,
     },
 };
 
 /// Columns that are left out on a narrow terminal, the first of them first.
-const LEAST_COLUMNS: &[&str] = &["cancelled", "bad", "refused", "machine", "in_builds", "printed", "state", "due_at"];
+const LEAST_COLUMNS: &[&str] = &["machine", "state", "due_at", "reason_or_warning", "where"];
 /// Where the texts of facts begin.
 const FACT_INDENT: usize = 14;
 
@@ -26,9 +27,8 @@ pub fn lookup_text(found: &LookupResult, view: &TimeView, columns: usize) -> Str
     let mut sheets = Vec::new();
     sheets.extend(found.build.as_ref().map(|build| build_text(build, view, columns)));
     sheets.extend(found.part.as_ref().map(|part| part_text(part, view, columns)));
-    if let Some(first) = found.order.first() {
-        let name = &first.part.terms.order_name;
-        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order, view, columns)));
+    if let (Some(order), false) = (&found.order_sheet, found.order.is_empty()) {
+        sheets.push(order_text(order, view, columns) + &parts_table(&found.order, view, columns));
     }
     match found.named.as_slice() {
         [] => {}
@@ -40,13 +40,31 @@ pub fn lookup_text(found: &LookupResult, view: &TimeView, columns: usize) -> Str
     sheets.join("\n")
 }
 
+fn order_text(sheet: &OrderDetails, view: &TimeView, columns: usize) -> String {
+    let (order, fact) = (&sheet.dated.order, &sheet.dated.fact);
+    let facts = [
+        fields::CUSTOMER.fact(&order.order.customer),
+        Some(fields::COPIES.fact_of(copies_text(&order.copies))),
+        view.due_fact(fields::DUE, GivenDate::new(order.due_at, &order.due_text)),
+        PromisedDate::of_order(fact).map(|promise| fields::DONE.fact_of(view.promise_text(&promise))),
+        fields::RISK.fact(&fact.risk_reason),
+        closing_text(&order.order, view).map(|text| fields::CLOSED.fact_of(text)),
+        Some(fields::CUSTOMER_NOTE.fact_of(sheet.customer_note.clone())),
+    ];
+    let facts: Vec<SheetFact> = facts.into_iter().flatten().collect();
+    format!("Order {}: {}\n{}\n", order.order.name, fact.word.word(), align_fields(&facts, columns))
+}
+
 fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let row = &sheet.build;
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
-    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), view);
+    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_in_build(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
+    let unpacked =
+        sheet.fact.ends_at.map(|at| fields::UNPACKED.fact_of(format!("{}, as far as is known", view.near_text(at))));
+    facts.splice(0..0, unpacked);
     let mut text =
-        format!("Build {} of {}: {}\n{}", row.id, row.machine, row.state_word(), align_fields(&facts, columns));
+        format!("Build {} of {}: {}\n{}", row.id, row.machine, sheet.fact.word, align_fields(&facts, columns));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
@@ -57,7 +75,7 @@ fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
 }
 
 /// The number of copies in a build. An open build has only a forecast: it takes no copies before it fires.
-fn copies_text(sheet: &BuildDetails) -> String {
+fn copies_in_build(sheet: &BuildDetails) -> String {
     let copies = sheet.build.measures.copies.unwrap_or(0);
     match sheet.build.state {
         BuildState::Open => {
@@ -91,7 +109,7 @@ fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
 fn parts_table(sheets: &[PartDetails], view: &TimeView, columns: usize) -> String {
     let row = |sheet: &PartDetails| OrderedPart {
         part: sheet.part.clone(),
-        placements: sheet.placements.clone(),
+        placed: sheet.placements.clone(),
         copies: sheet.copies,
     };
     TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>(), view)

@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
 use super::terminal::wrap_words;
-use crate::tables::{FieldDefinition, TableColumn, TimeView, for_people};
+use crate::tables::{FieldDefinition, TableColumn, TimeView, people_columns};
 
 /// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
@@ -34,14 +34,15 @@ impl TableHead {
 }
 
 impl TextTable {
-    /// Creates a table of rows with the columns that people see; `view` is how times are shown.
+    /// Creates a table of rows with the columns that people see, but for those of counts in which all is 0; `view` is how times are shown.
     pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row], view: &TimeView) -> Self {
         let cell = |column: &TableColumn<Row>, row: &Row| {
             escape_invisible(&column.field.cell_text(&(column.value)(row), view).unwrap_or_else(|| "-".to_owned()))
         };
+        let columns = people_columns(columns, rows);
         Self {
-            headings: for_people(columns).map(|column| TableHead::of(column.key, &column.field)).collect(),
-            rows: rows.iter().map(|row| for_people(columns).map(|column| cell(column, row)).collect()).collect(),
+            headings: columns.iter().map(|column| TableHead::of(column.key, &column.field)).collect(),
+            rows: rows.iter().map(|row| columns.iter().map(|column| cell(column, row)).collect()).collect(),
         }
     }
 

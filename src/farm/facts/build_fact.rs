@@ -1,15 +1,18 @@
 //! How far a build is: as its machine plans it while it is under way, and as the ledger has it otherwise.
 
-use ledger::{BuildId, BuildRow, BuildState, UtcTimestamp};
+use ledger::{BuildId, BuildRow, BuildState, PlacementRow, UtcTimestamp};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-use crate::farm::planning::{MachinePlan, PlanStage};
+use crate::farm::planning::{MachinePlan, PlanStage, PlannedBuild};
 
 /// What is so of a build.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct BuildFact {
-    /// How far it is: one of the words of the plan, or the state of the ledger.
+    /// How far it is, for people: one of the words of the plan, or the state of the ledger.
+    #[serde(rename = "state_word")]
     pub word: String,
-    /// When its parts can be unpacked, as far as is known.
+    /// When its parts can be unpacked, as far as is known, to the minute; `None` = that is not known, or its print was told.
     pub ends_at: Option<UtcTimestamp>,
 }
 
@@ -29,16 +32,39 @@ impl PlanStage {
     }
 }
 
-/// What is so of a build. `plan` is that of its machine; `None` = the machine is not configured any more.
-pub fn build_fact(build: &BuildRow, plan: Option<&MachinePlan>) -> BuildFact {
-    let is_under_way = matches!(build.state, BuildState::Published | BuildState::Printing);
-    let is_it = |id: Option<BuildId>| id == Some(build.id);
-    let planned = plan.and_then(|plan| plan.builds.iter().find(|planned| is_it(planned.build)));
+/// What is so of a build.
+pub fn build_fact(build: &BuildRow, plans: &[MachinePlan]) -> BuildFact {
+    fact_of((build.id, build.state), build.state_word(), plans)
+}
+
+/// What is so of the build that a copy was taken into.
+pub fn build_of_copy(placed: &PlacementRow, plans: &[MachinePlan]) -> BuildFact {
+    let word = if placed.is_withdrawn { "withdrawn".to_owned() } else { placed.build_state.to_string() };
+    fact_of((placed.build_id, placed.build_state), word, plans)
+}
+
+fn fact_of((build, state): (BuildId, BuildState), word: String, plans: &[MachinePlan]) -> BuildFact {
+    let is_under_way = matches!(state, BuildState::Published | BuildState::Printing);
+    let planned = planned_build(build, plans);
     BuildFact {
         word: match planned.filter(|_| is_under_way) {
             Some(planned) => planned.stage.word(planned.awaits_release).to_owned(),
-            None => build.state_word(),
+            None => word,
         },
         ends_at: planned.and_then(|planned| planned.ends_at),
     }
+}
+
+fn planned_build(build: BuildId, plans: &[MachinePlan]) -> Option<&PlannedBuild> {
+    plans.iter().flat_map(|plan| &plan.builds).find(|planned| planned.build == Some(build))
+}
+
+/// When the parts of a build can be unpacked, according to the plan of its machine.
+pub(super) fn ends_of(build: BuildId, plans: &[MachinePlan]) -> Option<UtcTimestamp> {
+    planned_build(build, plans)?.ends_at
+}
+
+/// How far a build is in the plan of its machine; `None` = it is in none.
+pub(super) fn stage_of(build: BuildId, plans: &[MachinePlan]) -> Option<PlanStage> {
+    planned_build(build, plans).map(|planned| planned.stage)
 }

@@ -43,6 +43,7 @@ impl ClaimNote {
     pub fn of_part(farm: &str, part: &PartRow) -> Self {
         let terms = NewTerms {
             order_name: part.terms.order_name.clone(),
+            customer: part.terms.customer.clone(),
             priority: part.terms.priority,
             due_at: part.terms.due_at.map(|at| at.0),
             due_text: part.terms.due_text.clone(),
@@ -277,6 +278,7 @@ pub(crate) fn new_part_row(
         copies,
         terms: NewTerms {
             order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
+            customer: ticket.customer.unwrap_or_default(),
             priority: ticket.priority.unwrap_or(50),
             due_at,
             due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),

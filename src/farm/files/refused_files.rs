@@ -1,6 +1,7 @@
 //! Counts the refused files in an error folder that somebody must still handle. Not counted are files that were
-//! cancelled on purpose, dismissed, or can no longer be taken back. Whether a part was cancelled is in its row; a file
-//! that was refused before it became a part has none.
+//! cancelled on purpose, dismissed, or can no longer be taken back, and those of which no copy is wanted any more: another file took
+//! their place, or their order was closed without them. That is in the row of the part; a file that was refused before it became a
+//! part has none.
 
 use std::{
     collections::HashMap,
@@ -19,13 +20,14 @@ const DISMISSED: &str = ".nestd-dismissed";
 /// What is known of the reasons in an error folder.
 #[derive(Debug, Default)]
 pub struct RefusedFiles {
-    /// Reason -> when it was written, and whether the part was cancelled.
+    /// Reason -> when it was written, and whether its part asks for a person.
     known: HashMap<PathBuf, (SystemTime, bool)>,
 }
 
 impl RefusedFiles {
     /// Number of files in the error folder of a machine that somebody must handle. `find_part` finds the row of a part;
-    /// it is asked once for each reason that was written.
+    /// it is asked for each reason until its part asks
+    /// nobody any more.
     pub fn count_unresolved(
         &mut self,
         error_dir: &Path,
@@ -39,15 +41,15 @@ impl RefusedFiles {
                 continue;
             }
             let Ok(written) = fs::symlink_metadata(&reason).and_then(|meta| meta.modified()) else { continue };
-            let known = before.get(&reason).filter(|(when, _)| *when == written).map(|(_, cancelled)| *cancelled);
-            // What is not decided yet is asked for again.
-            if let Some(is_cancelled) = known.or_else(|| is_cancelled(&reason, machine, &find_part)) {
-                self.known.insert(reason, (written, is_cancelled));
+            let known = before.get(&reason).filter(|(when, asks)| *when == written && !asks);
+            let asks = known.map(|(_, asks)| *asks).or_else(|| asks_for_person(&reason, machine, &find_part));
+            if let Some(asks) = asks {
+                self.known.insert(reason, (written, asks));
             }
         }
         let is_old = |written: &SystemTime| written.elapsed().is_ok_and(|age| age > refused_retention());
-        let needs_person = |(written, is_cancelled): &&(SystemTime, bool)| {
-            !is_cancelled && dismissed.is_none_or(|at| *written > at) && !is_old(written)
+        let needs_person = |(written, asks): &&(SystemTime, bool)| {
+            *asks && dismissed.is_none_or(|at| *written > at) && !is_old(written)
         };
         self.known.values().filter(needs_person).count()
     }
@@ -58,17 +60,19 @@ fn refused_retention() -> Duration {
     RETRY_PERIOD.unsigned_abs()
 }
 
-/// Whether the part that a reason names was cancelled; `None` = its row does not say so yet, or it was taken back.
-fn is_cancelled(
+/// Whether copies of the part that a reason names are wanted, and it was not cancelled; `None` = its row does not say so yet, or it was
+/// taken back.
+fn asks_for_person(
     reason: &Path,
     machine: &str,
     find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
 ) -> Option<bool> {
     let text = intake::read_reason(reason).ok().flatten().unwrap_or_default();
-    let Some(part) = find_part_number(&text, machine) else { return Some(false) };
+    let Some(part) = find_part_number(&text, machine) else { return Some(true) };
     match find_part(part).ok()? {
         Some(row) if row.state != PartState::Refused => None,
-        row => Some(row.is_some_and(|row| row.refused.refusal.is_some_and(RefusalCause::is_intended))),
+        Some(row) => Some(row.wanted_copies() > 0 && !row.refused.refusal.is_some_and(RefusalCause::is_intended)),
+        None => Some(true),
     }
 }
 

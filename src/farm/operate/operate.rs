@@ -1,6 +1,6 @@
-//! The one door for what a person says of builds and printers, whichever face says it: the command line, a page or a program. It looks
-//! into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes it
-//! for the daemon that serves the machine, or refuses it.
+//! The one door for what a person says of builds, printers and orders, whichever face says it: the command line, a page or a program. It
+//! looks into the queue folders, where this process can see them; `ledger/words/operator_word` then judges the word and carries it out, notes
+//! it for the daemon that serves the machine, or refuses it.
 
 use std::time::Duration;
 

@@ -149,6 +149,7 @@ fn quoted_row(
     let [x, y, z] = solid.mesh.bounds().size().to_array();
     let terms = PartTerms {
         order_name: String::new(),
+        customer: String::new(),
         priority: file.ticket.priority.unwrap_or(USUAL_PRIORITY),
         due_at: None,
         due_text: String::new(),

@@ -295,6 +295,7 @@ fn ticket_to_edit(ticket: &Ticket, machine: &MachineProfile) -> Result<PartEdit,
     Ok(PartEdit {
         copies: ticket.copies,
         order_name: ticket.order.clone(),
+        customer: ticket.customer.clone(),
         priority: ticket.priority,
         due,
         orientation: is_turned.then_some(limits.rule),

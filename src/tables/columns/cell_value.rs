@@ -4,7 +4,7 @@
 use ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 use serde::Serialize;
 
-use super::time_view::GivenDate;
+use super::time_view::{GivenDate, PromisedDate};
 
 /// A value in a table, not formatted yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,6 +27,9 @@ pub enum CellValue {
     /// A due date. Programs get its instant.
     #[serde(serialize_with = "due_instant")]
     Due(GivenDate),
+    /// When something will be done, and by how much that is late. Programs get its instant.
+    #[serde(serialize_with = "promised_instant")]
+    Promise(PromisedDate),
     /// A build, shown by its number.
     Build(BuildId),
     /// A build, shown by its number, with the part to find in it.
@@ -41,6 +44,10 @@ pub enum CellValue {
 
 fn due_instant<S: serde::Serializer>(due: &GivenDate, serializer: S) -> Result<S::Ok, S::Error> {
     due.due_at.serialize(serializer)
+}
+
+fn promised_instant<S: serde::Serializer>(promise: &PromisedDate, serializer: S) -> Result<S::Ok, S::Error> {
+    promise.done_at.serialize(serializer)
 }
 
 impl<T: Into<CellValue>> From<Option<T>> for CellValue {
@@ -72,6 +79,7 @@ cell_from! {
     f64 => CellValue::Real,
     UtcTimestamp => CellValue::Time,
     GivenDate => CellValue::Due,
+    PromisedDate => CellValue::Promise,
     BuildId => CellValue::Build,
     PartId => CellValue::Part,
     BuildState => |state| CellValue::State(state.to_string()),

@@ -14,6 +14,8 @@ pub struct FieldDefinition {
     /// Its name, with a capital first letter.
     pub label: &'static str,
     kind: FieldKind,
+    /// Whether people do not see a column of it in which all is 0.
+    pub is_hidden_where_zero: bool,
 }
 
 /// The kind of a field's values.
@@ -45,34 +47,43 @@ pub struct SheetFact {
 }
 
 impl FieldDefinition {
+    const fn of_kind(label: &'static str, kind: FieldKind) -> Self {
+        Self { label, kind, is_hidden_where_zero: false }
+    }
+
     /// A field of texts.
     pub const fn text(label: &'static str) -> Self {
-        Self { label, kind: FieldKind::Text }
+        Self::of_kind(label, FieldKind::Text)
     }
 
     /// A field of whole numbers.
     pub const fn whole(label: &'static str) -> Self {
-        Self { label, kind: FieldKind::Whole }
+        Self::of_kind(label, FieldKind::Whole)
     }
 
     /// A field of numbers with a unit and a fixed number of decimals.
     pub const fn real(label: &'static str, unit: &'static str, decimals: usize) -> Self {
-        Self { label, kind: FieldKind::Real { unit, decimals } }
+        Self::of_kind(label, FieldKind::Real { unit, decimals })
     }
 
     /// A field of numbers with a unit that print with all their decimals.
     pub const fn exact(label: &'static str, unit: &'static str) -> Self {
-        Self { label, kind: FieldKind::Exact { unit } }
+        Self::of_kind(label, FieldKind::Exact { unit })
     }
 
     /// A field of shares, printed in percent.
     pub const fn share(label: &'static str) -> Self {
-        Self { label, kind: FieldKind::Share }
+        Self::of_kind(label, FieldKind::Share)
     }
 
     /// A field of points in time.
     pub const fn time(label: &'static str) -> Self {
-        Self { label, kind: FieldKind::Time }
+        Self::of_kind(label, FieldKind::Time)
+    }
+
+    /// The same field; people do not see a column of it in which all is 0.
+    pub const fn unless_zero(self) -> Self {
+        Self { is_hidden_where_zero: true, ..self }
     }
 
     /// The unit of its values; "" = none.
@@ -111,6 +122,7 @@ impl FieldDefinition {
         match value {
             CellValue::Time(at) => Some(view.time_text(*at)),
             CellValue::Due(due) => Some(view.due_text(due)),
+            CellValue::Promise(promise) => Some(view.promise_text(promise)),
             other => self.plain_text(other),
         }
     }
@@ -119,7 +131,7 @@ impl FieldDefinition {
     pub fn plain_text(&self, value: &CellValue) -> Option<String> {
         Some(match value {
             // A time is shown by a `TimeView`, which knows the zone.
-            CellValue::Missing | CellValue::Time(_) | CellValue::Due(_) => return None,
+            CellValue::Missing | CellValue::Time(_) | CellValue::Due(_) | CellValue::Promise(_) => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
             CellValue::Text(text)
             | CellValue::State(text)

@@ -57,6 +57,13 @@ pub fn for_people<Row>(columns: &[TableColumn<Row>]) -> impl Iterator<Item = &Ta
     columns.iter().filter(|column| column.audience != ColumnAudience::Programs)
 }
 
+/// The columns that people see of these rows: not those of counts in which all is 0.
+pub fn people_columns<'c, Row>(columns: &'c [TableColumn<Row>], rows: &[Row]) -> Vec<&'c TableColumn<Row>> {
+    let is_nothing = |value: CellValue| matches!(value, CellValue::Missing | CellValue::Whole(0));
+    let is_zero = |column: &TableColumn<Row>| rows.iter().all(|row| is_nothing((column.value)(row)));
+    for_people(columns).filter(|column| !(column.field.is_hidden_where_zero && is_zero(column))).collect()
+}
+
 /// Writes rows as CSV for spreadsheets, with a heading and every column that programs see. Texts are escaped so that
 /// a spreadsheet does not run them as formulas. Numbers stay numbers.
 ///

@@ -1,10 +1,13 @@
 //! How times are shown to people: in the time zone of the farm, with the mark of the zone, and with durations beside due
 //! dates.
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use ledger::{PartTerms, UtcTimestamp};
 
-use crate::settings::FarmZone;
+use crate::{
+    farm::{OrderFact, delay_text},
+    settings::FarmZone,
+};
 
 /// How times are shown to people.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,6 +34,27 @@ impl GivenDate {
     /// The due date of a part, if it has one.
     pub fn of_terms(terms: &PartTerms) -> Option<Self> {
         Self::new(terms.due_at, &terms.due_text)
+    }
+}
+
+/// When something will be done, or was, and by how much that is late.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PromisedDate {
+    /// When.
+    pub done_at: UtcTimestamp,
+    /// By how much it is late; `None` = it is not.
+    pub late: Option<SignedDuration>,
+}
+
+impl PromisedDate {
+    /// That of an order, as far as it is known.
+    pub fn of_order(fact: &OrderFact) -> Option<Self> {
+        Some(Self { done_at: fact.done_at?, late: fact.lateness() })
+    }
+
+    /// By how much it is late: `28 h late`.
+    pub fn late_text(&self) -> Option<String> {
+        self.late.map(|late| format!("{} late", delay_text(late)))
     }
 }
 
@@ -72,6 +96,12 @@ impl TimeView {
             Some(_) => self.near_text(due.due_at),
             None => self.due_text(due),
         }
+    }
+
+    /// When something will be done, with its delay: `tomorrow 03:45, 28 h late`.
+    pub fn promise_text(&self, promise: &PromisedDate) -> String {
+        let late = promise.late_text().map_or_else(String::new, |late| format!(", {late}"));
+        self.near_text(promise.done_at) + &late
     }
 
     /// A due date with the time that is left: `2026-12-24, in 32d 4h`.

@@ -6,10 +6,11 @@ use ledger::{BuildId, LineCopies, PartRow, PlacementRow};
 use serde::Serialize;
 
 use crate::{
-    farm::CakePart,
+    farm::{BuildFact, CakePart, CopyWord, MachinePlan, build_of_copy, copy_fact},
     tables::{
         columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
         fields,
+        lists::order_list::copies_text,
     },
 };
 
@@ -27,10 +28,35 @@ pub struct CountedPart {
 pub struct OrderedPart {
     /// The part.
     pub part: PartRow,
-    /// The placements of its copies in builds.
-    pub placements: Vec<PlacementRow>,
+    /// Its copies in builds.
+    pub placed: Vec<PlacedCopy>,
     /// What became of its copies.
     pub copies: LineCopies,
+}
+
+/// A copy that was taken into a build, and what became of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlacedCopy {
+    /// Where it stands.
+    #[serde(flatten)]
+    pub placed: PlacementRow,
+    /// What became of it.
+    pub copy_state: CopyWord,
+    /// How far its build is.
+    #[serde(flatten)]
+    pub build: BuildFact,
+}
+
+impl PlacedCopy {
+    /// What became of copies according to the plans of the machines.
+    pub fn of_plans(placements: Vec<PlacementRow>, plans: &[MachinePlan]) -> Vec<Self> {
+        let fact = |placed: PlacementRow| Self {
+            copy_state: copy_fact(&placed, plans),
+            build: build_of_copy(&placed, plans),
+            placed,
+        };
+        placements.into_iter().map(fact).collect()
+    }
 }
 
 /// Parts with a given state or name.
@@ -72,15 +98,7 @@ pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
     TableColumn::new("machine", fields::MACHINE, |row| (&row.part.machine).into()),
-    TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
-    TableColumn::new("wanted", fields::COPIES_WANTED, |row| row.copies.wanted.into()),
-    TableColumn::new("waiting", fields::COPIES_WAITING, |row| row.copies.waiting.into()),
-    TableColumn::new("in_builds", fields::COPIES_IN_BUILDS, |row| row.copies.in_builds.into()),
-    TableColumn::new("printed", fields::COPIES_PRINTED, |row| row.copies.printed.into()),
-    TableColumn::new("good", fields::COPIES_GOOD, |row| row.copies.good.into()),
-    TableColumn::new("refused", fields::COPIES_REFUSED, |row| row.copies.refused.into()),
-    TableColumn::new("bad", fields::COPIES_BAD, |row| row.copies.bad.into()),
-    TableColumn::new("cancelled", fields::COPIES_CANCELLED, |row| row.copies.cancelled.into()),
+    TableColumn::for_people("copies", fields::COPIES_NOW, |row| copies_text(&row.copies).into()),
     TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
     TableColumn::for_people("where", fields::WHERE, where_or_why),
 ];
@@ -96,12 +114,12 @@ pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
 ];
 
 /// Copies of a part that are in builds.
-pub const PLACEMENT_COLUMNS: &[TableColumn<PlacementRow>] = &[
-    TableColumn::new("copy", fields::COPY, |placed| (placed.copy + 1).into()),
-    TableColumn::new("build", fields::BUILD, |placed| CellValue::BuildWithPart(placed.build_id, placed.part_id)),
-    TableColumn::new("build_state", fields::STATE, |placed| placed.build_state.into()),
-    TableColumn::new("published_at", fields::PUBLISHED, |placed| placed.published_at.into()),
-    TableColumn::for_people("origin_mm", fields::ORIGIN, origin),
+pub const PLACEMENT_COLUMNS: &[TableColumn<PlacedCopy>] = &[
+    TableColumn::new("copy", fields::COPY, |row| (row.placed.copy + 1).into()),
+    TableColumn::new("build", fields::BUILD, |row| CellValue::BuildWithPart(row.placed.build_id, row.placed.part_id)),
+    TableColumn::for_people("copy_state", fields::STATE, |row| CellValue::State(row.copy_state.word().to_owned())),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| row.build.ends_at.into()),
+    TableColumn::for_people("origin_mm", fields::ORIGIN, |row| origin(&row.placed)),
 ];
 
 /// Why a part was refused; otherwise what it waits for and its warnings.
@@ -118,21 +136,20 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
 
 fn where_or_why(row: &OrderedPart) -> CellValue {
     match row.part.refused.reason.as_str() {
-        "" => whereabouts(&row.placements).into(),
+        "" => whereabouts(&row.placed).into(),
         reason => CellValue::Prose(reason.to_owned()),
     }
 }
 
-/// `2 in build 3 (published), 1 in build 4 (nesting)`.
-pub fn whereabouts(placements: &[PlacementRow]) -> String {
-    let mut builds: BTreeMap<(BuildId, String), u32> = BTreeMap::new();
-    for placement in placements {
-        let state = match placement {
-            placement if placement.is_withdrawn => "withdrawn".to_owned(),
-            placement if placement.is_bad => "bad".to_owned(),
-            placement => placement.build_state.to_string(),
+/// `2 in build 3 (in the queue), 1 in build 4 (being made)`.
+pub fn whereabouts(placed: &[PlacedCopy]) -> String {
+    let mut builds: BTreeMap<(BuildId, &str), u32> = BTreeMap::new();
+    for copy in placed {
+        let state = match copy.copy_state {
+            CopyWord::InBuild => &copy.build.word,
+            word => word.word(),
         };
-        *builds.entry((placement.build_id, state)).or_default() += 1;
+        *builds.entry((copy.placed.build_id, state)).or_default() += 1;
     }
     let texts: Vec<String> = builds.iter().map(|((id, state), n)| format!("{n} in build {id} ({state})")).collect();
     if texts.is_empty() { "none in a build".to_owned() } else { texts.join(", ") }

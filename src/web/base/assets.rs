@@ -10,10 +10,11 @@ use crate::web::look::style::page_style;
 /// The font of the pages: Inter (SIL Open Font License 1.1), made by `assets/font.sh`.
 const FONT: &str = "inter.woff2";
 
-const ASSETS: [(&str, &str, &[u8]); 6] = [
+const ASSETS: [(&str, &str, &[u8]); 7] = [
     (FONT, "font/woff2", include_bytes!("../assets/inter.woff2")),
     ("live.js", "text/javascript; charset=utf-8", include_bytes!("../assets/live.js")),
     ("drop.js", "text/javascript; charset=utf-8", include_bytes!("../assets/drop.js")),
+    ("copy.js", "text/javascript; charset=utf-8", include_bytes!("../assets/copy.js")),
     ("start.js", "text/javascript; charset=utf-8", include_bytes!("../assets/start.js")),
     ("view.js", "text/javascript; charset=utf-8", include_bytes!("../assets/view.js")),
     ("icon.svg", "image/svg+xml", include_bytes!("../assets/icon.svg")),

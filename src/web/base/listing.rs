@@ -7,10 +7,10 @@ use super::{
     query::order_address,
 };
 use crate::{
-    tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, fields, for_people},
+    tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, fields, people_columns},
     web::look::{
         chip::chip,
-        times::{due_of, time_of},
+        times::{due_of, promise_of, time_of},
     },
 };
 
@@ -22,13 +22,14 @@ pub(crate) fn table_of<Row>(
     rows: &[Row],
     view: &TimeView,
 ) -> Markup {
+    let columns = people_columns(columns, rows);
     html! {
         div.wide.listed tabindex="0" role="region" aria-label=(name) {
             table {
                 @if let Some(caption) = caption { caption { (caption) } }
-                thead { tr { @for column in for_people(columns) { (heading(&column.field)) } } }
+                thead { tr { @for column in &columns { (heading(&column.field)) } } }
                 tbody { @for row in rows { tr {
-                    @for column in for_people(columns) { (card_cell(&column.field, &(column.value)(row), view)) }
+                    @for column in &columns { (card_cell(&column.field, &(column.value)(row), view)) }
                 } } }
             }
         }
@@ -75,6 +76,7 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &Tim
         CellValue::State(_) => chip(text),
         CellValue::Time(at) => time_of(*at, view),
         CellValue::Due(due) => due_of(due, view),
+        CellValue::Promise(promise) => promise_of(promise, view),
         _ => html! { (text) },
     }
 }

@@ -26,6 +26,11 @@ pub(crate) fn order_address(name: &str) -> String {
     format!("/orders/{}", encoded.trim_start_matches('=').replace('+', "%20"))
 }
 
+/// The address of the list of the orders of a customer.
+pub(crate) fn customer_address(name: &str) -> String {
+    format!("/orders?{}", serde_urlencoded::to_string([("customer", name)]).unwrap_or_default())
+}
+
 /// Parses a field of a query; `None` when the field is empty. `what` says in the error what was expected.
 pub(crate) fn parse_field<T: DeserializeOwned>(text: &str, what: &str) -> HandlerResult<Option<T>> {
     let value = || text.parse::<i64>().map_or_else(|_| text.into(), serde_json::Value::from);

@@ -9,7 +9,7 @@ use tokio::sync::{Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
 use crate::{
-    farm::{self, FarmReading, QuoteMeshes, ServiceBridge},
+    farm::{self, FarmReading, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
     tables::TimeView,
@@ -73,6 +73,11 @@ impl DashboardState {
     /// How the pages show times.
     pub(crate) fn time_view(&self) -> TimeView {
         TimeView::current(&self.current_settings().time_zone)
+    }
+
+    /// The plans of all machines, as of now.
+    pub(crate) async fn read_plans(&self) -> HandlerResult<Vec<MachinePlan>> {
+        Ok(read_plans(&self.ledger, self.current_settings().profiles.values(), Timestamp::now()).await?)
     }
 
     /// A text that changes whenever anything changes that the pages show, and never otherwise.

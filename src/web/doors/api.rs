@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
     farm::{
-        AlertSummary, DateRisk, FarmReading, MachineFact, MachinePlan, dates_at_risk, load_placed_parts, read_plans,
-        read_stored_alerts,
+        AlertSummary, DateRisk, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts, dates_at_risk,
+        load_placed_parts, read_plans, read_stored_alerts,
     },
     settings::MachineProfile,
     tables::{FarmNode, MachineForecast, list_farm_nodes},
@@ -123,7 +123,10 @@ pub(super) async fn get_build(
         parts = convert_rows(web.ledger.parts_of_build(build.id).await?);
         placements = convert_rows(web.ledger.placements_of_build(build.id).await?);
     }
-    Ok(Json(BuildResponse { build: BuildResource::new(build, &profile), parts, placements, outcomes }))
+    let settings = web.current_settings();
+    let plans = read_plans(&web.ledger, settings.profiles.get(&build.machine), Timestamp::now()).await?;
+    let fact = build_fact(&build, &plans);
+    Ok(Json(BuildResponse { build: BuildResource::new(build, fact, &profile), parts, placements, outcomes }))
 }
 
 /// Parts, filtered as the page is.
@@ -142,10 +145,13 @@ pub(super) async fn get_part(
     let id = PartId(number);
     let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
     let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
+    let known = web.ledger.line_of_part(id).await?.copies;
+    let copies_now = copy_counts(&known, &web.read_plans().await?, |planned| planned.part == id);
     let same = web.ledger.parts_with_content(&part.file.content_hash).await?;
     let same_content = same.into_iter().map(|other| other.id).filter(|other| *other != id).collect();
     Ok(Json(PartResponse {
         part: part.into(),
+        copies_now,
         placements: convert_rows(placements),
         events: convert_rows(events),
         same_content,

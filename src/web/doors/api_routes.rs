@@ -96,7 +96,7 @@ const QUESTIONS: [ApiRoute; 13] = [
         ..ask(
             "/api/v1/orders",
             "orders",
-            "Orders with what became of their copies, open ones first, newest first",
+            "Orders with what became of their copies and when they are done: by due date, and last those that are over",
             schema_of::<Vec<DatedOrder>>,
             |method| on(method, order::get_orders),
         )
@@ -145,7 +145,7 @@ const QUESTIONS: [ApiRoute; 13] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 12] = [
+const DOORS: [ApiRoute; 13] = [
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
@@ -202,7 +202,7 @@ const DOORS: [ApiRoute; 12] = [
     tell(
         ("PATCH", "/api/v1/orders/{order}"),
         "patch_order",
-        "Changes what was asked with the waiting lines of an order; copies, orientation and unit are changed line by line",
+        "Changes what was asked with the waiting lines of an order, and who it is for; copies, orientation and unit are changed line by line",
         EDIT,
         |method| on(method, edit_door::patch_order),
     ),
@@ -213,6 +213,16 @@ const DOORS: [ApiRoute; 12] = [
         RequestBody::Nothing,
         |method| on(method, edit_door::delete_order),
     ),
+    ApiRoute {
+        role: TokenRole::Operate,
+        ..tell(
+            ("POST", "/api/v1/orders/{order}/close"),
+            "post_close",
+            "Closes an order as it is: what waits of it is cancelled, what was refused asks nobody any more",
+            RequestBody::Nothing,
+            |method| on(method, operate_door::post_close),
+        )
+    },
     tell(
         ("PATCH", "/api/v1/orders/{order}/lines/{line}"),
         "patch_line",

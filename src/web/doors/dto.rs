@@ -3,8 +3,8 @@
 
 use build_file::LengthUnit;
 use ledger::{
-    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, OutcomeRow, PartId, PartRow, PartState,
-    PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
+    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, LineCopies, OutcomeRow, PartId, PartRow,
+    PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
 };
 use nester::OrientationRule;
 use schemars::JsonSchema;
@@ -12,7 +12,10 @@ use serde::Serialize;
 
 use super::enum_words::{words_of, words_or_null};
 
-use crate::{farm::CakeCopy, settings::MachineProfile};
+use crate::{
+    farm::{BuildFact, CakeCopy},
+    settings::MachineProfile,
+};
 
 /// A build with its parts, placements and outcomes.
 #[derive(Serialize, JsonSchema)]
@@ -34,6 +37,8 @@ pub(crate) struct PartResponse {
     pub(crate) part: PartResource,
     /// The builds and poses of its copies.
     pub(crate) placements: Vec<PlacementResource>,
+    /// What became of its copies.
+    pub(crate) copies_now: LineCopies,
     /// The events of the part.
     pub(crate) events: Vec<EventResource>,
     /// Numbers of other parts with the same file content.
@@ -49,6 +54,8 @@ pub(crate) struct BuildResource {
     machine: String,
     /// Its state.
     state: BuildState,
+    #[serde(flatten)]
+    fact: BuildFact,
     /// Why it failed, or the note of its outcome.
     reason: String,
     /// Trigger that fired it: full, fill, copies, max_wait, due, at, flush.
@@ -135,6 +142,8 @@ pub(crate) struct PartResource {
 struct PartTermsFields {
     /// Name of the order or kit; "" = none.
     order: String,
+    /// Who it is for; "" = not said.
+    customer: String,
     /// Priority, 0 to 100.
     priority: u8,
     /// When it is due; a day is due at its last second in the time zone of the farm.
@@ -241,14 +250,15 @@ impl From<EventRow> for EventResource {
 }
 
 impl BuildResource {
-    /// Creates the resource from a ledger row and the machine of the build.
-    pub(crate) fn new(row: BuildRow, profile: &MachineProfile) -> Self {
+    /// Creates the resource from a ledger row, what is so of the build, and its machine.
+    pub(crate) fn new(row: BuildRow, fact: BuildFact, profile: &MachineProfile) -> Self {
         let curve =
             row.height_curve().into_iter().map(|(wall_secs, height_mm)| CurvePoint { wall_secs, height_mm }).collect();
         Self {
             build: row.id,
             machine: row.machine,
             state: row.state,
+            fact,
             reason: row.reason,
             fired_by: row.fired_by,
             attempts: row.attempts,
@@ -285,6 +295,7 @@ impl From<PartRow> for PartResource {
             copies: row.owed.copies,
             terms: PartTermsFields {
                 order: terms.order_name,
+                customer: terms.customer,
                 priority: terms.priority,
                 due_at: terms.due_at,
                 due_text: terms.due_text,

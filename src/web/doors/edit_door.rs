@@ -62,6 +62,8 @@ pub(crate) struct EditRequest {
     note: Option<String>,
     /// Another order that it belongs to.
     order: Option<String>,
+    /// Who it is for; can also be changed where nothing waits any more.
+    customer: Option<String>,
 }
 
 /// A field that may be null is told from one that is left out.
@@ -110,6 +112,7 @@ impl EditRequest {
         let edit = PartEdit {
             copies: self.copies,
             order_name: self.order.clone(),
+            customer: self.customer.as_ref().map(|customer| customer.trim().to_owned()),
             priority: self.priority,
             due: self.due.as_ref().map(due).transpose()?,
             orientation: self.orientation,
@@ -157,7 +160,7 @@ pub(super) async fn patch_order(
     if parts.is_empty() && arriving.is_empty() {
         return Err(nothing_left(&web, &order).await?);
     }
-    parts.retain(|part| matches!(part.state, PartState::Waiting | PartState::Claimed));
+    parts.retain(|part| !edit.possible_in(part.state).is_empty());
     if edit.copies.is_some() || edit.orientation.is_some() || edit.unit.is_some() {
         let fields = "copies, orientation and unit are changed part by part";
         return Err(part_by_part(fields, &order, &parts));
@@ -166,7 +169,8 @@ pub(super) async fn patch_order(
     if parts.is_empty() {
         return Err(nothing_left(&web, &order).await?);
     }
-    send(&web, parts.iter().map(|part| edit_command(part.id, &edit, &by)).collect()).await
+    let edit_of = |part: &PartRow| edit_command(part.id, &edit.possible_in(part.state), &by);
+    send(&web, parts.iter().map(edit_of).collect()).await
 }
 
 /// Cancels what waits of an order, arrives or is being read.

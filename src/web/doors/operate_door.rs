@@ -101,6 +101,19 @@ pub(super) async fn post_release(
     say(&web, &OperatorWord::Release { build, seen: request.file_hash }, &by, false).await
 }
 
+/// Closes an order as it is.
+pub(super) async fn post_close(
+    State(web): State<Arc<DashboardState>>,
+    Path(order): Path<String>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<Json<CarriedOut>> {
+    check_takes_orders(&web)?;
+    if web.ledger.find_order(&order).await?.is_none() {
+        return Err(HandlerError::NotFound(format!("order named '{order}'")));
+    }
+    say(&web, &OperatorWord::CloseOrder(order), &by, false).await
+}
+
 /// Nests and publishes the waiting parts of a machine.
 pub(super) async fn post_flush(
     State(web): State<Arc<DashboardState>>,

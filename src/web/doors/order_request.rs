@@ -23,7 +23,7 @@ pub(crate) struct OrderRequest {
     /// Name of the order. Left out where the address names it.
     #[serde(default)]
     pub order: String,
-    /// Who it is for; noted with each line.
+    /// Who it is for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub customer: Option<String>,
     /// When lines are due that do not say it themselves: a day, or a time.
@@ -197,16 +197,15 @@ impl LineRequest {
             (None, None, CopiesInName::Said(copies)) => json!(copies),
             (None, None, _) => json!(1),
         };
-        let labelled = |label: &str, text: &Option<String>| text.as_ref().map(|text| format!("{label}: {text}"));
         let notes = [
             self.note.clone().or_else(|| order.note.clone()),
-            labelled("customer", &order.customer),
-            labelled("material", &self.material),
+            self.material.as_ref().map(|material| format!("material: {material}")),
         ];
         let note = notes.into_iter().flatten().collect::<Vec<_>>().join("; ");
         let fields = [
             ("copies", Some(copies)),
             ("order", Some(json!(order.order.trim()))),
+            ("customer", order.customer.as_ref().map(|customer| json!(customer))),
             ("due", self.due.clone().or_else(|| order.due.clone())),
             ("priority", self.priority.clone().or_else(|| order.priority.clone())),
             ("orientation", self.orientation.clone()),
@@ -257,7 +256,8 @@ mod tests {
         let [hinge, cover] = &lines[..] else { panic!("{lines:?}") };
         assert_eq!((hinge.copies, hinge.ticket.priority), (4, Some(70)));
         assert_eq!(hinge.ticket.order.as_deref(), Some("K-12"));
-        assert_eq!(hinge.ticket.note.as_deref(), Some("for the door; customer: Brandt; material: PA12"));
+        assert_eq!(hinge.ticket.note.as_deref(), Some("for the door; material: PA12"));
+        assert_eq!(hinge.ticket.customer.as_deref(), Some("Brandt"));
         assert_eq!(hinge.ticket.due.unwrap().to_string(), "2026-11-25");
         assert_eq!((cover.copies, cover.ticket.priority, cover.ticket.clearance_mm), (2, Some(100), Some(1.5)));
         assert_eq!(Ticket::from_json(&cover.ticket_text, "t").unwrap(), cover.ticket);

@@ -17,6 +17,7 @@ pub(crate) const MAX_FIELD_BYTES: usize = 1000;
 pub(crate) struct DropFields {
     pub(crate) key: String,
     order: String,
+    customer: String,
     copies: String,
     due: String,
     due_time: String,
@@ -31,6 +32,7 @@ impl DropFields {
         let field = match name {
             "key" => &mut self.key,
             "order" => &mut self.order,
+            "customer" => &mut self.customer,
             "copies" => &mut self.copies,
             "due" => &mut self.due,
             "due_time" => &mut self.due_time,
@@ -55,6 +57,7 @@ impl DropFields {
             }
         };
         set("order", &self.order);
+        set("customer", &self.customer);
         set("orientation", &self.orientation);
         set("note", &self.note);
         let due = match self.due_time.as_str() {
@@ -89,7 +92,10 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
         form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
             data-max-bytes=(max_bytes) data-machine=(name) {
             (key_field(web))
-            label { "Order" input name="order" maxlength="200"; }
+            div.pair {
+                label { "Order" input name="order" maxlength="200"; }
+                label { "Customer" input name="customer" maxlength="200"; }
+            }
             label { "Copies of each file; empty = as its name says (bracket_x10.stl), else 1"
                 input name="copies" type="number" min="1" max=(MAX_COPIES) inputmode="numeric"; }
             div.pair {
@@ -129,6 +135,7 @@ mod tests {
         assert_eq!(ticket(&[("order", " "), ("copies", "")]).unwrap(), "", "nothing said, no ticket");
         let said = [
             ("order", "10\"42\n\\"),
+            ("customer", "Brandt"),
             ("copies", "12"),
             ("due", "2026-11-27"),
             ("due_time", "17:00"),
@@ -137,7 +144,7 @@ mod tests {
         let text = ticket(&said).unwrap();
         let read = Ticket::from_toml(&text, "t").unwrap();
         assert_eq!((read.copies, read.due.unwrap().to_string()), (Some(12), "2026-11-27 17:00".to_owned()));
-        assert!(read.order.unwrap().starts_with("10\"42"));
+        assert!(read.order.unwrap().starts_with("10\"42") && read.customer.as_deref() == Some("Brandt"));
         for wrong in [
             ("copies", "0"),
             ("copies", "many"),

@@ -1,5 +1,5 @@
-//! The forms of the page of an order: what waits of it is changed, moved or cancelled, what was printed is printed again. Each line has
-//! the forms of its part.
+//! The forms of the page of an order: what waits of it is changed, moved or cancelled, what was printed is printed again, and the order is
+//! closed as it is. Each line has the forms of its part.
 
 use std::sync::Arc;
 
@@ -9,7 +9,8 @@ use axum::{
     http::StatusCode,
 };
 use ledger::{
-    CommandArgument, CommandKind, NewCommand, OperatorWord, OrderLine, PartEdit, PartRow, PartState, ReprintTarget,
+    CommandArgument, CommandKind, LineCopies, NewCommand, OperatorWord, OrderLine, OrderRow, OrderState, PartEdit,
+    PartRow, PartState, ReprintTarget,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -20,17 +21,20 @@ use super::{
     order_cancel::{CancelTarget, cancel_lines},
     part_forms::{PartEditForm, part_forms},
 };
-use crate::web::{
-    base::{
-        error::{HandlerError, HandlerResult},
-        format::count,
-        query::order_address,
-    },
-    core::{
-        command::{command_button, send_commands, show_answers},
-        form_answer::{FormAnswer, key_field},
-        request_user::RequestUser,
-        state::DashboardState,
+use crate::{
+    tables::copies_text,
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            format::count,
+            query::order_address,
+        },
+        core::{
+            command::{command_button, send_commands, show_answers},
+            form_answer::{FormAnswer, key_field},
+            request_user::RequestUser,
+            state::DashboardState,
+        },
     },
 };
 
@@ -55,32 +59,102 @@ fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
     lines.iter().filter(|line| line.state == PartState::Waiting)
 }
 
-/// The forms that change what waits of an order.
-pub(crate) fn order_forms(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Markup {
+/// The forms that concern a whole order, each folded away. `arriving` = lines that are no parts yet.
+pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[OrderLine], arriving: usize) -> Markup {
+    let address = order_address(&order.name);
     let waiting = waiting_lines(lines).count() as u32;
-    let settings = web.current_settings();
-    let address = order_address(name);
-    let parts = count(waiting, "waiting part", "waiting parts");
+    let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
     html! {
-        @if web.orders && waiting > 0 {
-            details { summary { "Change what waits" }
-                form.tell method="post" action=(format!("{address}/edit")) {
-                    (key_field(web))
-                    p { "For all " (parts) ". An empty field changes nothing." }
+        @if web.orders {
+            section.forms aria-label="Change the order" {
+                (edit_form(web, order, &address, waiting))
+                (move_form(web, &address, waiting))
+                (reprint_form(web, &address, lines))
+                (close_form(web, order, &address, lines))
+                (cancel_form(web, &address, waiting + (read + arriving) as u32))
+            }
+        }
+    }
+}
+
+fn edit_form(web: &DashboardState, order: &OrderRow, address: &str, waiting: u32) -> Markup {
+    html! {
+        details { summary { "Change the order" }
+            form.tell method="post" action=(format!("{address}/edit")) {
+                (key_field(web))
+                label { "Customer" input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
+                input type="hidden" name="was_customer" value=(order.customer);
+                @if waiting > 0 {
+                    p { "For all " (count(waiting, "waiting part", "waiting parts")) ". An empty field changes nothing." }
                     label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
                     label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
                     label { "Note" input name="note" maxlength=(MAX_NOTE); }
-                    button type="submit" { "Change the order" }
+                }
+                button type="submit" { "Change the order" }
+            }
+        }
+    }
+}
+
+fn move_form(web: &DashboardState, address: &str, waiting: u32) -> Markup {
+    let settings = web.current_settings();
+    html! {
+        @if waiting > 0 && settings.profiles.len() > 1 {
+            details { summary { "Move to another machine" }
+                form.tell method="post" action=(format!("{address}/move")) {
+                    (key_field(web))
+                    label { "Machine" select name="machine" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
+                    p { "The " (count(waiting, "waiting part", "waiting parts")) " of this order move, and are read again there." }
+                    button type="submit" { "Move the order" }
                 }
             }
-            @if settings.profiles.len() > 1 {
-                details { summary { "Move to another machine" }
-                    form.tell method="post" action=(format!("{address}/move")) {
-                        (key_field(web))
-                        label { "Machine" select name="machine" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
-                        p { "The " (parts) " of this order move, and are read again there." }
-                        button type="submit" { "Move the order" }
-                    }
+        }
+    }
+}
+
+fn reprint_form(web: &DashboardState, address: &str, lines: &[OrderLine]) -> Markup {
+    html! {
+        @if lines.iter().any(|line| line.copies.published() + line.copies.good > 0) {
+            details { summary { "Print again" }
+                p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
+                form.tell method="post" action=(format!("{address}/reprint")) {
+                    (key_field(web))
+                    button type="submit" { "Print every printed copy again" }
+                }
+            }
+        }
+    }
+}
+
+/// The form that closes an order as it is; nothing where nothing of it waits or asks for a person.
+fn close_form(web: &DashboardState, order: &OrderRow, address: &str, lines: &[OrderLine]) -> Markup {
+    let mut sum = LineCopies::default();
+    lines.iter().for_each(|line| sum.add(&line.copies));
+    let is_short = order.state == OrderState::Short && !order.is_over();
+    let accept = format!("Accept {} of {}", sum.good + sum.in_builds + sum.published(), sum.wanted + sum.cancelled);
+    html! {
+        @if sum.waiting + sum.refused > 0 || is_short {
+            details { summary { (accept) }
+                p { "Closes the order as it is: what is good, printed or in a build is accepted."
+                    @if sum.waiting > 0 { " " (count(sum.waiting, "waiting copy", "waiting copies")) " will be cancelled." }
+                    @if sum.refused > 0 { " Nobody is asked any more for " (count(sum.refused, "refused copy", "refused copies")) "." } }
+                form.tell method="post" action=(format!("{address}/close")) {
+                    (key_field(web))
+                    button type="submit" { (accept) }
+                }
+            }
+        }
+    }
+}
+
+fn cancel_form(web: &DashboardState, address: &str, open: u32) -> Markup {
+    html! {
+        @if open > 0 {
+            details { summary { "Cancel" }
+                p { (count(open, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
+                form.tell method="post" action=(format!("{address}/cancel")) {
+                    (key_field(web))
+                    button type="submit" { "Cancel what waits" }
                 }
             }
         }
@@ -93,12 +167,12 @@ pub(crate) fn line_forms(web: &DashboardState, lines: &[OrderLine], parts: &[Par
         @if web.orders && lines.len() <= MAX_FORMS {
             details { summary { "Change a line" }
                 @for (line, part) in lines.iter().filter_map(|line| Some((line, parts.iter().find(|part| part.id == line.part)?))) {
-                    details { summary { "Part " (line.part) ": " (line.full_name()) " " span.soft { (line.state) } }
+                    details { summary { "Part " (line.part) ": " (line.full_name()) " " span.soft { (copies_text(&line.copies)) } }
+                        (part_forms(web, part, line.copies.published() + line.copies.good))
                         div.buttons {
-                            @if line.state == PartState::Waiting { (command_button(web, CommandKind::Cancel, "Cancel", &line.full_name(), "", Some(line.part))) }
                             @if line.state == PartState::Refused { (command_button(web, CommandKind::Retry, "Retry", &line.full_name(), "", Some(line.part))) }
+                            @if line.state == PartState::Waiting { (command_button(web, CommandKind::Cancel, "Cancel", &line.full_name(), "", Some(line.part))) }
                         }
-                        (part_forms(web, part, line.copies.printed + line.copies.good))
                     }
                 }
             }
@@ -106,14 +180,13 @@ pub(crate) fn line_forms(web: &DashboardState, lines: &[OrderLine], parts: &[Par
     }
 }
 
-/// A command for every waiting line of an order.
+/// A command for every line of an order that it can concern.
 async fn command_lines(
     web: &DashboardState,
     name: &str,
-    command: impl Fn(&OrderLine) -> NewCommand,
+    command: impl Fn(&OrderLine) -> Option<NewCommand>,
 ) -> HandlerResult<FormAnswer> {
-    let lines = web.ledger.order_lines(name).await?;
-    let commands: Vec<NewCommand> = waiting_lines(&lines).map(command).collect();
+    let commands: Vec<NewCommand> = web.ledger.order_lines(name).await?.iter().filter_map(command).collect();
     if commands.is_empty() {
         return Err(nothing_waits());
     }
@@ -124,7 +197,7 @@ fn nothing_waits() -> HandlerError {
     HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned())
 }
 
-/// Changes what was asked with the waiting parts of an order.
+/// Changes what was asked with the waiting parts of an order, and who it is for.
 pub(crate) async fn post_edit(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
@@ -136,12 +209,15 @@ pub(crate) async fn post_edit(
     if edit.is_empty() {
         return Err(refused("nothing was filled in".to_owned()));
     }
-    let command = |line: &OrderLine| NewCommand {
-        kind: CommandKind::Edit,
-        machine: String::new(),
-        part: Some(line.part),
-        argument: CommandArgument { copies: None, edit: Some(edit.clone()) },
-        asked_by: by.clone(),
+    let command = |line: &OrderLine| {
+        let edit = Some(edit.possible_in(line.state)).filter(|edit| !edit.is_empty())?;
+        Some(NewCommand {
+            kind: CommandKind::Edit,
+            machine: String::new(),
+            part: Some(line.part),
+            argument: CommandArgument { copies: None, edit: Some(edit) },
+            asked_by: by.clone(),
+        })
     };
     command_lines(&web, &name, command).await
 }
@@ -156,43 +232,16 @@ pub(crate) async fn post_move(
     if !web.current_settings().profiles.contains_key(&form.machine) {
         return Err(HandlerError::NotFound(format!("machine {}", form.machine)));
     }
-    let command = |line: &OrderLine| NewCommand {
-        kind: CommandKind::Move,
-        machine: form.machine.clone(),
-        part: Some(line.part),
-        argument: CommandArgument::default(),
-        asked_by: by.clone(),
+    let command = |line: &OrderLine| {
+        (line.state == PartState::Waiting).then(|| NewCommand {
+            kind: CommandKind::Move,
+            machine: form.machine.clone(),
+            part: Some(line.part),
+            argument: CommandArgument::default(),
+            asked_by: by.clone(),
+        })
     };
     command_lines(&web, &name, command).await
-}
-
-/// The buttons that concern the whole order. Each is folded away, so that nobody presses it by mistake.
-/// `arriving` = lines that are no parts yet.
-pub(crate) fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine], arriving: usize) -> Markup {
-    let printed = lines.iter().any(|line| line.copies.printed + line.copies.good > 0);
-    let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
-    let waiting = (waiting_lines(lines).count() + read + arriving) as u32;
-    let address = order_address(name);
-    html! {
-        @if web.orders && printed {
-            details { summary { "Print again" }
-                p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
-                form.tell method="post" action=(format!("{address}/reprint")) {
-                    (key_field(web))
-                    button type="submit" { "Print every printed copy again" }
-                }
-            }
-        }
-        @if web.orders && waiting > 0 {
-            details { summary { "Cancel" }
-                p { (count(waiting, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
-                form.tell method="post" action=(format!("{address}/cancel")) {
-                    (key_field(web))
-                    button type="submit" { "Cancel what waits" }
-                }
-            }
-        }
-    }
 }
 
 /// Puts every printed copy of an order back among the waiting ones.
@@ -205,6 +254,16 @@ pub(crate) async fn post_reprint(
     let back = order_address(&name);
     let word = OperatorWord::Reprint(ReprintTarget::Order(name));
     say_word(&web, &word, &by, form.anyway.is_some(), &back).await
+}
+
+/// Closes an order as it is.
+pub(crate) async fn post_close(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<FormAnswer> {
+    let back = order_address(&name);
+    say_word(&web, &OperatorWord::CloseOrder(name), &by, false, &back).await
 }
 
 /// Cancels what waits of an order.

@@ -46,6 +46,8 @@ pub(crate) struct PartEditForm {
     was_priority: String,
     note: String,
     was_note: String,
+    customer: String,
+    was_customer: String,
 }
 
 /// The form that prints copies of a part again.
@@ -99,8 +101,9 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                     (number("Priority, 0 to 100", "priority", &part.terms.priority.to_string(), (0, MAX_PRIORITY.into())))
                     (field("Note", "note", &part.terms.note))
                 } @else {
-                    p { "No copy of it waits: more copies can be asked for, nothing else can be changed." }
+                    p { "No copy of it waits: more copies can be asked for, and another customer named." }
                 }
+                (field("Customer", "customer", &part.terms.customer))
                 button type="submit" { "Change" }
             }
         }
@@ -202,6 +205,7 @@ impl PartEditForm {
             priority: priority.map(|text| parse_number(&text, 0..=MAX_PRIORITY, "a priority")).transpose()?,
             due: changed(&self.due, &self.was_due).map(due).transpose()?,
             note: changed(&self.note, &self.was_note),
+            customer: changed(&self.customer, &self.was_customer),
             ..PartEdit::default()
         })
     }

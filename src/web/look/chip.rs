@@ -38,8 +38,18 @@ impl Tone {
     /// The words of states that have it: those of the facts and of the ledger. Any other word is idle.
     pub(crate) fn words(self) -> &'static [&'static str] {
         match self {
-            Self::Good => &["complete", "good", "kept", "done", "runs"],
-            Self::Busy => &["printing", "printed", "cooling", "nesting", "being made", "reading", "claimed", "batched"],
+            Self::Good => &["complete", "good", "kept", "on time", "done", "runs"],
+            Self::Busy => &[
+                "printing",
+                "printed",
+                "cooling",
+                "nesting",
+                "being made",
+                "reading",
+                "claimed",
+                "batched",
+                "under way",
+            ],
             Self::Next => &[
                 "open",
                 "waiting",
@@ -53,7 +63,7 @@ impl Tone {
                 "in a build",
                 "later",
             ],
-            Self::Idle => &["free", "withdrawn", "cancelled", "stopped", "no date"],
+            Self::Idle => &["free", "withdrawn", "cancelled", "closed", "stopped", "no date"],
             Self::Tight => &[
                 "tight",
                 "ended",
@@ -67,7 +77,7 @@ impl Tone {
                 "on its way to another printer",
                 "being taken back",
             ],
-            Self::Wrong => &["late", "failed", "refused", "bad", "down", "unavailable", "does not answer"],
+            Self::Wrong => &["overdue", "late", "failed", "refused", "bad", "down", "unavailable", "does not answer"],
         }
     }
 
@@ -92,7 +102,7 @@ mod tests {
     use ledger::{BuildState, OrderState, PartState, PrintOutcome};
 
     use super::*;
-    use crate::farm::{MachineWord, PlanStage, PrinterWord};
+    use crate::farm::{CopyWord, MachineWord, OrderWord, PlanStage, PrinterWord};
 
     #[test]
     fn every_word_of_a_state_has_one_tone_that_was_chosen_for_it() {
@@ -106,6 +116,8 @@ mod tests {
             PlanStage::Later,
         ];
         let words = (MachineWord::ALL.map(|word| word.word().to_owned()).into_iter())
+            .chain(OrderWord::ALL.map(|word| word.word().to_owned()))
+            .chain(CopyWord::ALL.map(|word| word.word().to_owned()))
             .chain(PrinterWord::ALL.map(|word| word.word().to_owned()))
             .chain(BuildState::ALL.map(|state| state.to_string()))
             .chain(PartState::ALL.map(|state| state.to_string()))

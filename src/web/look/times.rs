@@ -3,7 +3,8 @@
 use ledger::UtcTimestamp;
 use maud::{Markup, html};
 
-use crate::tables::{GivenDate, TimeView};
+use super::chip::{Tone, chip_of};
+use crate::tables::{GivenDate, PromisedDate, TimeView};
 
 /// A time: `today 15:32`.
 pub(crate) fn time_of(at: UtcTimestamp, view: &TimeView) -> Markup {
@@ -13,4 +14,9 @@ pub(crate) fn time_of(at: UtcTimestamp, view: &TimeView) -> Markup {
 /// A due date: `Fri 4 Dec`.
 pub(crate) fn due_of(due: &GivenDate, view: &TimeView) -> Markup {
     html! { time datetime=(due.due_at) title=(view.due_text(due)) { (view.near_due_text(due)) } }
+}
+
+/// When something will be done, with a chip that says by how much that is late.
+pub(crate) fn promise_of(promise: &PromisedDate, view: &TimeView) -> Markup {
+    html! { (time_of(promise.done_at, view)) @if let Some(late) = promise.late_text() { " " (chip_of(Tone::Wrong, &late)) } }
 }

@@ -49,11 +49,8 @@ pub(crate) async fn show_build(
         Some(machine) => release_form(&web, &build, machine).await?,
         None => Markup::default(),
     };
-    let plan = match &machine {
-        Some(machine) => read_plans(&web.ledger, [machine], Timestamp::now()).await?.pop(),
-        None => None,
-    };
-    let fact = build_fact(&build, plan.as_ref());
+    let plans = read_plans(&web.ledger, &machine, Timestamp::now()).await?;
+    let fact = build_fact(&build, &plans);
     let content = html! {
         h1 { "Build " (build.id) " on " (build.machine) ": " (fact.word) }
         @if let Some(ends) = fact.ends_at { p { "Its parts can be unpacked about " (view.near_text(ends)) ", as far as is known." } }

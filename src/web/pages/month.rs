@@ -18,9 +18,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{DateRisk, dates_at_risk, read_plans},
+    farm::{DateRisk, dates_at_risk, read_late_parts},
     settings::FarmZone,
-    tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields},
+    tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields, people_columns},
     web::{
         base::{
             error::{HandlerError, HandlerResult},
@@ -50,9 +50,9 @@ pub(crate) struct MonthResponse {
     month: String,
     /// What each machine made, and their sum if there are several.
     machines: Vec<MachineOutput>,
-    /// The same for the month before.
+    /// The same for the month before; for a month that is not over, for as many days of it.
     before: Vec<MachineOutput>,
-    /// Parts with a due date in this month that came late or are late.
+    /// Parts with a due date in this month that came late or are late. Where nobody told that a print ended, that is an estimate.
     late: Vec<LatePart>,
     /// Due dates in this month that will be missed, according to the plan.
     will_be_late: Vec<DateRisk>,
@@ -90,6 +90,23 @@ impl FarmMonth {
         begin.map_or(Timestamp::MIN, |begin| begin.timestamp())
     }
 
+    fn span(&self) -> (Timestamp, Timestamp) {
+        (self.begins_at(), self.later(1).begins_at())
+    }
+
+    /// What it is compared with: the month before, or as much of it as is over of a month that is not.
+    fn span_before(&self, now: Timestamp) -> (Timestamp, Timestamp) {
+        let (begins_at, until) = self.later(-1).span();
+        match self.is_over(now) {
+            true => (begins_at, until),
+            false => (begins_at, until.min(begins_at + now.duration_since(self.begins_at()))),
+        }
+    }
+
+    fn is_over(&self, now: Timestamp) -> bool {
+        self.later(1).begins_at() <= now
+    }
+
     fn key(&self) -> String {
         self.first.strftime("%Y-%m").to_string()
     }
@@ -99,9 +116,11 @@ impl FarmMonth {
     }
 }
 
-/// The builds of a month, and what each machine made.
-async fn read_output(web: &DashboardState, month: &FarmMonth) -> HandlerResult<(Vec<HistoryRow>, Vec<MachineOutput>)> {
-    let (since, until) = (month.begins_at(), month.later(1).begins_at());
+/// The builds of a span of time, and what each machine made.
+async fn read_output(
+    web: &DashboardState,
+    (since, until): (Timestamp, Timestamp),
+) -> HandlerResult<(Vec<HistoryRow>, Vec<MachineOutput>)> {
     let query = HistoryQuery { since: Some(since), until: Some(until), ..HistoryQuery::default() };
     let rows = web.ledger.read_history(&query).await?;
     let bad = web.ledger.bad_copies_between(since, until).await?;
@@ -117,10 +136,10 @@ async fn read_month(
     month: &FarmMonth,
     now: Timestamp,
 ) -> HandlerResult<(Vec<HistoryRow>, MonthResponse)> {
-    let (rows, machines) = read_output(web, month).await?;
-    let (_, before) = read_output(web, &month.later(-1)).await?;
-    let late = web.ledger.late_parts(month.begins_at(), month.later(1).begins_at(), now).await?;
-    let plans = read_plans(&web.ledger, web.current_settings().profiles.values(), now).await?;
+    let (rows, machines) = read_output(web, month.span()).await?;
+    let (_, before) = read_output(web, month.span_before(now)).await?;
+    let (settings, plans) = (web.current_settings(), web.read_plans().await?);
+    let late = read_late_parts(&web.ledger, &settings.profiles, &plans, month.span(), now).await?;
     let span = month.begins_at()..month.later(1).begins_at();
     let is_new = |risk: &DateRisk| !late.iter().any(|part| risk.numbers.contains(&part.part));
     let mut will_be_late = dates_at_risk(plans);
@@ -143,7 +162,7 @@ pub(crate) async fn show_month(
     let content = html! {
         h1 { (month.name()) }
         (month_links(&month, &before, (after.begins_at() <= now).then_some(&after)))
-        (output_table(&report, &before.name()))
+        (output_table(&report, &if month.is_over(now) { before.name() } else { format!("as many days of {}", before.name()) }))
         p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Hours are the \
                   height times the machine's print_hours_per_mm. Yield: good copies of those of which somebody told how they came out." }
         (weekly_bars("Height by week, mm", &rows, &month.zone, &|row| row.measures.height_mm))
@@ -185,14 +204,15 @@ fn month_links(month: &FarmMonth, before: &FarmMonth, after: Option<&FarmMonth>)
 
 /// A row per machine, each figure with that of the month before.
 fn output_table(report: &MonthResponse, before: &str) -> Markup {
+    let columns = people_columns(MONTH_COLUMNS, &[report.machines.as_slice(), &report.before].concat());
     html! {
         div.wide tabindex="0" role="region" aria-label="Machines" {
             table {
                 caption { "Published in this month; in small what it was in " (before) }
-                thead { tr { @for column in MONTH_COLUMNS { (heading(&column.field)) } } }
+                thead { tr { @for column in &columns { (heading(&column.field)) } } }
                 tbody { @for machine in &report.machines {
                     @let last = report.before.iter().find(|other| other.machine == machine.machine);
-                    tr { @for column in MONTH_COLUMNS {
+                    tr { @for column in &columns {
                         td class=[column.field.is_number().then_some("n")] {
                             (column.field.plain_text(&(column.value)(machine)).unwrap_or_else(|| DASH.to_owned()))
                             @if column.field.is_number() {
@@ -225,7 +245,7 @@ fn late_section(report: &MonthResponse, zone: &FarmZone, view: &TimeView, now: T
                 ul { @for part in parts { li {
                     a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.machine)
                     @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (TimeView::kept(zone).due_text(&due)) }
-                    @match part.done_at { Some(at) => { ", done " (view.time_text(at)) } None => { ", " b { (part.state) } } }
+                    @match part.done_at { Some(at) => { ", done " @if part.is_estimated { "about " } (view.near_text(at)) @if part.is_estimated { ", as nobody told" } } None => { ", " b { (part.state) } } }
                 } } }
             } } }
         }
@@ -238,7 +258,7 @@ pub(crate) async fn download_csv(
     Query(asked): Query<MonthQuestion>,
 ) -> HandlerResult<Response> {
     let month = FarmMonth::parse(&asked.at, &web.current_settings().time_zone, Timestamp::now())?;
-    let (_, machines) = read_output(&web, &month).await?;
+    let (_, machines) = read_output(&web, month.span()).await?;
     let text = csv_of(MONTH_COLUMNS, &machines).map_err(anyhow::Error::from)?;
     let name = format!("attachment; filename=\"nestd-{}.csv\"", month.key());
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8".to_owned()), (header::CONTENT_DISPOSITION, name)], text)

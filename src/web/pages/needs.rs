@@ -46,7 +46,9 @@ struct NeededFacts {
 pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], now: Timestamp) -> HandlerResult<Markup> {
     let since = now.checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN);
     let mut refused = web.ledger.parts_in_state_between(PartState::Refused, since, now, MAX_REFUSED).await?;
-    refused.retain(|part| !matches!(part.refused.refusal, Some(RefusalCause::Cancelled | RefusalCause::Replaced)));
+    // Another one took its place, or its order was closed without it.
+    let is_wanted = |part: &PartRow| part.wanted_copies() > 0;
+    refused.retain(|part| is_wanted(part) && !part.refused.refusal.is_some_and(RefusalCause::is_intended));
     let facts = NeededFacts {
         failures: web.ledger.unseen_failures().await?,
         questions: web.ledger.parts_with_questions(MAX_NAMED as u32).await?,

@@ -15,10 +15,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{DatedOrder, MachinePlan, OrderFact, order_fact, read_plans},
+    farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, copy_counts, customer_note},
     tables::{
-        BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS, TimeView,
-        fields,
+        BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS,
+        PromisedDate, TimeView, closing_text, copies_text, fields,
     },
     web::{
         base::{
@@ -26,10 +26,15 @@ use crate::{
             format::count,
             listing::table_of,
             page::html_page,
-            query::{Query, parse_field},
+            query::{Query, customer_address, parse_field},
         },
         core::state::DashboardState,
-        forms::order_forms::{line_forms, order_buttons, order_forms},
+        forms::order_forms::{line_forms, order_forms},
+        look::{
+            chip::chip,
+            pieces::empty,
+            times::{due_of, promise_of, time_of},
+        },
     },
 };
 
@@ -47,6 +52,8 @@ const MAX_ORDERS: u32 = 500;
 pub(crate) struct OrderFilter {
     /// Any part of the name, in upper or lower case.
     find: String,
+    /// Any part of the name of a customer, in upper or lower case.
+    customer: String,
     /// In one state.
     #[schemars(with = "OrderState")]
     state: String,
@@ -68,9 +75,11 @@ pub(crate) struct OrderResponse {
     /// What became of its copies.
     #[serde(flatten)]
     copies: LineCopies,
-    /// When it is done, and whether that is late.
+    /// How it stands, when it is done, and whether that is late.
     #[serde(flatten)]
     fact: OrderFact,
+    /// What can be sent to its customer.
+    customer_note: String,
     /// Its lines, oldest first.
     lines: Vec<OrderLineResource>,
     /// Lines that came by request and are no parts yet.
@@ -90,20 +99,19 @@ pub(crate) struct OrderLineResource {
 /// The orders that match the filter, and whether more may follow.
 async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResult<(Vec<DatedOrder>, bool)> {
     let limit = parse_field::<u32>(&filter.limit, "a number of orders")?.unwrap_or(USUAL_ORDERS).clamp(1, MAX_ORDERS);
+    let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = OrderQuery {
-        name: Some(filter.find.trim().to_owned()).filter(|text| !text.is_empty()),
+        name: some(&filter.find),
+        customer: some(&filter.customer),
         state: parse_field(&filter.state, "a state of an order")?,
         limit: limit + 1,
+        ..OrderQuery::default()
     };
     let mut orders = web.ledger.order_summaries(&query).await?;
     let more = orders.len() > limit as usize;
     orders.truncate(limit as usize);
-    Ok((DatedOrder::of_plans(orders, &plans_of(web).await?), more))
-}
-
-/// The plans of all machines.
-async fn plans_of(web: &DashboardState) -> HandlerResult<Vec<MachinePlan>> {
-    Ok(read_plans(&web.ledger, web.current_settings().profiles.values(), Timestamp::now()).await?)
+    let (plans, now) = (web.read_plans().await?, Timestamp::now());
+    Ok((orders.into_iter().map(|order| DatedOrder::of_plans(order, &plans, now)).collect(), more))
 }
 
 /// An order with its lines; an error if there is none of that name.
@@ -115,15 +123,21 @@ async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResp
         Some(order) => order,
     };
     let lines = web.ledger.order_lines(name).await?;
-    let summary = OrderSummary::of_lines(order, &lines);
-    let fact = order_fact(&summary, &plans_of(web).await?);
-    let OrderSummary { order, lines: _, due_at, due_text, copies } = summary;
+    let (plans, now) = (web.read_plans().await?, Timestamp::now());
+    let dated = DatedOrder::of_plans(OrderSummary::of_lines(order, &lines), &plans, now);
+    let customer_note = customer_note(&dated, &web.current_settings().time_zone, now);
+    let DatedOrder { order: OrderSummary { order, lines: _, due_at, due_text, copies }, fact } = dated;
     let mut with_builds = Vec::with_capacity(lines.len());
     for line in lines {
-        let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?);
-        with_builds.push(OrderLineResource { line, builds });
+        let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?, &plans);
+        with_builds.push(OrderLineResource { line: line_of_plans(line, &plans), builds });
     }
-    Ok(OrderResponse { order, due_at, due_text, copies, fact, lines: with_builds, arriving })
+    Ok(OrderResponse { order, due_at, due_text, copies, fact, customer_note, lines: with_builds, arriving })
+}
+
+/// A line with what became of its copies according to the plans.
+fn line_of_plans(line: OrderLine, plans: &[MachinePlan]) -> OrderLine {
+    OrderLine { copies: copy_counts(&line.copies, plans, |planned| planned.part == line.part), ..line }
 }
 
 /// The orders as JSON.
@@ -142,26 +156,30 @@ pub(crate) async fn get_order(
     Ok(Json(read_order(&web, &name).await?))
 }
 
-/// The page that lists orders, open ones first.
+/// The page that lists orders: by due date, and those that are over last.
 pub(crate) async fn list_orders(
     State(web): State<Arc<DashboardState>>,
     Query(filter): Query<OrderFilter>,
 ) -> HandlerResult<Markup> {
     let (orders, more) = read_orders(&web, &filter).await?;
     let caption = count(orders.len() as u32, "order", "orders") + if more { ", the first of more" } else { "" };
-    let states = [OrderState::Open, OrderState::Complete, OrderState::Short].map(|state| state.to_string());
+    let states = [(OrderState::Open, "under way"), (OrderState::Short, "short"), (OrderState::Complete, "done")];
     let content = html! {
         h1 { "Orders" }
         form.filters method="get" action="/orders" {
             label { "Name contains" input name="find" value=(filter.find); }
+            label { "Customer contains" input name="customer" value=(filter.customer); }
             label { (fields::STATE.label) select name="state" {
                 option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
+                @for (state, word) in states { option value=(state) selected[state.to_string() == filter.state] { (word) } }
             } }
             button type="submit" { "Show" }
         }
-        p { "Open orders come first. Copies wanted are those that wait, are in builds, were printed, are good, or were refused." }
-        @if orders.is_empty() { p { "No orders." } }
+        @if orders.is_empty() {
+            (empty("No such orders", &html! { "Files in a folder of an order's name, or with a ticket or list that names one, are listed here." }, &html! {
+                a.button href="/orders" { "All orders" }
+            }))
+        }
         @else { (table_of("Orders", Some(caption), ORDER_COLUMNS, &orders, &web.time_view())) }
     };
     Ok(html_page("Orders", "/orders", None, &content))
@@ -182,14 +200,18 @@ pub(crate) async fn show_order(
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let content = html! {
-        h1 { "Order " (name) ": " (order.order.state) }
-        (state_sentence(&order, &view))
-        (order_buttons(&web, &name, &lines, order.arriving.len()))
-        (order_forms(&web, &name, &lines))
+        h1 { "Order " (name) " " (chip(order.fact.word.word())) }
+        (order_summary(&order, &view))
+        section aria-label=(fields::CUSTOMER_NOTE.label) {
+            h2 { "To send to the customer" }
+            p #customer-note { (order.customer_note) }
+            button type="button" data-copies="customer-note" hidden { "Copy" }
+        }
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
-        (line_forms(&web, &lines, &parts))
         @if !order.arriving.is_empty() { p { (count(order.arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
+        (order_forms(&web, &order.order, &lines, order.arriving.len()))
+        (line_forms(&web, &lines, &parts))
         h2 { "Where the copies are" }
         @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }
@@ -197,32 +219,40 @@ pub(crate) async fn show_order(
         h2 { "What happened, and who did it" }
         (table_of("Events", None, ORDER_EVENT_COLUMNS, &events, &view))
     };
-    Ok(html_page(&format!("Order {name}"), "/orders", None, &content))
+    Ok(html_page(&format!("Order {name}"), "/orders", Some("copy.js"), &content))
 }
 
-/// The newest events of the parts of an order, newest first.
+/// The newest events of the parts of an order that say something, newest first.
 async fn order_events(web: &DashboardState, lines: &[OrderLine]) -> HandlerResult<Vec<EventRow>> {
     let mut events = Vec::new();
     for line in lines {
         events.extend(web.ledger.events_of_part(line.part).await?);
     }
+    // Of a step without a word, where the copies are says the same.
+    events.retain(|event| !event.detail.is_empty());
     events.sort_by_key(|event| std::cmp::Reverse(event.id));
     events.truncate(MAX_EVENTS);
     Ok(events)
 }
 
-/// How far the order is.
-fn state_sentence(order: &OrderResponse, view: &TimeView) -> Markup {
-    let copies = &order.copies;
-    let wanted = count(copies.wanted, "copy", "copies");
+/// How the order stands.
+fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
+    let customer = &order.order.customer;
     html! {
-        p class=[(order.order.state == OrderState::Short).then_some("warn")] {
-            (copies.good) " good of " (wanted) " wanted, since " (view.time_text(order.order.opened_at)) "."
-            @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " Due " (view.due_text(&due)) "." }
-            @if let Some(done) = order.fact.done_at { " Done about " (view.near_text(done)) " if nothing more arrives." }
+        p class=[(order.fact.word == OrderWord::Short).then_some("warn")] {
+            @if !customer.is_empty() {
+                "For " a href=(customer_address(customer)) { (customer) } ". "
+            }
+            (copies_text(&order.copies)) "; since " (time_of(order.order.opened_at, view)) "."
+            @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " Due " (due_of(&due, view)) "." }
+            @if let Some(promise) = PromisedDate::of_order(&order.fact) { " Done " (promise_of(&promise, view)) "." }
+            @if let Some(closed) = closing_text(&order.order, view) { " Closed " (closed) "." }
         }
-        @if let Some(risk) = order.fact.risk_word() {
-            p.bad role="status" { b { (risk) } ": " (order.fact.risk_reason) "." }
+        @if order.fact.word == OrderWord::Short {
+            p { "Not all of it is good, or will be: drop what was refused again, or accept the order as it is." }
+        }
+        @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() {
+            p.bad role="status" { b { (order.fact.word.word()) } ": " (order.fact.risk_reason) "." }
         }
     }
 }

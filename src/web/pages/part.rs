@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
-use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
+use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     farm::{PartQuestion, count_copies_in_layout},
-    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, TimeView, fields, part_facts},
+    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, PlacedCopy, TimeView, fields, part_facts},
     web::{
         base::{
             error::{HandlerError, HandlerResult},
@@ -110,8 +110,9 @@ pub(crate) async fn show_part(
 ) -> HandlerResult<Markup> {
     let id = PartId(number);
     let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
-    let placements = web.ledger.placements_of_part(id).await?;
-    let printed = placements.iter().filter(|placed| placed.published_at.is_some() && !placed.is_bad).count() as u32;
+    let placed = PlacedCopy::of_plans(web.ledger.placements_of_part(id).await?, &web.read_plans().await?);
+    let is_published = |copy: &&PlacedCopy| copy.placed.published_at.is_some() && !copy.placed.is_bad;
+    let published = placed.iter().filter(is_published).count() as u32;
     let events = web.ledger.events_of_part(id).await?;
     let others = |parts: Vec<PartRow>| parts.into_iter().filter(|other| other.id != id).collect::<Vec<_>>();
     let same = others(web.ledger.parts_with_content(&part.file.content_hash).await?);
@@ -135,11 +136,13 @@ pub(crate) async fn show_part(
                 (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))
             }
             @if part.state == PartState::Refused { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
-            @if part.state == PartState::Waiting { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
-        (part_forms(&web, &part, printed))
+        (part_forms(&web, &part, published))
+        @if part.state == PartState::Waiting {
+            div.buttons { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
+        }
         h2 { "Where its copies are" }
-        (copies_section(&part, &placements, open, &view))
+        (copies_section(&part, &placed, open, &view))
         h2 { "What happened" }
         (table_of("Events", None, EVENT_COLUMNS, &events, &view))
         @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same, &view)) }
@@ -165,13 +168,8 @@ async fn find_open_build(web: &DashboardState, part: &PartRow) -> HandlerResult<
     Ok(build.map(|build| (build.id, count_copies_in_layout(&build, part.id))).filter(|(_, copies)| *copies > 0))
 }
 
-fn copies_section(
-    part: &PartRow,
-    placements: &[PlacementRow],
-    open: Option<(BuildId, u32)>,
-    view: &TimeView,
-) -> Markup {
-    let live = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
+fn copies_section(part: &PartRow, placed: &[PlacedCopy], open: Option<(BuildId, u32)>, view: &TimeView) -> Markup {
+    let live = placed.iter().filter(|copy| !copy.placed.is_bad).count() as u32;
     let waiting = part.wanted_copies().saturating_sub(live);
     html! {
         @if part.state == PartState::Refused { p { "In no build: the part was refused or cancelled." } }
@@ -183,8 +181,8 @@ fn copies_section(
                 } @else { ", in no build yet." }
             }
         }
-        @if !placements.is_empty() {
-            (table_of("Copies", None, PLACEMENT_COLUMNS, placements, view))
+        @if !placed.is_empty() {
+            (table_of("Copies", None, PLACEMENT_COLUMNS, placed, view))
         }
     }
 }

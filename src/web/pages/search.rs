@@ -15,7 +15,7 @@ use crate::{
             error::HandlerResult,
             format::count,
             page::html_page,
-            query::{Query, order_address, query_string},
+            query::{Query, customer_address, order_address, query_string},
         },
         core::state::DashboardState,
     },
@@ -72,7 +72,7 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
             a href=(order_address(&order.name)) { (order.name) } " " span.soft { (order.state) }
         }))
         (found_kind(customers, ("customer", "customers"), more, |customer| html! {
-            a href=(search_address(&format!("customer: {}", customer.name))) { (customer.name) } " "
+            a href=(customer_address(&customer.name)) { (customer.name) } " "
             span.soft { (count(customer.parts as u32, "part", "parts")) }
             @for order in &customer.orders { " " a href=(order_address(order)) { (order) } }
         }))
@@ -80,12 +80,6 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
         (found_kind(machines, ("machine", "machines"), more, |name| html! { a href=(format!("/#{name}")) { (name) } }))
         (found_kind(parts, ("part", "parts"), more, part_entry))
     }
-}
-
-/// The address of a search.
-fn search_address(text: &str) -> String {
-    let query = serde_urlencoded::to_string([("q", text)]).unwrap_or_default();
-    format!("/search?{query}")
 }
 
 fn build_entry(build: &NamedBuildRow) -> Markup {

@@ -43,6 +43,8 @@ mod tests {
             (Method::DELETE, "/api/v1/orders", Operate),
             (Method::POST, "/api/v1/other", Operate),
             (Method::POST, "/orders/K/reprint", Operate),
+            (Method::POST, "/orders/K/close", Operate),
+            (Method::POST, "/api/v1/orders/K/close", Operate),
             (Method::POST, "/builds/4/told", Operate),
             (Method::POST, "/commands", Operate),
             (Method::POST, "//name", Operate),

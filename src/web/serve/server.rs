@@ -150,6 +150,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/orders", get(order::list_orders))
         .route("/orders/{order}", get(order::show_order))
         .route("/orders/{order}/cancel", post(order_forms::post_cancel))
+        .route("/orders/{order}/close", post(order_forms::post_close))
         .route("/orders/{order}/edit", post(order_forms::post_edit))
         .route("/orders/{order}/move", post(order_forms::post_move))
         .route("/orders/{order}/reprint", post(order_forms::post_reprint))

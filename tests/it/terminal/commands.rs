@@ -37,6 +37,7 @@ fn farm() -> tempfile::TempDir {
             terms: NewTerms {
                 due_text: String::new(),
                 order_name: "kit 7".into(),
+                customer: String::new(),
                 priority: 50,
                 due_at: None,
                 orientation: OrientationRule::Free,

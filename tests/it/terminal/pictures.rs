@@ -234,7 +234,7 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     }
     let lines: Vec<&str> = shown.lines().collect();
     assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
-    for output_text in ["NOW: paused by", "@a-desk-in-the-office", "REFUSED: 0", "LAST PUBLISHED: -"] {
+    for output_text in ["NOW: paused by", "@a-desk-in-the-office", "WAITING: 0", "LAST PUBLISHED: -"] {
         assert!(shown.contains(output_text), "{output_text}: {lines:#?}");
     }
 }

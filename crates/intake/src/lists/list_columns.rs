@@ -98,8 +98,10 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
     ),
     (
         ListColumn::Customer,
-        "customer customername client kunde kundenname auftraggeber cliente klant kund klient zákazník asiakas 顧客 顧客名 客先 \
-         客户 고객 клиент заказчик",
+        "customer customername customerno customernumber client clientname kunde kundenname kundennr kundennummer auftraggeber \
+         besteller endkunde cliente nomduclient nomclient nombredelcliente nomecliente klant klantnaam kund kundnamn klient \
+         zákazník zleceniodawca nazwaklienta asiakas müşteri 顧客 顧客名 客先 客先名 得意先 お客様 お客様名 \
+         客户 客户名称 客戶 고객 고객명 клиент заказчик",
     ),
     (
         ListColumn::Material,

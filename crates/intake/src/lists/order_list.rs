@@ -2,7 +2,7 @@
 //! lists as people write them: in any code page, with any delimiter, with headers in their own words or without a
 //! header.
 
-use std::{borrow::Cow, ffi::OsStr};
+use std::ffi::OsStr;
 
 use build_file::{escape_invisible, escape_invisible_lines};
 
@@ -317,6 +317,7 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
         priority: number(ListColumn::Priority)?.map(check_priority).transpose()?,
         orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
         order: cell(ListColumn::Order).map(|order| check_text("order", escape_invisible(order))).transpose()?,
+        customer: cell(ListColumn::Customer).map(|name| check_text("customer", escape_invisible(name))).transpose()?,
         unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
         clearance_mm: cell(ListColumn::Clearance)
             .map(|c| parse_decimal("clearance", c))
@@ -328,12 +329,12 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
     })
 }
 
-/// Combines the note with the other columns that are meant for people.
+/// Combines the note with the material, which is meant for people.
 fn combine_notes<'a>(cell: &impl Fn(ListColumn) -> Option<&'a str>) -> Option<String> {
-    let own = cell(ListColumn::Note).map(Cow::from);
-    let others = [ListColumn::Customer, ListColumn::Material].into_iter();
-    let others = others.filter_map(|column| Some(Cow::from(format!("{}: {}", column.ticket_word(), cell(column)?))));
-    let all: Vec<Cow<str>> = own.into_iter().chain(others).collect();
+    let own = cell(ListColumn::Note).map(str::to_owned);
+    let material =
+        cell(ListColumn::Material).map(|material| format!("{}: {material}", ListColumn::Material.ticket_word()));
+    let all: Vec<String> = own.into_iter().chain(material).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 

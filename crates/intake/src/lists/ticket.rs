@@ -20,6 +20,8 @@ pub struct Ticket {
     pub copies: Option<u32>,
     /// Name of the order. If not set, the sub-folder is the order.
     pub order: Option<String>,
+    /// Who it is for.
+    pub customer: Option<String>,
     /// When it is due.
     pub due: Option<DueDate>,
     /// Priority from 0 to 100. A part with 100 must be in the next build.
@@ -76,6 +78,7 @@ pub enum TicketError {
 struct TicketFields {
     copies: Option<toml::Value>,
     order: Option<toml::Value>,
+    customer: Option<toml::Value>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
     priority: Option<toml::Value>,
@@ -105,6 +108,7 @@ impl Ticket {
         Self {
             copies: self.copies.or(weaker.copies),
             order: self.order.or(weaker.order),
+            customer: self.customer.or(weaker.customer),
             due: self.due.or(weaker.due),
             priority: self.priority.or(weaker.priority),
             orientation: self.orientation.or(weaker.orientation),
@@ -119,10 +123,8 @@ impl Ticket {
     fn from_fields(words: TicketFields) -> Result<Self, String> {
         Ok(Self {
             copies: words.copies.map(|value| check_copies(whole_number("copies", value)?)).transpose()?,
-            order: words
-                .order
-                .map(|order| check_text("order", escape_invisible(&parse_order_name(order)?)))
-                .transpose()?,
+            order: words.order.map(|order| parse_name("order", order)).transpose()?,
+            customer: words.customer.map(|customer| parse_name("customer", customer)).transpose()?,
             due: words.due.map(parse_due_value).transpose()?,
             priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
             orientation: words.orientation,
@@ -163,13 +165,14 @@ fn quoted_number_error<N: std::str::FromStr>(word: &str, text: &str) -> String {
     }
 }
 
-/// Accepts a number as an order name, because many orders are named by a number.
-fn parse_order_name(value: toml::Value) -> Result<String, String> {
-    match value {
-        toml::Value::String(name) => Ok(name),
-        toml::Value::Integer(number) => Ok(number.to_string()),
-        other => Err(format!("order = {other}; write its name in quotes, such as order = \"1042\"")),
-    }
+/// Accepts a number as a name, because many orders and customers are named by a number.
+fn parse_name(word: &str, value: toml::Value) -> Result<String, String> {
+    let name = match value {
+        toml::Value::String(name) => name,
+        toml::Value::Integer(number) => number.to_string(),
+        other => return Err(format!("{word} = {other}; write its name in quotes, such as {word} = \"1042\"")),
+    };
+    check_text(word, escape_invisible(name.trim()))
 }
 
 fn strip_bom(text: &str) -> &str {
@@ -233,15 +236,16 @@ mod tests {
 
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
-        let toml = "copies = 10\norder = \"A-7\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
+        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
                     keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
-        let json = r#"{"copies":10,"order":"A-7","due":"2026-11-25","priority":100,"orientation":"upright",
+        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","due":"2026-11-25","priority":100,"orientation":"upright",
                        "keep_up":[{"direction":[0,0,1],"within_deg":30}],
                        "not_down":[{"direction":[1,0,0],"spare_deg":45}],
                        "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
         let expected = Ticket {
             copies: Some(10),
             order: Some("A-7".into()),
+            customer: Some("Brandt".into()),
             due: Some(DueDate::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
             orientation: Some(OrientationRule::Upright),
@@ -254,7 +258,8 @@ mod tests {
         assert_eq!(Ticket::from_toml(toml, "t").unwrap(), expected);
         assert_eq!(Ticket::from_json(&format!("\u{feff}{json}"), "t").unwrap(), expected);
         assert_eq!(Ticket::from_toml("", "t").unwrap(), Ticket::default());
-        assert_eq!(Ticket::from_json("{\"order\":1042}", "t").unwrap().order.as_deref(), Some("1042"));
+        let numbers = Ticket::from_json("{\"order\":1042,\"customer\":7}", "t").unwrap();
+        assert_eq!((numbers.order.as_deref(), numbers.customer.as_deref()), (Some("1042"), Some("7")));
     }
 
     #[test]
@@ -268,6 +273,7 @@ mod tests {
             ("copies = \"10\"", "without the quotes: copies = 10"),
             ("clearance_mm = \"2.5\"", "without the quotes: clearance_mm = 2.5"),
             ("order = 1.5", "in quotes"),
+            ("customer = true", "customer = \"1042\""),
             ("priority = 101", "0 to 100"),
             ("priority = -1", "0 to 100"),
             ("orientation = \"sideways\"", "sideways"),

@@ -363,6 +363,9 @@ pub enum LedgerError {
         /// The other build.
         build: BuildId,
     },
+    /// An order cannot be closed.
+    #[error(transparent)]
+    NotClosed(#[from] crate::base::close_order_error::CloseOrderError),
     /// A part was accepted without any solid.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),

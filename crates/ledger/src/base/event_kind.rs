@@ -101,6 +101,8 @@ pub enum EventKind {
     OrderComplete,
     /// An order ended with fewer copies than were wanted.
     OrderShort,
+    /// A person closed an order as it was, or its refused part with it.
+    OrderClosed,
     /// A kind that another version of nestd wrote.
     #[serde(untagged)]
     Unknown(String),

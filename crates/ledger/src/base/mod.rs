@@ -2,11 +2,13 @@
 //!
 //! Asks no database.
 
+pub(super) mod close_order_error;
 pub(super) mod error;
 pub(super) mod event_kind;
 pub(super) mod id;
 pub(super) mod in_queue_error;
 pub(super) mod lock_wait;
+pub(super) mod name_pattern;
 pub(super) mod refusal_cause;
 pub(super) mod server_error;
 pub(super) mod sql;

@@ -54,6 +54,8 @@ pub struct PlacementRow {
     pub is_bad: bool,
     /// Whether its build was taken back out of the queue before it was printed, so that it does not count.
     pub is_withdrawn: bool,
+    /// Whether the printer took the file of its build, as far as is known.
+    pub is_taken: bool,
     /// How it stands there.
     #[serde(flatten)]
     pub pose_columns: PoseColumns,
@@ -62,7 +64,7 @@ pub struct PlacementRow {
     pub removal: RemovalColumns,
 }
 
-sql_row!(PlacementRow { part_id, copy, build_id, build_state, published_at, is_bad, is_withdrawn; pose_columns, removal });
+sql_row!(PlacementRow { part_id, copy, build_id, build_state, published_at, is_bad, is_withdrawn, is_taken; pose_columns, removal });
 
 /// How a copy stands in a build; `None` until the build is verified.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -123,7 +125,7 @@ impl Ledger {
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
         let query = sql::select_as(
             "FROM (SELECT l.*, b.state AS build_state, b.published_at, \
-             b.withdrawn_at IS NOT NULL AS is_withdrawn FROM build_copy l JOIN build b ON b.id = l.build_id) \
+             b.withdrawn_at IS NOT NULL AS is_withdrawn, b.taken_at IS NOT NULL AS is_taken FROM build_copy l JOIN build b ON b.id = l.build_id) \
              AS placed WHERE part_id = $1 ORDER BY copy, build_id",
         );
         Ok(query.bind(part).fetch_all(self.reader()?).await?)
@@ -133,7 +135,7 @@ impl Ledger {
     pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
         let query = sql::select_as(
             "FROM (SELECT l.*, b.state AS build_state, b.published_at, \
-             b.withdrawn_at IS NOT NULL AS is_withdrawn FROM build_copy l JOIN build b ON b.id = l.build_id) \
+             b.withdrawn_at IS NOT NULL AS is_withdrawn, b.taken_at IS NOT NULL AS is_taken FROM build_copy l JOIN build b ON b.id = l.build_id) \
              AS placed WHERE build_id = $1 ORDER BY part_id, copy",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)

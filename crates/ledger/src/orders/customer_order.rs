@@ -1,5 +1,7 @@
 //! Orders: what a customer wants, by name. The lines of an order are the parts that carry its name. For every line,
-//! copies wanted = waiting + in builds + printed + good, or, if the line was refused, + refused.
+//! copies wanted = waiting + in builds + queued + printing + printed + good, or, if the line was refused, + refused.
+
+use std::collections::BTreeSet;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,6 +10,7 @@ use crate::{
     EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp,
     base::{
         error::Result,
+        name_pattern::NamePattern,
         sql::{self, sql_row},
         text_column::own_word,
     },
@@ -34,21 +37,54 @@ own_word!(OrderState);
 pub struct OrderRow {
     /// Its name.
     pub name: String,
+    /// For whom its parts are, "" = not said; several are joined by ", ".
+    pub customer: String,
     /// Its state.
     pub state: OrderState,
     /// When its first part came.
     pub opened_at: UtcTimestamp,
     /// When it entered its state.
     pub state_at: UtcTimestamp,
+    /// How a person closed it as it was.
+    #[serde(flatten)]
+    pub closing: OrderClosing,
 }
 
-sql_row!(OrderRow { name, state, opened_at, state_at });
+sql_row!(OrderRow { name, customer, state, opened_at, state_at; closing });
+
+/// How a person closed an order as it was. `None` = nobody did, or more of it is wanted since.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, JsonSchema)]
+pub struct OrderClosing {
+    /// When.
+    pub closed_at: Option<UtcTimestamp>,
+    /// Who, as user@host.
+    pub closed_by: Option<String>,
+    /// Copies that were accepted: those that were good, printed or in builds.
+    pub accepted_copies: Option<u32>,
+    /// Of how many copies wanted.
+    pub closed_of: Option<u32>,
+}
+
+sql_row!(OrderClosing { closed_at, closed_by, accepted_copies, closed_of });
 
 impl OrderRow {
     /// An order of which no part has come yet.
     pub fn arriving(name: &str) -> Self {
         let now = UtcTimestamp(jiff::Timestamp::now());
-        Self { name: name.to_owned(), state: OrderState::Open, opened_at: now, state_at: now }
+        let closing = OrderClosing::default();
+        Self {
+            name: name.to_owned(),
+            customer: String::new(),
+            state: OrderState::Open,
+            opened_at: now,
+            state_at: now,
+            closing,
+        }
+    }
+
+    /// Whether nothing of it is under way, and it asks nobody: it is complete, or a person closed it.
+    pub fn is_over(&self) -> bool {
+        self.state == OrderState::Complete || self.state == OrderState::Short && self.closing.closed_at.is_some()
     }
 }
 
@@ -63,6 +99,8 @@ pub struct OrderLine {
     pub name: String,
     /// Name of the solid inside a 3MF, "" otherwise.
     pub object_name: String,
+    /// Who it is for, "" = not said.
+    pub customer: String,
     /// State of the part.
     pub state: PartState,
     /// When it is due.
@@ -74,9 +112,9 @@ pub struct OrderLine {
     pub copies: LineCopies,
 }
 
-sql_row!(OrderLine { part, machine, name, object_name, state, due_at, due_text; copies });
+sql_row!(OrderLine { part, machine, name, object_name, customer, state, due_at, due_text; copies });
 
-/// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `printed` + `good` + `refused`.
+/// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `queued` + `printing` + `printed` + `good` + `refused`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
 pub struct LineCopies {
     /// Copies wanted.
@@ -85,7 +123,11 @@ pub struct LineCopies {
     pub waiting: u32,
     /// Copies in builds that are being made.
     pub in_builds: u32,
-    /// Copies in published builds of which nobody said that the print was good.
+    /// Copies in builds whose file lies in a queue, as far as is known.
+    pub queued: u32,
+    /// Copies in builds that are printed, as far as is known.
+    pub printing: u32,
+    /// Copies in builds whose print is over, and of which nobody said that they are good.
     pub printed: u32,
     /// Copies in builds that were told complete.
     pub good: u32,
@@ -97,7 +139,7 @@ pub struct LineCopies {
     pub cancelled: u32,
 }
 
-sql_row!(LineCopies { wanted, waiting, in_builds, printed, good, refused, bad, cancelled });
+sql_row!(LineCopies { wanted, waiting, in_builds, queued, printing, printed, good, refused, bad, cancelled });
 
 impl OrderLine {
     /// Name of the part together with the name of its solid.
@@ -112,6 +154,8 @@ impl LineCopies {
         self.wanted += other.wanted;
         self.waiting += other.waiting;
         self.in_builds += other.in_builds;
+        self.queued += other.queued;
+        self.printing += other.printing;
         self.printed += other.printed;
         self.good += other.good;
         self.refused += other.refused;
@@ -119,10 +163,20 @@ impl LineCopies {
         self.cancelled += other.cancelled;
     }
 
+    /// Copies in published builds of which nobody said that they are good.
+    pub fn published(&self) -> u32 {
+        self.queued + self.printing + self.printed
+    }
+
+    /// Copies that wait, are in builds, or were printed and nobody said how.
+    pub fn under_way(&self) -> u32 {
+        self.waiting + self.in_builds + self.published()
+    }
+
     /// The state of an order with these copies.
     pub fn order_state(&self) -> OrderState {
         match self {
-            _ if self.waiting + self.in_builds + self.printed > 0 => OrderState::Open,
+            _ if self.under_way() > 0 => OrderState::Open,
             _ if self.good > 0 && self.refused == 0 => OrderState::Complete,
             _ => OrderState::Short,
         }
@@ -163,11 +217,23 @@ impl OrderSummary {
 pub struct OrderQuery {
     /// Part of a name, in any case; `None` = any.
     pub name: Option<String>,
+    /// Part of the name of a customer, in any case; `None` = any.
+    pub customer: Option<String>,
     /// Only orders in this state.
     pub state: Option<OrderState>,
+    /// Only orders that are not over: something of them is under way, or asks a person.
+    pub is_asking: bool,
     /// Maximum number of orders.
     pub limit: u32,
 }
+
+/// The orders with those that are over last, and the earliest due date of each that is not. One that is over has none.
+pub(crate) const ORDER_LIST: &str = "FROM (SELECT o.*, o.state = 'complete' OR o.state = 'short' AND o.closed_at IS NOT NULL AS is_over, \
+    CASE WHEN o.state <> 'complete' THEN (SELECT min(v.due_at) FROM v_order_line v \
+    WHERE v.order_name = o.name AND v.order_name <> '' AND v.good < v.wanted) END AS due_at FROM customer_order o \
+    WHERE ($1 IS NULL OR instr(o.folded, $1) > 0) AND ($2 IS NULL OR o.state = $2) \
+    AND ($3 IS NULL OR lower(o.customer) LIKE $3 ESCAPE '!')) AS listed WHERE NOT ($4 AND is_over) \
+    ORDER BY is_over, due_at IS NULL, due_at, CASE WHEN is_over THEN state_at END DESC, opened_at DESC, name";
 
 impl Ledger {
     /// The lines of an order, oldest first.
@@ -188,19 +254,34 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// Lists the orders that match the query, open ones first, newest first.
+    /// Lists the orders that match the query: by due date, those without one after that, and last those that are over.
     pub async fn list_orders(&self, query: &OrderQuery) -> Result<Vec<OrderRow>> {
-        let rows = sql::select_as(
-            "FROM customer_order WHERE ($1 IS NULL OR instr(folded, $1) > 0) AND ($2 IS NULL OR state = $2) \
-             ORDER BY state <> 'open', opened_at DESC, name LIMIT $3",
-        );
+        let rows = sql::select_as(ORDER_LIST);
         let folded = query.name.as_ref().map(|name| name.to_lowercase());
-        Ok(rows.bind(folded).bind(query.state).bind(query.limit).fetch_all(self.reader()?).await?)
+        let customer = query.customer.as_ref().map(|name| name.to_lowercase());
+        let pattern = query.customer.as_ref().map(|name| NamePattern::containing(name).text().to_owned());
+        let mut found: Vec<OrderRow> = Vec::new();
+        let most = query.limit as usize;
+        let take = |order: OrderRow| {
+            if customer.as_ref().is_none_or(|customer| order.customer.to_lowercase().contains(customer)) {
+                found.push(order);
+            }
+            found.len() < most
+        };
+        if most > 0 {
+            rows.bind(folded)
+                .bind(query.state)
+                .bind(pattern)
+                .bind(query.is_asking)
+                .for_each_while(self.reader()?, take)
+                .await?;
+        }
+        Ok(found)
     }
 }
 
 impl Ledger {
-    /// Lists the orders that match the query with the sums over their lines, open ones first, newest first.
+    /// Lists the orders that match the query with the sums over their lines, as [`Ledger::list_orders`] does.
     pub async fn order_summaries(&self, query: &OrderQuery) -> Result<Vec<OrderSummary>> {
         let mut summaries = Vec::new();
         for order in self.list_orders(query).await? {
@@ -228,6 +309,39 @@ impl LedgerChange {
         .bind(now)
         .execute(self.db())
         .await?;
+        self.forget_closing(name).await
+    }
+
+    /// Whether a person closed the order of a part: what is cancelled of it is not wanted any more.
+    pub async fn is_order_closed(&mut self, part: PartId) -> Result<bool> {
+        let closed = sql::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM part p JOIN customer_order o ON o.name = p.order_name WHERE p.id = $1 AND o.closed_at IS NOT NULL)",
+        );
+        Ok(closed.bind(part).fetch_one(self.db()).await?)
+    }
+
+    /// More is wanted of an order that a person closed.
+    async fn forget_closing(&mut self, name: &str) -> Result<()> {
+        let forget = "UPDATE customer_order SET closed_at = NULL, closed_by = NULL, accepted_copies = NULL, closed_of = NULL \
+                      WHERE name = $1 AND closed_at IS NOT NULL";
+        sql::query(forget).bind(name).execute(self.db()).await?;
+        Ok(())
+    }
+
+    /// The lines of an order, oldest first.
+    pub async fn lines_of_order(&mut self, name: &str) -> Result<Vec<OrderLine>> {
+        let query = sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
+        Ok(query.bind(name).fetch_all(self.db()).await?)
+    }
+
+    /// Writes for whom the lines of an order are.
+    pub async fn update_customer(&mut self, name: &str) -> Result<()> {
+        let query = sql::query_scalar(
+            "SELECT DISTINCT customer FROM part WHERE order_name = $1 AND order_name <> '' AND customer <> '' ORDER BY customer",
+        );
+        let customers: Vec<String> = query.bind(name).fetch_all(self.db()).await?;
+        let set = sql::query("UPDATE customer_order SET customer = $1 WHERE name = $2 AND customer <> $1");
+        set.bind(customers.join(", ")).bind(name).execute(self.db()).await?;
         Ok(())
     }
 
@@ -236,14 +350,13 @@ impl LedgerChange {
         if name.is_empty() {
             return Ok(());
         }
-        let lines: Vec<OrderLine> =
-            sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part")
-                .bind(name)
-                .fetch_all(self.db())
-                .await?;
+        let lines = self.lines_of_order(name).await?;
         let mut sum = LineCopies::default();
         lines.iter().for_each(|line| sum.add(&line.copies));
         let (state, now) = (sum.order_state(), self.now);
+        if sum.refused > 0 {
+            self.forget_closing(name).await?;
+        }
         let set = sql::query("UPDATE customer_order SET state = $1, state_at = $2 WHERE name = $3 AND state <> $1");
         if set.bind(state).bind(now).bind(name).execute(self.db()).await? == 0 {
             return Ok(());
@@ -267,7 +380,7 @@ impl LedgerChange {
 
     /// Updates the orders of these parts.
     pub async fn update_orders_of(&mut self, parts: impl IntoIterator<Item = PartId>) -> Result<()> {
-        let mut names = std::collections::BTreeSet::new();
+        let mut names = BTreeSet::new();
         for part in parts {
             names.insert(self.require_part(part).await?.terms.order_name);
         }

@@ -9,32 +9,11 @@ use crate::{
     BuildId, BuildState, Ledger, OrderRow, PartId, PartState, UtcTimestamp,
     base::{
         error::Result,
+        name_pattern::NamePattern,
         sql::{self, sql_row},
     },
     rows::part_row::name_with_solid,
 };
-
-/// What names must resemble: a pattern for `LIKE` with the escape character `!`, in lower case.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamePattern(String);
-
-impl NamePattern {
-    /// The pattern of all names that can contain a text, without regard to case. Anything may stand for a letter beyond ASCII:
-    /// its other case, or the same letter in two characters.
-    pub fn containing(text: &str) -> Self {
-        let mut pattern = "%".to_owned();
-        for letter in text.chars() {
-            match letter {
-                '%' | '_' | '!' => pattern.extend(['!', letter]),
-                letter if letter.is_ascii() => pattern.push(letter.to_ascii_lowercase()),
-                _ if pattern.ends_with('%') && !pattern.ends_with("!%") => {}
-                _ => pattern.push('%'),
-            }
-        }
-        pattern.push('%');
-        Self(pattern)
-    }
-}
 
 /// A part with the texts by which people know it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -49,13 +28,15 @@ pub struct NamedPartRow {
     pub object_name: String,
     /// Its order, "" = none.
     pub order_name: String,
-    /// The note that came with it; a list's customer and material stand there.
+    /// Who it is for, "" = not said.
+    pub customer: String,
+    /// The note that came with it; a list's material stands there.
     pub note: String,
     /// Its state.
     pub state: PartState,
 }
 
-sql_row!(NamedPartRow { id, machine, name, object_name, order_name, note, state });
+sql_row!(NamedPartRow { id, machine, name, object_name, order_name, customer, note, state });
 
 impl NamedPartRow {
     /// Name of the part together with the name of its solid.
@@ -86,7 +67,7 @@ pub struct NamedBuildRow {
 sql_row!(NamedBuildRow { id, machine, state, state_at, file_name, height_mm, copies });
 
 impl Ledger {
-    /// Hands the parts whose file, solid, order or note can match to `take`, newest first, until that returns `false`. It looks at
+    /// Hands the parts whose file, solid, order, customer or note can match to `take`, newest first, until that returns `false`. It looks at
     /// every part that was ever taken.
     pub async fn parts_resembling(
         &self,
@@ -95,9 +76,9 @@ impl Ledger {
     ) -> Result<()> {
         let query = sql::select_as(
             "FROM part \
-             WHERE lower(name || ' ' || object_name || ' ' || order_name || ' ' || note) LIKE $1 ESCAPE '!' ORDER BY id DESC",
+             WHERE lower(name || ' ' || object_name || ' ' || order_name || ' ' || customer || ' ' || note) LIKE $1 ESCAPE '!' ORDER BY id DESC",
         );
-        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+        Ok(query.bind(pattern.text()).for_each_while(self.reader()?, take).await?)
     }
 
     /// Hands the orders whose name can match to `take`, open ones first, newest first, until that returns `false`.
@@ -110,7 +91,7 @@ impl Ledger {
             "FROM customer_order WHERE lower(name) LIKE $1 ESCAPE '!' \
              ORDER BY state <> 'open', opened_at DESC, name",
         );
-        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+        Ok(query.bind(pattern.text()).for_each_while(self.reader()?, take).await?)
     }
 
     /// Hands the builds whose file name can match to `take`, newest first, until that returns `false`. It looks at every build.
@@ -123,7 +104,7 @@ impl Ledger {
             "FROM build \
              WHERE lower(file_name) LIKE $1 ESCAPE '!' ORDER BY id DESC",
         );
-        Ok(query.bind(&pattern.0).for_each_while(self.reader()?, take).await?)
+        Ok(query.bind(pattern.text()).for_each_while(self.reader()?, take).await?)
     }
 
     /// The part with this number, with its names.
@@ -136,21 +117,5 @@ impl Ledger {
     pub async fn named_build(&self, id: BuildId) -> Result<Option<NamedBuildRow>> {
         let query = sql::select_as("FROM build WHERE id = $1");
         Ok(query.bind(id).fetch_optional(self.reader()?).await?)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pattern_lets_anything_stand_for_letters_beyond_ascii_and_takes_signs_as_they_are() {
-        let pattern = |text: &str| NamePattern::containing(text).0;
-        assert_eq!(pattern("Hinge_50%!"), "%hinge!_50!%!!%");
-        assert_eq!(
-            (pattern("mÜÜller"), pattern("ä"), pattern("")),
-            ("%m%ller%".to_owned(), "%%".to_owned(), "%%".to_owned())
-        );
-        assert_eq!(pattern("%ß"), "%!%%%");
     }
 }

@@ -188,7 +188,7 @@ impl Ledger {
 /// By how many the copies wanted of a part fell when it was last refused, or replaced after that.
 async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
     let last = sql::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('refused', 'revised') ORDER BY id DESC LIMIT 1",
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('refused', 'revised', 'order_closed') ORDER BY id DESC LIMIT 1",
     );
     Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
@@ -220,6 +220,9 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
     };
     change.write_event(EventKind::Claimed, &part.machine, Some(id), None, &detail).await?;
     change.open_order(&part.terms.order_name).await?;
+    if !part.terms.customer.is_empty() {
+        change.update_customer(&part.terms.order_name).await?;
+    }
     if line.is_some_and(|line| line.is_cancelled) {
         change.refuse_part(id, RefusalCause::Cancelled, "Its line was cancelled before it was taken.").await?;
     }
@@ -232,8 +235,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let id = sql::query_scalar(
         "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
-         read_unit) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
-         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21)) \
+         read_unit, customer) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
+         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -257,6 +260,7 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(&part.dropped.folder)
     .bind(part.dropped.mtime_ns)
     .bind(part.terms.read_unit)
+    .bind(&part.terms.customer)
     .fetch_optional(change.db())
     .await?;
     Ok(id)
@@ -296,9 +300,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
-         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
+         customer, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
          SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
+         customer, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)

@@ -21,6 +21,8 @@ pub struct PartEdit {
     pub copies: Option<u32>,
     /// Order, "" = none.
     pub order_name: Option<String>,
+    /// Who it is for, "" = not said. It can always be changed.
+    pub customer: Option<String>,
     /// Priority from 0 to 100.
     pub priority: Option<u8>,
     /// When it is due, and the date as it was given; the inner `None` = no due date.
@@ -48,8 +50,16 @@ impl PartEdit {
         self.orientation.is_some() || self.tilts.is_some() || self.clearance_mm.is_some() || self.unit.is_some()
     }
 
+    /// What of it can be changed of a part in this state: of one of which nothing waits, only who it is for.
+    pub fn possible_in(&self, state: PartState) -> Self {
+        match state {
+            PartState::Waiting | PartState::Claimed => self.clone(),
+            _ => Self { customer: self.customer.clone(), ..Self::default() },
+        }
+    }
+
     fn changes_terms(&self) -> bool {
-        Self { copies: None, ..self.clone() } != Self::default()
+        Self { copies: None, customer: None, ..self.clone() } != Self::default()
     }
 }
 
@@ -61,7 +71,7 @@ pub struct EditedPart {
 }
 
 impl Ledger {
-    /// Changes what was asked with a part. A part that is built can be ordered in more copies, nothing else.
+    /// Changes what was asked with a part. A part that is built can be ordered in more copies and for another customer, nothing else.
     pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
         let mut change = self.begin_change().await?;
         let edited = edit_part(&mut change, id, edit, by).await?;
@@ -186,6 +196,11 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         ensure_terms_editable(change, &part).await?;
         edit_terms(change, &part, edit, &mut changes).await?;
     }
+    if let Some(customer) = edit.customer.as_ref().filter(|customer| **customer != part.terms.customer) {
+        let set = sql::query("UPDATE part SET customer = $1 WHERE id = $2").bind(customer).bind(id);
+        set.execute(change.db()).await?;
+        changes.push(difference("customer", &part.terms.customer, customer));
+    }
     if let Some(copies) = edit.copies {
         let was_asked = change.end_copies_question(&part).await?;
         if copies != part.wanted_copies() {
@@ -206,11 +221,19 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         change.read_anew(id, &detail).await?;
     }
     change.update_order(&part.terms.order_name).await?;
+    change.update_customer(&part.terms.order_name).await?;
     if let Some(order) = &edit.order_name {
         change.open_order(order).await?;
         change.update_order(order).await?;
+        change.update_customer(order).await?;
     }
     Ok(EditedPart { changes })
+}
+
+/// `customer Brandt instead of none`.
+fn difference(what: &str, old: &str, new: &str) -> String {
+    let none = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
+    format!("{what} {} instead of {}", none(new), none(old))
 }
 
 fn as_it_was_taken(copies: u32) -> String {
@@ -280,28 +303,26 @@ async fn edit_terms(
 
 /// The differences between two sets of terms, as parts of a sentence.
 fn describe_changes(old: &crate::PartTerms, new: &crate::PartTerms) -> Vec<String> {
-    let none = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
     let due = |terms: &crate::PartTerms| match (&terms.due_text[..], terms.due_at) {
-        ("", None) => "none".to_owned(),
+        ("", None) => String::new(),
         ("", Some(at)) => at.to_string(),
         (text, _) => text.to_owned(),
     };
-    let unit =
-        |terms: &crate::PartTerms| terms.unit.map_or("none".to_owned(), |unit| format!("{unit:?}").to_lowercase());
+    let unit = |terms: &crate::PartTerms| terms.unit.map_or(String::new(), |unit| format!("{unit:?}").to_lowercase());
     let clearance =
         |terms: &crate::PartTerms| terms.clearance_mm.map_or("the machine's".to_owned(), |mm| format!("{mm} mm"));
     let rule = |terms: &crate::PartTerms| format!("{:?} {}", terms.orientation, terms.tilts).trim().to_lowercase();
     let all = [
-        ("order", none(&old.order_name), none(&new.order_name)),
+        ("order", old.order_name.clone(), new.order_name.clone()),
         ("priority", old.priority.to_string(), new.priority.to_string()),
         ("due", due(old), due(new)),
         ("orientation", rule(old), rule(new)),
         ("clearance", clearance(old), clearance(new)),
         ("unit", unit(old), unit(new)),
-        ("note", none(&old.note), none(&new.note)),
+        ("note", old.note.clone(), new.note.clone()),
     ];
     let changed = all.into_iter().filter(|(_, old, new)| old != new);
-    changed.map(|(what, old, new)| format!("{what} {new} instead of {old}")).collect()
+    changed.map(|(what, old, new)| difference(what, &old, &new)).collect()
 }
 
 /// Changes the number of copies wanted. More of a part that is built make it wait again.

@@ -59,6 +59,9 @@ pub struct DroppedFile {
 pub struct NewTerms {
     /// Order or kit, "" = none.
     pub order_name: String,
+    /// Who it is for, "" = not said.
+    #[serde(default)]
+    pub customer: String,
     /// Priority from 0 to 100. A part with 100 must be in the next build.
     pub priority: u8,
     /// When it is due.
@@ -81,8 +84,7 @@ pub struct NewTerms {
     pub note: String,
 }
 
-/// Directions of the part's mesh that must point nearly straight up; all of them apply. Stored in SQL as one line of
-/// text.
+/// Directions of the part's mesh that must point nearly straight up; all of them apply. Stored in SQL as one line of text.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct RequiredTilts(pub Vec<TiltLimit>);
@@ -145,8 +147,7 @@ pub struct SolidFacts {
     pub object_index: u32,
     /// Name of the solid inside a 3MF, "" otherwise.
     pub object_name: String,
-    /// Total copies of this solid: the ordered copies times the build items in the file. Not changed if the part was
-    /// read before (a retry).
+    /// Copies of this solid in all: those ordered times the build items in the file. A part that is read again keeps its own.
     pub copies: u32,
     /// Copies of it that the file itself holds.
     pub file_copies: u32,
@@ -282,6 +283,8 @@ sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question,
 pub struct PartTerms {
     /// Order or kit, "" = none.
     pub order_name: String,
+    /// Who it is for, "" = not said.
+    pub customer: String,
     /// Priority from 0 to 100.
     pub priority: u8,
     /// When it is due.
@@ -302,7 +305,19 @@ pub struct PartTerms {
     pub reference: String,
 }
 
-sql_row!(PartTerms { order_name, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reference });
+sql_row!(PartTerms {
+    order_name,
+    customer,
+    priority,
+    due_at,
+    due_text,
+    orientation,
+    tilts,
+    clearance_mm,
+    unit,
+    note,
+    reference
+});
 
 /// What the file of a part asks for it itself, as CAMSPEC packages do. `None` = not said: then the terms of the file's claim hold.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -336,13 +351,6 @@ impl PartTerms {
     }
 }
 
-impl PartRow {
-    /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
-    pub fn has_unknown_copies(&self) -> bool {
-        self.refused.refusal == Some(RefusalCause::Ticket)
-    }
-}
-
 /// Name of a file together with the name of its solid.
 pub(crate) fn name_with_solid(name: &str, solid: &str) -> String {
     match solid {
@@ -354,6 +362,11 @@ pub(crate) fn name_with_solid(name: &str, solid: &str) -> String {
 }
 
 impl PartRow {
+    /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
+    pub fn has_unknown_copies(&self) -> bool {
+        self.refused.refusal == Some(RefusalCause::Ticket)
+    }
+
     /// When it arrived among the waiting parts: it was read, taken back, moved or left out, copies
     /// of it were put back, or a person confirmed it or dropped its original again.
     pub fn arrived_at(&self) -> UtcTimestamp {

@@ -4,6 +4,7 @@ use jiff::{SignedDuration, Timestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::printer::BEGUN_AT;
 use crate::{
     BuildId, Ledger, PartId, PartState, UtcTimestamp,
     base::{
@@ -43,11 +44,26 @@ pub struct LatePart {
     pub due_text: String,
     /// Its state.
     pub state: PartState,
-    /// When the last of its copies was told good; `None` = not all are.
+    /// When the last of its copies was told good, or its print ended, as far as is known; `None` = not all are printed.
     pub done_at: Option<UtcTimestamp>,
+    /// Whether nobody told that its print ended: that is an estimate.
+    pub is_estimated: bool,
 }
 
-sql_row!(LatePart { part, machine, name, order_name, due_at, due_text, state, done_at });
+sql_row!(LatePart { part, machine, name, order_name, due_at, due_text, state, done_at, is_estimated });
+
+/// A print of copies of a part with a due date, whose end nobody told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UntoldPrint {
+    /// The part, done when the print began, as far as is known: when its file was taken, or else published.
+    pub part: LatePart,
+    /// The build.
+    pub build: BuildId,
+    /// Its height, mm.
+    pub height_mm: f64,
+}
+
+sql_row!(UntoldPrint { build, height_mm; part });
 
 impl Ledger {
     /// The bad copies of the builds that were published in a span of time.
@@ -64,7 +80,7 @@ impl Ledger {
     /// passed; by due date.
     pub async fn late_parts(&self, since: Timestamp, until: Timestamp, now: Timestamp) -> Result<Vec<LatePart>> {
         let query = sql::query_as(
-            "SELECT part, machine, name, order_name, due_at, due_text, state, done_at FROM (\
+            "SELECT part, machine, name, order_name, due_at, due_text, state, done_at, 1 = 0 AS is_estimated FROM (\
              SELECT p.id AS part, p.machine, p.name, p.order_name, p.due_at, p.due_text, p.state, \
              CASE WHEN p.state = 'built' AND NOT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = p.id AND b.state <> 'complete') \
@@ -78,6 +94,22 @@ impl Ledger {
         let built_since = since.checked_sub(LONGEST_PRINT).unwrap_or(Timestamp::MIN);
         let query = query.bind(UtcTimestamp(since)).bind(UtcTimestamp(until)).bind(UtcTimestamp(now));
         let query = query.bind(UtcTimestamp(built_since));
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
+    /// The prints whose end nobody told, of parts with a due date in a span of time of which no copy waits.
+    pub async fn untold_prints(&self, since: Timestamp, until: Timestamp) -> Result<Vec<UntoldPrint>> {
+        let query = format!(
+            "SELECT DISTINCT p.id AS part, p.machine, p.name, p.order_name, p.due_at, p.due_text, p.state, \
+             coalesce({BEGUN_AT}, build.published_at) AS done_at, 1 = 1 AS is_estimated, build.id AS build, \
+             coalesce(build.height_mm, 0.0) AS height_mm FROM part p \
+             JOIN placement l ON l.part_id = p.id JOIN build ON build.id = l.build_id \
+             WHERE p.state = 'built' AND p.state_at >= $3 AND p.due_at >= $1 AND p.due_at < $2 \
+             AND build.state IN ('published', 'printing') ORDER BY p.due_at, p.id"
+        );
+        let built_since = since.checked_sub(LONGEST_PRINT).unwrap_or(Timestamp::MIN);
+        let query = sql::query_as(sqlx::AssertSqlSafe(query));
+        let query = query.bind(UtcTimestamp(since)).bind(UtcTimestamp(until)).bind(UtcTimestamp(built_since));
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

@@ -110,7 +110,7 @@ sql_row!(ToldPrint { printer, height_mm, begun_at, told_at });
 type PlacedFile = (BuildId, Option<String>, Option<String>);
 
 /// When the print of a build began.
-const BEGUN_AT: &str =
+pub(super) const BEGUN_AT: &str =
     "coalesce((SELECT min(o.told_at) FROM outcome o WHERE o.build_id = build.id AND o.outcome = 'printing'), taken_at)";
 
 impl Ledger {

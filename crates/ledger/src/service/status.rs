@@ -29,7 +29,7 @@ pub struct MachineStatus {
     pub waiting_parts: u32,
     /// Waiting copies.
     pub waiting_copies: u32,
-    /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]) and nobody has taken back; cancelled ones do not count.
+    /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]), of which copies are wanted; cancelled ones do not count.
     pub refused_parts: u32,
     /// When the oldest waiting part was claimed.
     pub oldest_at: Option<UtcTimestamp>,
@@ -212,9 +212,10 @@ const COUNTS: &str = "SELECT p.machine, count(*) FILTER (WHERE p.state = 'claime
     max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.machine";
 
-/// Counts only refused parts that can still be retried and were not cancelled; over the years, many parts are
-/// refused.
+/// Counts only refused parts of which copies are wanted, that can still be retried and were not cancelled; over the years, many parts
+/// are refused.
 const REFUSED: &str = "SELECT p.machine, count(*) AS parts FROM part p WHERE p.state = 'refused' AND p.state_at >= $1 \
+    AND p.copies > p.cancelled_copies \
     AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'refused' ORDER BY e.id DESC LIMIT 1), '') \
     NOT IN ('cancelled', 'replaced') GROUP BY p.machine";
 

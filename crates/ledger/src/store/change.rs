@@ -161,6 +161,7 @@ impl LedgerChange {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let unwanted = match cause {
             RefusalCause::Replaced => self.waiting_count(id).await?,
+            RefusalCause::Cancelled if self.is_order_closed(id).await? => self.waiting_count(id).await?,
             _ => 0,
         };
         let machine = self.set_part_state(id, PartState::Refused, Some(cause), reason).await?;

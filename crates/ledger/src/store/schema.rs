@@ -46,6 +46,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (38, "dropped words", include_str!("../../../../migrations/0038_dropped_words.sql")),
     (39, "no lanes", include_str!("../../../../migrations/0039_no_lanes.sql")),
     (40, "machine is the word", include_str!("../../../../migrations/0040_machine_is_the_word.sql")),
+    (41, "customers", include_str!("../../../../migrations/0041_customers.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

@@ -26,6 +26,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let ledger = fresh().await;
     let terms = NewTerms {
         order_name: "kit 7".into(),
+        customer: "Brandt".into(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
         due_text: "2026-12-01".into(),
@@ -39,7 +40,10 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let part = NewPartRow { terms, ..new_part("full", 2) };
     let id = ledger.record_claim(&part).await.unwrap().id;
     let row = ledger.find_part(id).await.unwrap().unwrap();
-    assert_eq!((row.terms.order_name.as_str(), row.terms.priority, row.file.bytes), ("kit 7", 100, 684));
+    assert_eq!(
+        (row.terms.order_name.as_str(), row.terms.customer.as_str(), row.terms.priority, row.file.bytes),
+        ("kit 7", "Brandt", 100, 684)
+    );
     assert_eq!(row.terms.due_at.map(|t| t.0), part.terms.due_at);
     assert_eq!(
         (row.terms.orientation, &row.terms.tilts, row.terms.unit),

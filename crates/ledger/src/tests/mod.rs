@@ -1,5 +1,6 @@
 //! Tests of the ledger, on real SQLite files.
 
+mod closed_orders;
 mod lifecycle;
 mod night_search;
 mod nodes;

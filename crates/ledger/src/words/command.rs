@@ -151,19 +151,7 @@ impl Ledger {
         if let Some(part) = command.part {
             change.require_part(part).await?;
         }
-        let now = change.now;
-        let id = sql::query_scalar(
-            "INSERT INTO command (kind, machine, part_id, argument, asked_by, asked_at, state) \
-             VALUES ($1, $2, $3, $4, $5, $6, 'asked') RETURNING id",
-        )
-        .bind(command.kind)
-        .bind(&command.machine)
-        .bind(command.part)
-        .bind(command.argument.to_json())
-        .bind(&command.asked_by)
-        .bind(now)
-        .fetch_one(change.db())
-        .await?;
+        let id = change.insert_command(command).await?;
         change.commit().await?;
         Ok(id)
     }
@@ -240,6 +228,18 @@ impl Ledger {
 }
 
 impl LedgerChange {
+    /// Inserts the row of a command.
+    pub(super) async fn insert_command(&mut self, command: &NewCommand) -> Result<CommandId> {
+        let now = self.now;
+        let insert = sql::query_scalar(
+            "INSERT INTO command (kind, machine, part_id, argument, asked_by, asked_at, state) \
+             VALUES ($1, $2, $3, $4, $5, $6, 'asked') RETURNING id",
+        );
+        let insert = insert.bind(command.kind).bind(&command.machine).bind(command.part);
+        let insert = insert.bind(command.argument.to_json()).bind(&command.asked_by).bind(now);
+        Ok(insert.fetch_one(self.db()).await?)
+    }
+
     /// Pauses a machine. Returns `false` if it was paused.
     pub async fn pause_machine(&mut self, machine: &str, by: &str, cause: PauseCause) -> Result<bool> {
         let now = self.now;

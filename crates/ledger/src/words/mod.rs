@@ -2,6 +2,7 @@
 //!
 //! `said` is what can be said, `operator_word` judges it, and the others carry it out.
 
+pub(super) mod close_order;
 pub(super) mod command;
 pub(super) mod operator_word;
 pub(super) mod outcome;

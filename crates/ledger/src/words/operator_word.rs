@@ -1,5 +1,5 @@
-//! What a person says of builds and printers: how a print ended, that it is printed again, that its cake is broken out, that a build may
-//! be published, that a printer is down. This is the one place where such a word is judged against the ledger; `farm/operate/operate`
+//! What a person says of builds, printers and orders: how a print ended, that it is printed again, that its cake is broken out, that a
+//! build may be published, that a printer is down, that an order is closed. This is the one place where such a word is judged against the ledger; `farm/operate/operate`
 //! looks into the queue folders first. None of these words needs a daemon that runs.
 //!
 //! Copies that a word makes bad are printed again, so nobody may print them from the old file any more. As long as that file may lie
@@ -114,6 +114,7 @@ impl Ledger {
             | OperatorWord::Withdraw(build, _) => vec![*build],
             OperatorWord::Release { .. }
             | OperatorWord::SeenTo(_)
+            | OperatorWord::CloseOrder(_)
             | OperatorWord::PrinterDown { .. }
             | OperatorWord::PrinterUp { .. } => Vec::new(),
             OperatorWord::Reprint(target) => {
@@ -138,6 +139,9 @@ impl Ledger {
                     true => format!("Build {build} is released and goes to the queue."),
                     false => format!("Build {build} was released before."),
                 }));
+            }
+            OperatorWord::CloseOrder(name) => {
+                return Ok(WordAnswer { sentences: self.close_order(name, by).await?, noted: Vec::new() });
             }
             OperatorWord::SeenTo(build) => {
                 return Ok(WordAnswer::from(match self.mark_seen(*build, by).await? {

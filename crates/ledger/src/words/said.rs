@@ -1,10 +1,10 @@
-//! What a person can say of builds and printers, what was seen of the files that it is about, and what becomes of it (`operator_word`).
+//! What a person can say of builds, printers and orders, what was seen of the files that it is about, and what becomes of it (`operator_word`).
 
 use std::collections::BTreeMap;
 
 use crate::{BuildId, ReprintTarget, ToldOutcome};
 
-/// A word of a person about builds and printers.
+/// A word of a person about builds, printers and orders.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OperatorWord {
     /// How the print of a build ended.
@@ -24,6 +24,8 @@ pub enum OperatorWord {
         /// BLAKE3 of the build file that the person was shown; `None` = of whichever there is.
         seen: Option<String>,
     },
+    /// An order is closed as it is.
+    CloseOrder(String),
     /// Somebody has seen to its failed print, or to a second file of it.
     SeenTo(BuildId),
     /// A printer takes no builds any more.

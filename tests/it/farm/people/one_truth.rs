@@ -1,5 +1,5 @@
-//! Every face says the same of a machine and of its printer, whatever they do: the farm page, the JSON, the command line, `STATUS.txt`,
-//! `status.json` and the metrics. A real daemon, asked in each state.
+//! Every face says the same of a machine and of its printer, of a copy and of its build, whatever becomes of them: the pages, the JSON, the
+//! command line, `STATUS.txt`, `status.json` and the metrics. A real daemon, asked in each state.
 
 use std::{collections::BTreeMap, fs};
 
@@ -163,5 +163,121 @@ fn every_face_says_that_a_build_is_searched_and_a_folder_is_away() {
     fs::rename(&queue, &away).unwrap();
     fs::write(&queue, "").unwrap();
     all_say(&farm, "unavailable", "queued", "1");
+    farm.stop();
+}
+
+/// What became of copies, from the fields of a JSON: `2 queued`.
+fn counted(copies: &Value) -> String {
+    let keys = ["good", "printed", "printing", "queued", "in_builds", "waiting", "refused", "bad", "cancelled"];
+    let of = |key: &&str| copies[key].as_u64().filter(|count| *count > 0).map(|count| format!("{count} {key}"));
+    keys.iter().filter_map(of).collect::<Vec<_>>().join(", ")
+}
+
+/// What each face that does not agree says of the copies of the order "kit", which are part 1: their counts, the same in words, and the word
+/// of their build, if they are in one.
+fn disagreeing(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &str)>) -> Vec<(String, String)> {
+    let json = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_default();
+    let order = json(&get(farm, "/api/v1/orders/kit"));
+    let shown = json(&farm.nestd_ok(&["show", "order", "kit", "--json"]));
+    let mut said = vec![
+        ("the JSON of the orders", counted(&json(&get(farm, "/api/v1/orders"))[0]), counts),
+        ("the JSON of the order", counted(&order), counts),
+        ("the JSON of its line", counted(&order["lines"][0]), counts),
+        ("the JSON of the part", counted(&json(&get(farm, "/api/v1/parts/1"))["copies_now"]), counts),
+        ("nestd orders --json", counted(&json(&farm.nestd_ok(&["orders", "--all", "--json"]))[0]), counts),
+        ("nestd show order --json", counted(&shown["order_sheet"]), counts),
+        ("nestd show order --json, its part", counted(&shown["order"][0]["copies"]), counts),
+        ("the list of orders", get(farm, "/orders"), words),
+        ("the page of the order", get(farm, "/orders/kit"), words),
+        ("nestd orders", farm.nestd_ok(&["orders", "--all", "--wide"]), words),
+        ("nestd show order", farm.nestd_ok(&["show", "order", "kit", "--wide"]), words),
+    ];
+    if let Some((build, word)) = build {
+        let show = |arguments: &[&str]| farm.nestd_ok(&[&["show", &format!("b{build}")], arguments].concat());
+        let of = |value: &Value| value["state_word"].as_str().unwrap_or("-").to_owned();
+        // A build that was given up has let its copies go.
+        let in_order = order["lines"][0]["builds"].as_array().and_then(|builds| builds.last()).map(of);
+        said.extend(in_order.map(|said| ("the JSON of the order, its build", said, word)));
+        said.extend([
+            ("the JSON of the build", of(&json(&get(farm, &format!("/api/v1/builds/{build}")))["build"]), word),
+            ("nestd show build --json", of(&json(&show(&["--json"]))["build"]), word),
+            ("nestd show build", show(&["--wide"]), word),
+            ("the page of the build", get(farm, &format!("/builds/{build}")), word),
+            ("the page of the order, its build", get(farm, "/orders/kit"), word),
+        ]);
+    }
+    let differs = |(_, said, expected): &(&str, String, &str)| match expected == &words
+        || build.is_some_and(|(_, word)| word == *expected)
+    {
+        true => !said.contains(expected),
+        false => said != expected,
+    };
+    said.into_iter().filter(differs).map(|(face, said, _)| (face.to_owned(), said)).collect()
+}
+
+/// Waits until all faces say the same of the copies of the order "kit".
+fn all_count(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &str)>) {
+    let others = || disagreeing(farm, counts, words, build);
+    let what = format!("all faces say {counts}, {words}, {build:?}");
+    wait_until_or(&what, 30.0, || format!("{:#?}\n{}", others(), farm.log()), || others().is_empty());
+}
+
+fn take_queued(farm: &TestFarm) {
+    for file in farm.wait_for_queued(1) {
+        fs::remove_file(file).unwrap();
+    }
+}
+
+#[test]
+fn every_face_says_the_same_of_a_copy_in_each_of_its_states() {
+    let mut farm = farm(HOURS);
+    farm.start();
+    fs::create_dir(farm.folder("inbox").join("kit")).unwrap();
+    farm.drop_part("kit/a_x2.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    all_count(&farm, "2 waiting", "2 waiting", None);
+    farm.flush();
+    farm.wait_for_queued(1);
+    all_count(&farm, "2 queued", "2 in the queue", Some((1, "in the queue")));
+    take_queued(&farm);
+    all_count(&farm, "2 printing", "2 printing", Some((1, "printing")));
+    farm.nestd_ok(&["outcome", "1", "failed"]);
+    all_count(&farm, "2 waiting, 2 bad", "2 waiting, 2 bad", Some((1, "failed")));
+    // The same, on a machine whose prints take no time: they are over at once, and nobody told how.
+    farm.stop();
+    farm.write_profile(MACHINE, &format!("{QUICK}{COOLS}"));
+    farm.start();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    take_queued(&farm);
+    all_count(&farm, "2 printed, 2 bad", "2 printed, 2 bad", Some((2, "cooling")));
+    farm.nestd_ok(&["outcome", "2", "complete"]);
+    all_count(&farm, "2 good, 2 bad", "2 good, 2 bad", Some((2, "complete")));
+    farm.stop();
+}
+
+#[test]
+fn every_face_says_that_a_nesting_failed() {
+    let profile = format!("{}{HOURS}", QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    let mut farm = farm("");
+    farm.write_profile(MACHINE, &profile.replace("final_secs = 0.5", "final_secs = 60"));
+    farm.start();
+    fs::create_dir(farm.folder("inbox").join("kit")).unwrap();
+    farm.drop_part("kit/a.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    let nests =
+        || !farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).is_empty();
+    wait_until_or("a build is searched", 20.0, || farm.log(), nests);
+    all_count(&farm, "1 in_builds", "1 in a build", Some((1, "nesting")));
+    farm.kill();
+    // The machine has become too small for what is being nested.
+    farm.write_profile(MACHINE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
+    farm.start();
+    farm.wait_for_parts(PartState::Refused, 1);
+    all_say(&farm, "paused", "free", "null");
+    all_count(&farm, "1 refused", "1 refused", Some((1, "failed")));
+    let note = farm.nestd_ok(&["show", "order", "kit"]);
+    assert!(note.contains("1 part is not made"), "{note}");
     farm.stop();
 }

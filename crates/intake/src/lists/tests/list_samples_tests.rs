@@ -46,6 +46,7 @@ fn ticket_text(ticket: &Ticket) -> String {
         build_file::LengthUnit::Millimeter => "unit mm".to_owned(),
         other => format!("unit {other:?}").to_lowercase(),
     }));
+    words.extend(ticket.customer.as_ref().map(|customer| format!("customer {customer}")));
     words.extend(ticket.note.as_ref().map(|note| format!("note {}", note.replace('\n', " "))));
     words.join("; ")
 }

@@ -167,5 +167,6 @@ fn further_columns_are_read_and_what_is_for_people_is_kept_in_the_note() {
     let ticket = row(&list, "a.stl").ticket.clone().unwrap();
     assert_eq!((ticket.copies, ticket.order.as_deref(), ticket.clearance_mm), (Some(2), Some("K-7"), Some(2.5)));
     assert_eq!(ticket.unit, Some(build_file::LengthUnit::Inch));
-    assert_eq!(ticket.note.as_deref(), Some("urgent; customer: Brandt; material: PA12"));
+    assert_eq!(ticket.note.as_deref(), Some("urgent; material: PA12"));
+    assert_eq!(ticket.customer.as_deref(), Some("Brandt"));
 }

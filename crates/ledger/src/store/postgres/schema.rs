@@ -32,7 +32,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 19] = [
+const MIGRATIONS: [ServerMigration; 20] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),
@@ -97,6 +97,7 @@ const MIGRATIONS: [ServerMigration; 19] = [
         "machine is the word",
         include_str!("../../../../../migrations/postgres/0040_machine_is_the_word.sql"),
     ),
+    migration(41, "customers", include_str!("../../../../../migrations/postgres/0041_customers.sql")),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

@@ -153,6 +153,37 @@ async fn orders_of_an_earlier_ledger_are_found_in_any_letter_case_also_of_umlaut
 }
 
 #[tokio::test]
+async fn customers_that_stood_in_notes_become_a_field_of_parts_and_orders() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let pool = raw(&path).await;
+    let earlier: Vec<_> = MIGRATIONS.iter().filter(|migration| migration.version < 41).cloned().collect();
+    Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
+    let notes = [
+        ("K", "urgent; customer: M\u{fc}ller & S\u{f6}hne; material: PA12"),
+        ("K", "customer: Brandt"),
+        ("K", "ask the customer: he knows"),
+        ("", "customer: Brandt; material: PA12"),
+    ];
+    for (number, (order, note)) in notes.into_iter().enumerate() {
+        let part = "INSERT INTO part (claim, machine, name, order_name, note, content_hash, bytes, copies, claimed_at, state_at) \
+            VALUES ($1, 'm', 'a.stl', $2, $3, 'aa', 684, 1, '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z')";
+        sqlx::query(part).bind(format!("c{number}")).bind(order).bind(note).execute(&pool).await.unwrap();
+    }
+    let order = "INSERT INTO customer_order (name, folded, state, opened_at, state_at) \
+        VALUES ('K', 'k', 'open', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z')";
+    sqlx::query(order).execute(&pool).await.unwrap();
+    pool.close().await;
+    let ledger = Ledger::open(&path).await.unwrap();
+    let mut customers = Vec::new();
+    for id in 1..=4 {
+        customers.push(ledger.find_part(PartId(id)).await.unwrap().unwrap().terms.customer);
+    }
+    assert_eq!(customers, ["M\u{fc}ller & S\u{f6}hne", "Brandt", "", "Brandt"]);
+    assert_eq!(ledger.find_order("K").await.unwrap().unwrap().customer, "Brandt, M\u{fc}ller & S\u{f6}hne");
+}
+
+#[tokio::test]
 async fn the_list_of_migrations_is_the_folder() {
     let folder = Migrator::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../migrations")).await.unwrap();
     let all = |migrator: &Migrator| {

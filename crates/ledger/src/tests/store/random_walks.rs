@@ -177,7 +177,7 @@ impl RandomWalk {
             let part = ledger.find_part(id).await.unwrap().unwrap();
             let found = seen.iter().filter(|(of, _)| *of == id).count() as u32;
             let line = ledger.line_of_part(id).await.unwrap().copies;
-            let sum = line.waiting + line.in_builds + line.printed + line.good + line.refused;
+            let sum = line.under_way() + line.good + line.refused;
             assert_eq!(line.wanted, sum, "part {id}: {line:?}");
             match part.state {
                 PartState::Claimed | PartState::Refused => {

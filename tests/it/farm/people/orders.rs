@@ -3,8 +3,10 @@
 use std::time::Duration;
 
 use ledger::PartState;
+use nestd::farm::InvariantExpectations;
+use serde_json::Value;
 
-use crate::support::{QUICK, TestFarm, block};
+use crate::support::{QUICK, TestFarm, block, http::send_request, wait_until_or};
 
 #[test]
 fn an_order_to_a_farm_without_a_daemon_is_kept_and_said_so() {
@@ -71,4 +73,36 @@ fn copies_soon(copies: &impl Fn() -> bool) -> impl FnMut() -> bool {
         }
         false
     }
+}
+
+#[test]
+fn an_order_is_closed_as_it_is_by_command_and_by_program() {
+    let mut farm = TestFarm::new(QUICK);
+    let socket = farm.root().join("web.sock");
+    let config = std::fs::read_to_string(farm.config()).unwrap();
+    std::fs::write(farm.config(), format!("{config}[web]\nlisten = \"unix:{}\"\n", socket.display())).unwrap();
+    farm.start();
+    for order in ["kit", "other"] {
+        std::fs::create_dir(farm.folder("inbox").join(order)).unwrap();
+        farm.drop_part(&format!("{order}/a_x3.stl"), &block(20.0, 20.0, if order == "kit" { 20.0 } else { 30.0 }));
+        farm.drop_bytes(&format!("{order}/torn.stl"), format!("solid {order}\nendsolid {order}\n").as_bytes());
+    }
+    farm.wait_for_parts(PartState::Refused, 2);
+    farm.wait_for_parts(PartState::Waiting, 2);
+    let told = farm.nestd_ok(&["close", "kit"]);
+    assert!(told.contains("Order kit is closed with 0 of 4 copies."), "{told}");
+    let answer = send_request(&socket, "POST /api/v1/orders/other/close", b"").unwrap();
+    assert!(answer.body.contains("Order other is closed with 0 of 4 copies."), "{}", answer.body);
+    // The daemon gives back what waited. Nothing of the orders asks for a person any more.
+    let standings = || -> Vec<String> {
+        let orders: Value = serde_json::from_str(&farm.nestd_ok(&["orders", "--all", "--json"])).unwrap();
+        orders.as_array().unwrap().iter().map(|order| order["standing"].as_str().unwrap().to_owned()).collect()
+    };
+    wait_until_or("both are closed", 20.0, || farm.log(), || standings() == ["closed", "closed"]);
+    assert!(farm.nestd_ok(&["orders"]).contains("No such orders."), "neither asks");
+    let asks = || farm.nestd_ok(&["status"]).contains("Refused files");
+    wait_until_or("nobody is asked for what was refused", 30.0, || farm.log(), || !asks());
+    let again = farm.nestd(&["close", "kit"]);
+    assert!(String::from_utf8_lossy(&again.stderr).contains("there is nothing to close"), "{again:?}");
+    assert_eq!(farm.broken_invariants(&InvariantExpectations::default()), [""; 0]);
 }

@@ -54,7 +54,7 @@ pub use facts::printer_fact::{PrinterFact, PrinterWord};
 pub use facts::read_facts::{FarmReading, dates_at_risk, read_plans};
 pub use files::disk_cache::DiskPreparationCache;
 pub use files::isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
-pub use files::judged_file::judge_file;
+pub use files::judged_file::{JudgedFile, JudgedFiles, judge_file};
 pub use files::refused_files::dismiss_refused;
 pub use leases::folder_check::{check_readable, watch_other_holders};
 pub use leases::folder_lease::LeaseError;

@@ -76,6 +76,7 @@ impl TestDashboard {
         let mut web = DashboardState {
             ledger: (*ledger).clone(),
             farm: Default::default(),
+            judged: Default::default(),
             settings: Arc::new(RwLock::new(Arc::new(settings))),
             is_tcp: true,
             hosts: Vec::new(),

@@ -47,9 +47,10 @@ pub fn run(common: &CommonArgs, args: &RunArgs) -> Result<CommandExit> {
         *shared_settings.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
         Ok(settings)
     };
-    let outside = farm::ServiceBridge::default();
-    runtime.spawn(start_observers(shared, web, outside.clone()));
-    let result = runtime.block_on(farm::run(Box::new(load), outside));
+    let (outside, judged) = (farm::ServiceBridge::default(), farm::JudgedFiles::default());
+    let serve_web = web.map(|web| serve_dashboard(shared.clone(), web, outside.clone(), judged.clone()));
+    runtime.spawn(start_observers(shared, serve_web, outside.clone()));
+    let result = runtime.block_on(farm::run(Box::new(load), outside, judged));
     // Jobs run on their own threads. A job that has not ended by now is repeated at the next start.
     if let Some(watching) = OBSERVER_RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).take() {
         watching.shutdown_background();
@@ -71,12 +72,16 @@ static OBSERVER_RUNTIME: Mutex<Option<Runtime>> = Mutex::new(None);
 
 /// Starts dashboard, metrics and messages as soon as the settings ask for any of them. The settings may change at any
 /// time.
-async fn start_observers(shared: SharedSettings, web: Option<settings::WebSettings>, outside: farm::ServiceBridge) {
+async fn start_observers(
+    shared: SharedSettings,
+    serve_web: Option<impl Future<Output = ()> + Send + 'static>,
+    outside: farm::ServiceBridge,
+) {
     let begun = async {
         if let Err(failure) = outbox::forget_unconfigured_receivers(&shared).await {
             tracing::debug!("Receivers that are not configured could not be forgotten: {failure:#}.");
         }
-        while !has_receivers(&shared) && web.is_none() {
+        while !has_receivers(&shared) && serve_web.is_none() {
             tokio::time::sleep(POLL_INTERVAL).await;
         }
         let watching = match start_runtime("nestd-watch", 8) {
@@ -84,8 +89,8 @@ async fn start_observers(shared: SharedSettings, web: Option<settings::WebSettin
             Err(failure) => return outside.report_dashboard_failure(&format!("{failure:#}")),
         };
         watching.spawn(serve_monitoring(shared.clone(), outside.clone()));
-        if let Some(web) = web {
-            watching.spawn(serve_dashboard(shared, web, outside.clone()));
+        if let Some(serving) = serve_web {
+            watching.spawn(serving);
         }
         *OBSERVER_RUNTIME.lock().unwrap_or_else(PoisonError::into_inner) = Some(watching);
     };
@@ -100,9 +105,14 @@ fn has_receivers(shared: &SharedSettings) -> bool {
 /// Serves the dashboard from when the farm is open: before that, the ledger is not checked yet, and this process may not be
 /// the one daemon of the farm that may bind the address. Of a halted farm it only says why it has halted. A failure is reported; the
 /// farm works without the dashboard.
-async fn serve_dashboard(shared: SharedSettings, web: settings::WebSettings, outside: farm::ServiceBridge) {
+async fn serve_dashboard(
+    shared: SharedSettings,
+    web: settings::WebSettings,
+    outside: farm::ServiceBridge,
+    judged: farm::JudgedFiles,
+) {
     let serving = async {
-        if let Err(failure) = web::serve_dashboard(shared, web, outside.clone()).await {
+        if let Err(failure) = web::serve_dashboard(shared, web, outside.clone(), judged).await {
             outside.report_dashboard_failure(&format!("{failure:#}"));
         }
     };

@@ -16,6 +16,7 @@ use solids::Mesh;
 
 use super::{
     disk_cache::DiskPreparationCache,
+    judged_file::JudgedFiles,
     mesh_cache::{MeshCache, MeshCacheKey},
 };
 use crate::farm::alerts::failure::LostFileError;
@@ -33,6 +34,8 @@ pub struct MeshSource {
     pub prepared: PreparedMeshes,
     /// The disk cache that `prepared` uses.
     pub preparation_cache: Option<Arc<DiskPreparationCache>>,
+    /// What was read of files when their orders were taken.
+    pub judged: JudgedFiles,
     /// Since when stored files have not been readable, by content.
     pub unreadable_since: Arc<Mutex<HashMap<String, Instant>>>,
 }

@@ -63,7 +63,13 @@ pub fn read_part(
             };
         }
     };
-    let (read_unit, contents) = match read_in_fixed_unit(&file, part, profile.intake.unit, &meshes.limits) {
+    let fixed_unit = part.measures.read_unit.unwrap_or(profile.intake.unit);
+    let judged = meshes.judged.take(part, fixed_unit, &meshes.limits);
+    let read = judged.map_or_else(
+        || read_in_fixed_unit(&file, part, profile.intake.unit, &meshes.limits),
+        |contents| Ok((fixed_unit, contents)),
+    );
+    let (read_unit, contents) = match read {
         Ok(read) => read,
         Err(PartReadError::TryLater(why)) => return PartReadOutcome::TryLater(why),
         Err(PartReadError::Refused(cause, reason)) => return PartReadOutcome::Refused(cause, reason),

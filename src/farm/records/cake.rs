@@ -252,6 +252,7 @@ impl OriginalMeshes {
             limits,
             prepared: Default::default(),
             preparation_cache: None,
+            judged: Default::default(),
             unreadable_since: unreadable,
         };
         let name = build.staged.file_name.as_deref();

@@ -26,6 +26,7 @@ use crate::farm::{
         job_events,
         state::Load,
     },
+    files::judged_file::JudgedFiles,
     nodes::{folder_comparison, lease_renewal, watching},
     open_build::{
         batch, nest,
@@ -58,10 +59,11 @@ const MAX_EVENTS_PER_TICK: usize = 64;
 const TICK_INTERVAL_WHILE_READING: Duration = Duration::from_millis(100);
 
 /// Runs the daemon until it is told to stop.
-pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
+pub async fn run(load: Load, outside: ServiceBridge, judged: JudgedFiles) -> Result<()> {
     let settings = load()?;
     let mut signals = SignalListener::listen()?;
     let Some(mut farm) = open::open_with_retry(load, settings, &mut signals).await? else { return Ok(()) };
+    farm.meshes.judged = judged;
     farm.lifecycle.services = outside;
     let ledger = farm.ledger.clone();
     if show_life(&ledger, &mut signals, run_tick(&mut farm)).await.is_some() {

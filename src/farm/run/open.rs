@@ -134,6 +134,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
             limits: settings.limits.clone(),
             prepared: Default::default(),
             preparation_cache: None,
+            judged: Default::default(),
             unreadable_since: Default::default(),
         },
         machines: BTreeMap::new(),

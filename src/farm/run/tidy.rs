@@ -131,6 +131,8 @@ async fn sweep_store(desk: &mut Storing<'_>) -> Result<()> {
     for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
         live.extend(desk.shared.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
     }
+    // Whose order was not taken after all.
+    desk.meshes.judged.clear();
     desk.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
     Ok(())
 }

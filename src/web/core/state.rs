@@ -9,7 +9,7 @@ use tokio::sync::{Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
 use crate::{
-    farm::{self, FarmReading, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
+    farm::{self, FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
     tables::TimeView,
@@ -27,6 +27,8 @@ pub(crate) struct DashboardState {
     pub(crate) ledger: Ledger,
     /// Tells whether the farm has halted.
     pub(crate) farm: ServiceBridge,
+    /// What was read of files whose orders were taken.
+    pub(crate) judged: JudgedFiles,
     pub(crate) settings: SharedSettings,
     /// Whether the dashboard listens on TCP. Only then can another site make a browser send requests to it.
     pub(crate) is_tcp: bool,

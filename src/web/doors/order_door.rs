@@ -23,7 +23,7 @@ use super::{
     },
 };
 use crate::{
-    farm,
+    farm::{self, JudgedFile},
     settings::MachineProfile,
     web::{
         base::{
@@ -289,18 +289,25 @@ async fn judge_lines(web: &DashboardState, profile: &MachineProfile, lines: &[Ch
     }
     let limits = Arc::new(web.current_settings().limits.clone());
     let profile = Arc::new(profile.clone());
-    let mut reasons = Vec::new();
+    let (mut reasons, mut files): (Vec<String>, Vec<JudgedFile>) = Default::default();
     for line in lines {
         let turn = web.door.judging.clone().acquire_owned().await.context("a step ended")?;
         let (file, name, ticket) = (put_contents(web).path_of(&line.content), line.name.clone(), line.ticket.clone());
-        let (profile, limits) = (profile.clone(), limits.clone());
+        let (content, profile, limits) = (line.content.clone(), profile.clone(), limits.clone());
         let judge = move || {
             let _turn = turn;
-            farm::judge_file(&file, &name, &ticket, &profile, &limits)
+            farm::judge_file(&file, (&name, &content), &ticket, &profile, &limits)
         };
-        reasons.extend(tokio::task::spawn_blocking(judge).await.context("a step ended")?);
+        match tokio::task::spawn_blocking(judge).await.context("a step ended")? {
+            Ok(file) => files.extend(file),
+            Err(reason) => reasons.push(reason),
+        }
     }
-    if reasons.is_empty() { Ok(()) } else { Err(unprocessable(reasons.join("\n"))) }
+    if !reasons.is_empty() {
+        return Err(unprocessable(reasons.join("\n")));
+    }
+    web.judged.keep(files);
+    Ok(())
 }
 
 /// The order as the ledger records it.

@@ -15,7 +15,7 @@ use tracing::info;
 
 use super::{asset_route, drop, guard, metrics, sent_form};
 use crate::{
-    farm::{QuoteMeshes, ServiceBridge},
+    farm::{JudgedFiles, QuoteMeshes, ServiceBridge},
     metrics::MetricsExporter,
     settings::{SharedSettings, WebSettings},
     web::{
@@ -51,7 +51,12 @@ use crate::{
 ///
 /// # Errors
 /// When the address cannot be bound, when it needs a token and none is configured, or when the token cannot be read.
-pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings, farm: ServiceBridge) -> Result<()> {
+pub async fn serve_dashboard(
+    settings: SharedSettings,
+    web: WebSettings,
+    farm: ServiceBridge,
+    judged: JudgedFiles,
+) -> Result<()> {
     if let Some(file) = &web.tokens_file {
         access::read_tokens(file)?;
     }
@@ -73,6 +78,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings, farm: S
     let shared = Arc::new(DashboardState {
         ledger,
         farm,
+        judged,
         settings,
         is_tcp: matches!(listener, DashboardListener::Tcp(_)),
         hosts: web.hosts,

@@ -26,10 +26,14 @@ pub use build::build_write::write_build;
 pub use build::model_write::sanitize_name as name_in_build_file;
 pub use build::pick_map::{PickMapRow, pick_rows, write_pick_map};
 pub use build::second_reader::cross_check;
-pub use common::camspec::{MAX_CLEARANCE_MM, SolidRequest, is_camspec_name};
+pub use common::camspec::{SolidRequest, is_camspec_name};
 pub use common::copies_question::{COPIES_QUESTION, is_copies_question};
 pub use common::error::{FileReadError, FileWriteError};
 pub use common::file_name::{MESH_ENDINGS, MESH_FORMATS, build_file_name, part_endings};
+pub use common::part_terms::{
+    MAX_CLEARANCE_MM, MAX_COPIES, MAX_PRIORITY, MAX_TEXT_BYTES, check_clearance, check_copies, check_name, check_note,
+    check_priority,
+};
 pub use common::plural::format_count;
 pub use common::solid::{PartFileContents, PartFileSolid};
 pub use common::visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_invisible};

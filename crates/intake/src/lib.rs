@@ -47,7 +47,7 @@ pub use lists::list_cells::parse_due_text;
 pub use lists::list_lookup::ListLookup;
 pub use lists::order_list::{OrderList, OrderListRow};
 pub use lists::ticket::{Ticket, TicketError};
-pub use names::copies::{CopiesInName, MAX_COPIES, copies_in_name, read_copies_in_name};
+pub use names::copies::{CopiesInName, copies_in_name, read_copies_in_name};
 pub use names::copy_name::{CopyKind, CopyName, read_copy_name};
 pub use names::due_date::DueDate;
 pub use names::name::{display_name, raw_name};

@@ -2,7 +2,7 @@
 //! was printed is printed again.
 
 use anyhow::Result;
-use intake::MAX_COPIES;
+use build_file::{MAX_COPIES, MAX_PRIORITY};
 use ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget};
 use nester::OrientationRule;
 
@@ -37,7 +37,7 @@ pub struct EditArgs {
     #[arg(long, value_name = "DATE")]
     due: Option<String>,
     /// Priority from 0 to 100; a part with 100 must be in the next build
-    #[arg(long, value_name = "0-100", value_parser = clap::value_parser!(u8).range(0..=100))]
+    #[arg(long, value_name = "0-100", value_parser = clap::value_parser!(u8).range(0..=i64::from(MAX_PRIORITY)))]
     priority: Option<u8>,
     /// How it may be turned: free, upright, axis or fixed
     #[arg(long, value_name = "RULE", value_parser = parse_word::<OrientationRule>)]
@@ -87,7 +87,7 @@ impl EditArgs {
             true => Ok(None),
             false => parse_distance(text).map(Some).map_err(UsageError),
         });
-        Ok(PartEdit {
+        let edit = PartEdit {
             copies: self.copies,
             order_name: self.order.clone(),
             customer: self.customer.clone(),
@@ -98,7 +98,8 @@ impl EditArgs {
             clearance_mm: clearance.transpose()?,
             unit: self.unit,
             note: self.note.clone(),
-        })
+        };
+        edit.checked().map_err(|wrong| UsageError(wrong).into())
     }
 }
 

@@ -9,7 +9,6 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::LengthUnit;
-use intake::MAX_COPIES;
 use ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState};
 use nester::OrientationRule;
 use schemars::JsonSchema;
@@ -29,10 +28,7 @@ use crate::{
             request_user::RequestUser,
             state::DashboardState,
         },
-        forms::{
-            order_cancel::{CancelTarget, cancel_lines, is_being_read},
-            part_forms::MAX_PRIORITY,
-        },
+        forms::order_cancel::{CancelTarget, cancel_lines, is_being_read},
     },
 };
 
@@ -100,19 +96,10 @@ impl EditRequest {
             None => Ok(None),
             Some(text) => intake::parse_due_text(text, zone.time_zone()).map(Some),
         };
-        if !self.copies.is_none_or(|copies| (1..=MAX_COPIES).contains(&copies)) {
-            return Err(format!("copies: 1 to {MAX_COPIES}"));
-        }
-        if self.priority.is_some_and(|priority| priority > MAX_PRIORITY) {
-            return Err(format!("priority: 0 to {MAX_PRIORITY}"));
-        }
-        if !self.clearance_mm.flatten().is_none_or(|mm| (0.0..=100.0).contains(&mm)) {
-            return Err("clearance_mm: 0 to 100".to_owned());
-        }
         let edit = PartEdit {
             copies: self.copies,
             order_name: self.order.clone(),
-            customer: self.customer.as_ref().map(|customer| customer.trim().to_owned()),
+            customer: self.customer.clone(),
             priority: self.priority,
             due: self.due.as_ref().map(due).transpose()?,
             orientation: self.orientation,
@@ -121,7 +108,7 @@ impl EditRequest {
             note: self.note.clone(),
             ..PartEdit::default()
         };
-        if edit.is_empty() { Err("nothing is to change".to_owned()) } else { Ok(edit) }
+        if edit.is_empty() { Err("nothing is to change".to_owned()) } else { edit.checked() }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The form that puts files into the hot folder of a machine, and what it says of them: the ticket that is written beside each.
 
+use build_file::MAX_COPIES;
 use build_file::{MESH_FORMATS, part_endings};
-use intake::{MAX_COPIES, Ticket};
+use intake::Ticket;
 use maud::{Markup, html};
 
 use crate::{

@@ -8,7 +8,7 @@ use axum::{
     extract::{Path, State},
     http::StatusCode,
 };
-use intake::MAX_COPIES;
+use build_file::{MAX_COPIES, MAX_PRIORITY};
 use ledger::{
     CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, QuestionKind,
     ReprintTarget,
@@ -29,9 +29,6 @@ use crate::{
         },
     },
 };
-
-/// Greatest priority.
-pub(crate) const MAX_PRIORITY: u8 = 100;
 
 /// The form that changes what was asked. Each field comes with the value that the page showed, so that only what a
 /// person changed is changed.
@@ -200,14 +197,15 @@ impl PartEditForm {
         };
         let copies = changed(&self.copies, &self.was_copies);
         let priority = changed(&self.priority, &self.was_priority);
-        Ok(PartEdit {
+        let edit = PartEdit {
             copies: copies.map(|text| parse_number(&text, 1..=MAX_COPIES, "a number of copies")).transpose()?,
             priority: priority.map(|text| parse_number(&text, 0..=MAX_PRIORITY, "a priority")).transpose()?,
             due: changed(&self.due, &self.was_due).map(due).transpose()?,
             note: changed(&self.note, &self.was_note),
             customer: changed(&self.customer, &self.was_customer),
             ..PartEdit::default()
-        })
+        };
+        edit.checked()
     }
 }
 

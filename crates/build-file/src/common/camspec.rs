@@ -11,13 +11,11 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::file_name::CAMSPEC_ENDING;
+use super::{file_name::CAMSPEC_ENDING, part_terms::MAX_CLEARANCE_MM};
 use crate::{FileReadError, LengthUnit, escape_invisible};
 
 /// Greatest deviation of a rotation matrix from an orthonormal one, and of a normal from length 1.
 const PRECISION: f64 = 1e-3;
-/// Greatest distance to all other parts that a file or a ticket may ask for, mm.
-pub const MAX_CLEARANCE_MM: f64 = 100.0;
 /// A fixed orientation obeys to this angle, degrees: matrices are written with few digits.
 const FIXED_WITHIN_DEG: f64 = 0.1;
 

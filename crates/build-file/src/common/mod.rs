@@ -7,6 +7,7 @@ pub(super) mod error;
 pub(super) mod file_name;
 pub(super) mod limits;
 pub(super) mod options;
+pub(super) mod part_terms;
 pub(super) mod plural;
 pub(super) mod solid;
 pub(super) mod unfinished;

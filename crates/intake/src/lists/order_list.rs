@@ -4,13 +4,12 @@
 
 use std::ffi::OsStr;
 
-use build_file::{escape_invisible, escape_invisible_lines};
+use build_file::{check_clearance, check_copies, check_name, check_note, check_priority, escape_invisible};
 
 use super::{
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
     list_extras::ExtraRows,
-    ticket::{check_clearance, check_copies, check_priority, check_text},
 };
 use crate::{
     Ticket, display_name,
@@ -316,15 +315,15 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
         due: cell(ListColumn::Due).map(parse_due_cell).transpose()?,
         priority: number(ListColumn::Priority)?.map(check_priority).transpose()?,
         orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
-        order: cell(ListColumn::Order).map(|order| check_text("order", escape_invisible(order))).transpose()?,
-        customer: cell(ListColumn::Customer).map(|name| check_text("customer", escape_invisible(name))).transpose()?,
+        order: cell(ListColumn::Order).map(|order| check_name("order", order)).transpose()?,
+        customer: cell(ListColumn::Customer).map(|name| check_name("customer", name)).transpose()?,
         unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
         clearance_mm: cell(ListColumn::Clearance)
             .map(|c| parse_decimal("clearance", c))
             .transpose()?
             .map(check_clearance)
             .transpose()?,
-        note: combine_notes(&cell).map(|note| check_text("note", escape_invisible_lines(&note))).transpose()?,
+        note: combine_notes(&cell).map(|note| check_note(&note)).transpose()?,
         ..Ticket::default()
     })
 }

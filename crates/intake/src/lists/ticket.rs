@@ -1,18 +1,14 @@
 //! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
-use build_file::{LengthUnit, MAX_CLEARANCE_MM, escape_invisible, escape_invisible_lines};
+use build_file::{
+    LengthUnit, check_clearance, check_copies, check_name, check_note, check_priority, escape_invisible_lines,
+};
 use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::names::{
-    copies::MAX_COPIES,
-    due_date::{DueDate, parse_due},
-};
+use crate::names::due_date::{DueDate, parse_due};
 
-/// A larger clearance is taken for a wrong unit.
-/// Maximum length of an order name or a note.
-const MAX_TEXT_BYTES: usize = 4096;
 /// The fields of a ticket. `None` = the ticket does not set the field.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticket {
@@ -135,7 +131,7 @@ impl Ticket {
                 .map(|value| check_clearance(parse_number("clearance_mm", value)?))
                 .transpose()?,
             unit: words.unit,
-            note: words.note.map(|note| check_text("note", escape_invisible_lines(&note))).transpose()?,
+            note: words.note.as_deref().map(check_note).transpose()?,
         })
     }
 }
@@ -172,7 +168,7 @@ fn parse_name(word: &str, value: toml::Value) -> Result<String, String> {
         toml::Value::Integer(number) => number.to_string(),
         other => return Err(format!("{word} = {other}; write its name in quotes, such as {word} = \"1042\"")),
     };
-    check_text(word, escape_invisible(name.trim()))
+    check_name(word, &name)
 }
 
 fn strip_bom(text: &str) -> &str {
@@ -183,38 +179,10 @@ pub(crate) fn broken_ticket(file: &str, why: impl Into<String>) -> TicketError {
     TicketError::Broken { file: file.to_owned(), why: escape_invisible_lines(why.into().trim_end()) }
 }
 
-pub(super) fn check_copies(copies: i64) -> Result<u32, String> {
-    match u32::try_from(copies) {
-        Ok(copies @ 1..=MAX_COPIES) => Ok(copies),
-        _ => Err(format!("copies = {copies}; it must be 1 to {MAX_COPIES}")),
-    }
-}
-
-pub(super) fn check_priority(priority: i64) -> Result<u8, String> {
-    match u8::try_from(priority) {
-        Ok(priority @ 0..=100) => Ok(priority),
-        _ => Err(format!("priority = {priority}; it must be 0 to 100")),
-    }
-}
-
-pub(super) fn check_clearance(clearance_mm: f64) -> Result<f64, String> {
-    match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
-        true => Ok(clearance_mm),
-        false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
-    }
-}
-
 fn check_directions<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String> {
     match directions.len() <= MAX_TILTS {
         true => Ok(directions),
         false => Err(format!("{word} names {} directions; at most {MAX_TILTS} are taken", directions.len())),
-    }
-}
-
-pub(super) fn check_text(word: &str, text: String) -> Result<String, String> {
-    match text.len() <= MAX_TEXT_BYTES {
-        true => Ok(text),
-        false => Err(format!("{word} is {} bytes long; at most {MAX_TEXT_BYTES} are taken", text.len())),
     }
 }
 
@@ -230,6 +198,7 @@ fn parse_due_value(value: toml::Value) -> Result<DueDate, String> {
 
 #[cfg(test)]
 mod tests {
+    use build_file::MAX_TEXT_BYTES;
     use jiff::civil;
 
     use super::*;

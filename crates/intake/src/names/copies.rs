@@ -3,6 +3,8 @@
 
 use std::ffi::OsStr;
 
+use build_file::MAX_COPIES;
+
 use super::{
     copies_sizes::{completes_size, continues_size, is_number_of_thing},
     copies_words::{
@@ -12,8 +14,6 @@ use super::{
     name::is_part_name,
 };
 
-/// More copies than this in one drop are taken for a typing error.
-pub const MAX_COPIES: u32 = 10_000;
 /// More copies are asked for where only a sign says them: `x60` behind a name is as often a size or a number of a series, and
 /// one digit too many costs a build.
 const MAX_COPIES_BY_SIGN: u32 = 50;

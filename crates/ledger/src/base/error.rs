@@ -334,6 +334,9 @@ pub enum LedgerError {
         /// Copies in builds.
         placed: u32,
     },
+    /// What is asked is beyond what may be asked of a part.
+    #[error("{0}")]
+    UnusableTerm(String),
     /// What is asked with a part cannot change any more.
     #[error("part {part} is {state}, and only what waits can be changed; {}", edit_remedy(*.part, *.state))]
     NotEditable {

@@ -1,67 +1,13 @@
 //! Changes of what was asked, after the drop: allowed until the final nesting of a copy begins. Each change is an event
 //! that names who made it.
 
-use build_file::{LengthUnit, format_count};
-use jiff::Timestamp;
-use nester::OrientationRule;
-use serde::{Deserialize, Serialize};
+use build_file::format_count;
 
 use crate::{
-    EventKind, Ledger, LedgerError, PartId, PartRow, PartState, QuestionKind, RefusalCause, RequiredTilts,
-    UtcTimestamp,
+    EventKind, Ledger, LedgerError, PartEdit, PartId, PartRow, PartState, QuestionKind, RefusalCause, UtcTimestamp,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
-
-/// Requested changes of a part; `None` = unchanged.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PartEdit {
-    /// Copies wanted in all, those in builds included.
-    pub copies: Option<u32>,
-    /// Order, "" = none.
-    pub order_name: Option<String>,
-    /// Who it is for, "" = not said. It can always be changed.
-    pub customer: Option<String>,
-    /// Priority from 0 to 100.
-    pub priority: Option<u8>,
-    /// When it is due, and the date as it was given; the inner `None` = no due date.
-    pub due: Option<Option<(Timestamp, String)>>,
-    /// Orientation rule.
-    pub orientation: Option<OrientationRule>,
-    /// Directions that must point nearly straight up.
-    pub tilts: Option<RequiredTilts>,
-    /// Its own clearance, mm; the inner `None` = the machine's.
-    pub clearance_mm: Option<Option<f64>>,
-    /// Unit of the file: the part is read again.
-    pub unit: Option<LengthUnit>,
-    /// Free text.
-    pub note: Option<String>,
-}
-
-impl PartEdit {
-    /// Whether it changes nothing.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-
-    /// Whether it changes how or whether copies may stand in a layout.
-    pub fn changes_layout(&self) -> bool {
-        self.orientation.is_some() || self.tilts.is_some() || self.clearance_mm.is_some() || self.unit.is_some()
-    }
-
-    /// What of it can be changed of a part in this state: of one of which nothing waits, only who it is for.
-    pub fn possible_in(&self, state: PartState) -> Self {
-        match state {
-            PartState::Waiting | PartState::Claimed => self.clone(),
-            _ => Self { customer: self.customer.clone(), ..Self::default() },
-        }
-    }
-
-    fn changes_terms(&self) -> bool {
-        Self { copies: None, customer: None, ..self.clone() } != Self::default()
-    }
-}
 
 /// Result of an edit.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -190,6 +136,7 @@ impl Ledger {
 
 /// Changes what was asked with a part, within a change.
 pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
+    let edit = &edit.clone().checked().map_err(LedgerError::UnusableTerm)?;
     let part = change.require_part(id).await?;
     let mut changes = Vec::new();
     if edit.changes_terms() {

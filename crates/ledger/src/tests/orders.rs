@@ -202,6 +202,9 @@ async fn what_was_asked_changes_until_the_final_nesting_and_each_change_names_wh
     ledger.cancel_copies(part, 3, "ann@farm").await.unwrap();
     assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 2, waiting: 2, cancelled: 3, ..Default::default() });
     let build = nesting(&ledger, &[(part, 0)]).await;
+    let far = PartEdit { clearance_mm: Some(Some(1000.0)), ..Default::default() };
+    let beyond = ledger.edit_part(part, &far, "ann").await.unwrap_err();
+    assert_eq!(beyond.to_string(), "clearance_mm = 1000; it must be 0 to 100");
     let refused = ledger.edit_part(part, &PartEdit { priority: Some(1), ..Default::default() }, "ann").await;
     assert!(matches!(refused, Err(LedgerError::BeingBuilt { .. })));
     assert!(

@@ -1,0 +1,54 @@
+//! What may be asked of a part, the same for tickets, order lists, packages, edits and orders of programs: limits, and the sentences that
+//! refuse what is beyond them.
+
+use crate::{escape_invisible, escape_invisible_lines};
+
+/// Most copies of a part.
+pub const MAX_COPIES: u32 = 10_000;
+/// The highest priority. A part that has it must be in the next build.
+pub const MAX_PRIORITY: u8 = 100;
+/// Greatest distance to all other parts, mm. A larger one is taken for a wrong unit.
+pub const MAX_CLEARANCE_MM: f64 = 100.0;
+/// Maximum length of a name of an order or a customer, and of a note, bytes.
+pub const MAX_TEXT_BYTES: usize = 4096;
+
+/// A number of copies.
+pub fn check_copies(copies: i64) -> Result<u32, String> {
+    match u32::try_from(copies) {
+        Ok(copies @ 1..=MAX_COPIES) => Ok(copies),
+        _ => Err(format!("copies = {copies}; it must be 1 to {MAX_COPIES}")),
+    }
+}
+
+/// A priority.
+pub fn check_priority(priority: i64) -> Result<u8, String> {
+    match u8::try_from(priority) {
+        Ok(priority @ 0..=MAX_PRIORITY) => Ok(priority),
+        _ => Err(format!("priority = {priority}; it must be 0 to {MAX_PRIORITY}")),
+    }
+}
+
+/// A part's own clearance, mm.
+pub fn check_clearance(clearance_mm: f64) -> Result<f64, String> {
+    match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
+        true => Ok(clearance_mm),
+        false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
+    }
+}
+
+/// The name of an order or of a customer, without what cannot be seen; `word` is what it is called in the sentence.
+pub fn check_name(word: &str, name: &str) -> Result<String, String> {
+    check_text(word, escape_invisible(name.trim()))
+}
+
+/// A note, of one line or several.
+pub fn check_note(note: &str) -> Result<String, String> {
+    check_text("note", escape_invisible_lines(note))
+}
+
+fn check_text(word: &str, text: String) -> Result<String, String> {
+    match text.len() <= MAX_TEXT_BYTES {
+        true => Ok(text),
+        false => Err(format!("{word} is {} bytes long; at most {MAX_TEXT_BYTES} are taken", text.len())),
+    }
+}

@@ -1,0 +1,77 @@
+//! What a person asks to change of a part, and what may be asked.
+
+use build_file::{LengthUnit, check_clearance, check_copies, check_name, check_note, check_priority};
+use jiff::Timestamp;
+use nester::OrientationRule;
+use serde::{Deserialize, Serialize};
+
+use crate::{PartState, RequiredTilts};
+
+/// Requested changes of a part; `None` = unchanged.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PartEdit {
+    /// Copies wanted in all, those in builds included.
+    pub copies: Option<u32>,
+    /// Order, "" = none.
+    pub order_name: Option<String>,
+    /// Who it is for, "" = not said. It can always be changed.
+    pub customer: Option<String>,
+    /// Priority from 0 to 100.
+    pub priority: Option<u8>,
+    /// When it is due, and the date as it was given; the inner `None` = no due date.
+    pub due: Option<Option<(Timestamp, String)>>,
+    /// Orientation rule.
+    pub orientation: Option<OrientationRule>,
+    /// Directions that must point nearly straight up.
+    pub tilts: Option<RequiredTilts>,
+    /// Its own clearance, mm; the inner `None` = the machine's.
+    pub clearance_mm: Option<Option<f64>>,
+    /// Unit of the file: the part is read again.
+    pub unit: Option<LengthUnit>,
+    /// Free text.
+    pub note: Option<String>,
+}
+
+impl PartEdit {
+    /// Whether it changes nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The same with clean texts.
+    ///
+    /// # Errors
+    /// A value is beyond what may be asked of a part; the sentence says which, and what may be asked.
+    pub fn checked(self) -> std::result::Result<Self, String> {
+        let name = |word: &str, name: Option<String>| name.map(|name| check_name(word, &name)).transpose();
+        if let Some(mm) = self.clearance_mm.flatten() {
+            check_clearance(mm)?;
+        }
+        Ok(Self {
+            copies: self.copies.map(|copies| check_copies(copies.into())).transpose()?,
+            priority: self.priority.map(|priority| check_priority(priority.into())).transpose()?,
+            order_name: name("order", self.order_name)?,
+            customer: name("customer", self.customer)?,
+            note: self.note.as_deref().map(check_note).transpose()?,
+            ..self
+        })
+    }
+
+    /// Whether it changes how or whether copies may stand in a layout.
+    pub fn changes_layout(&self) -> bool {
+        self.orientation.is_some() || self.tilts.is_some() || self.clearance_mm.is_some() || self.unit.is_some()
+    }
+
+    /// What of it can be changed of a part in this state: of one of which nothing waits, only who it is for.
+    pub fn possible_in(&self, state: PartState) -> Self {
+        match state {
+            PartState::Waiting | PartState::Claimed => self.clone(),
+            _ => Self { customer: self.customer.clone(), ..Self::default() },
+        }
+    }
+
+    pub(crate) fn changes_terms(&self) -> bool {
+        Self { copies: None, customer: None, ..self.clone() } != Self::default()
+    }
+}

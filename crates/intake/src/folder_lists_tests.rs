@@ -198,12 +198,66 @@ fn a_table_called_after_a_part_whose_rows_name_no_file_holds_that_part_alone() {
 
 #[test]
 fn a_hidden_ticket_holds_its_part_and_nothing_else() {
+    for ticket in [".x.stl.toml", ".x.toml", ".x.json", ".X.toml.txt"] {
+        let farm = TestInbox::new();
+        for name in ["x.stl", "y.stl", "._y.stl.toml", "._y.toml", ".z.stl.toml", ".z.toml", ticket] {
+            farm.drop_file(name, "copies = 7");
+        }
+        let held = waits(&farm, HELD);
+        let why = format!("x.stl waits, because {ticket} is hidden");
+        assert!(held.len() == 1 && held[0].starts_with(&why), "{held:?}");
+        assert_eq!(taken(&farm, HELD), [("y.stl".to_owned(), Ok(None))]);
+        assert_eq!(ended(&farm, OVER), ["x.stl", "x.stl.reason.txt"]);
+    }
+}
+
+#[test]
+fn a_hidden_list_holds_the_parts_beside_it_and_stays() {
+    for list in [".order.csv", ".Order.CSV.txt", ".order.txt", ".bom.tsv", ".list.xlsx"] {
+        let farm = TestInbox::new();
+        for name in ["k/a.stl", "b.stl"] {
+            farm.drop_file(name, "solid");
+        }
+        farm.drop_file(&format!("k/{list}"), LIST);
+        farm.drop_file(&format!("empty/{list}"), LIST);
+        let why =
+            format!("k/a.stl stands beside {list}, which is hidden, so nestd does not read it: take away the dot");
+        let held = waits(&farm, HELD);
+        assert!(held.len() == 1 && held[0].starts_with(&why), "{held:?}");
+        assert_eq!(taken(&farm, HELD), [("b.stl".to_owned(), Ok(None))]);
+        let told = taken(&farm, OVER);
+        assert!(told.len() == 1 && told[0].1.as_ref().is_err_and(|why| why.contains("is hidden")), "{told:?}");
+        assert!(ended(&farm, OVER).is_empty() && farm.inbox.join(format!("k/{list}")).exists(), "{list}");
+    }
+}
+
+#[test]
+fn what_programs_hide_or_leave_beside_a_part_says_nothing_of_it() {
+    let left = [
+        "._order.csv",
+        ".~lock.order.csv#",
+        "~$list.xlsx",
+        "._a.stl",
+        "._a.toml",
+        "a.stl.toml.bak",
+        "a.stl.toml~",
+        ".a.stl.toml.swp",
+        ".DS_Store",
+    ];
     let farm = TestInbox::new();
-    for name in ["x.stl", "y.stl", "._y.stl.toml", ".z.stl.toml", ".x.stl.toml"] {
+    farm.drop_file("a.stl", "solid");
+    for name in left {
         farm.drop_file(name, "copies = 7");
     }
-    let held = waits(&farm, HELD);
-    assert!(held.len() == 1 && held[0].starts_with("x.stl waits, because .x.stl.toml is hidden"), "{held:?}");
-    assert_eq!(taken(&farm, HELD), [("y.stl".to_owned(), Ok(None))]);
-    assert_eq!(ended(&farm, OVER), ["x.stl", "x.stl.reason.txt"]);
+    assert!(waits(&farm, HELD).is_empty(), "{:?}", waits(&farm, HELD));
+    assert_eq!(taken(&farm, HELD), [("a.stl".to_owned(), Ok(None))]);
+    // Beside a ticket or a list that counts, a hidden one is what a program has left.
+    let farm = TestInbox::new();
+    for name in ["a.stl", "k/a.stl", ".a.toml", "k/.order.csv"] {
+        farm.drop_file(name, "copies = 7");
+    }
+    farm.drop_file("a.stl.toml", "copies = 3");
+    farm.drop_file("k/order.csv", LIST);
+    assert!(waits(&farm, HELD).is_empty(), "{:?}", waits(&farm, HELD));
+    assert_eq!(taken(&farm, HELD), [("a.stl".to_owned(), Ok(Some(3))), ("a.stl".to_owned(), Ok(Some(30)))]);
 }

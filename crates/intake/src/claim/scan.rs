@@ -14,10 +14,11 @@ use crate::{
     folder::{
         disk,
         file_role::{FileRole, file_role},
-        ignore::{is_hidden_ticket, is_ignored, is_status_file},
+        ignore::{is_ignored, is_status_file},
     },
     lists::{
         folder_lists::{list_format, mark_lists},
+        hidden_sidecar::is_hidden_sidecar,
         sidecars::UnreadableSidecars,
     },
     names::{
@@ -159,7 +160,7 @@ impl InboxWalker<'_> {
                 self.listing.warnings.push((path, why));
                 return Ok(());
             }
-            let is_left = is_ignored(&name) && !is_hidden_ticket(&name);
+            let is_left = is_ignored(&name) && !is_hidden_sidecar(&name);
             if is_left || (depth == 0 && is_status_file(&name)) {
                 continue;
             }
@@ -174,7 +175,7 @@ impl InboxWalker<'_> {
             Err(error) => return self.handle_error(path, error),
             Ok(meta) => meta,
         };
-        if meta.is_dir() && (is_bin_name(name) || is_hidden_ticket(name)) {
+        if meta.is_dir() && (is_bin_name(name) || is_hidden_sidecar(name)) {
             return self.leave_folder(path, name);
         }
         if meta.is_dir() && depth < self.limits.max_depth && !is_file_name(name) {

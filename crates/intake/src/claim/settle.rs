@@ -12,12 +12,12 @@ use crate::{
     folder::{
         control_file::{ControlName, control_name, misplaced_control_reason},
         file_role::{FileRole, file_role, part_of_other_text},
-        ignore::is_hidden_ticket,
         inbox_entry::unreadable_reason,
         order_folders::FolderStates,
     },
     lists::{
         folder_lists::{entry_list_format, shown_name, surplus_refusal},
+        hidden_sidecar::is_hidden_sidecar,
         sidecars::{BlockingSidecar, SidecarIndex},
     },
 };
@@ -149,8 +149,9 @@ impl SettleTracker {
                 return None;
             }
             match (one.kind, file_role(&one.path)) {
+                _ if one.path.file_name().is_some_and(is_hidden_sidecar) => None,
                 _ if entry_list_format(one).is_some() => check_list(one, &beside, still_secs),
-                _ if beside.has_part(one) || one.path.file_name().is_some_and(is_hidden_ticket) => None,
+                _ if beside.has_part(one) => None,
                 (EntryKind::File, _) if one.is_private_link => {
                     Some(SettledEntry::Refuse { seen: one.clone(), reason: refusal_of_link(one) })
                 }

@@ -1,10 +1,7 @@
 //! Names that are never parts: temporary files of copying programs, editors and browsers, and folders of operating
 //! systems.
 
-use std::{ffi::OsStr, path::Path};
-
-use super::file_role::{FileRole, file_role};
-use crate::names::name::is_part_name;
+use std::ffi::OsStr;
 
 /// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
 /// and editors to their backups.
@@ -91,20 +88,6 @@ pub fn is_ignored(name: &OsStr) -> bool {
         || NAMES.iter().any(|n| name == n.as_bytes())
 }
 
-/// A hidden ticket under the whole name of its part, such as `.part.stl.toml`: the path without the dot. What macOS and office
-/// programs hide begins with two signs.
-pub(crate) fn shown_ticket(path: &Path) -> Option<std::path::PathBuf> {
-    let shown = path.file_name()?.to_str()?.strip_prefix('.').filter(|shown| !shown.starts_with(['.', '_', '~']))?;
-    let shown = path.with_file_name(shown);
-    let FileRole::Ticket { part } = file_role(&shown) else { return None };
-    part.file_name().is_some_and(is_part_name).then_some(shown)
-}
-
-/// Whether this is the name of a hidden ticket: nestd does not read it, and its part is not printed without it.
-pub(crate) fn is_hidden_ticket(name: &OsStr) -> bool {
-    shown_ticket(name.as_ref()).is_some()
-}
-
 /// Whether this is a status file that nestd itself writes into the top level of a hot folder.
 pub(crate) fn is_status_file(name: &OsStr) -> bool {
     name == super::status::TEXT_NAME || name == super::status::JSON_NAME
@@ -155,23 +138,6 @@ mod tests {
             ".claimed",
         ] {
             assert!(is_ignored(OsStr::new(name)), "{name}");
-        }
-    }
-
-    #[test]
-    fn a_hidden_ticket_under_the_whole_name_of_its_part_is_recognised() {
-        for (name, is_hidden) in [
-            (".part.stl.toml", true),
-            (".part.3mf.JSON", true),
-            (".part.stl.toml.txt", true),
-            ("._part.stl.toml", false),
-            (".~part.stl.toml", false),
-            (".part.toml", false),
-            (".part.stl", false),
-            ("part.stl.toml", false),
-            (".part.stl.toml.swp", false),
-        ] {
-            assert_eq!(is_hidden_ticket(OsStr::new(name)), is_hidden, "{name}");
         }
     }
 

@@ -65,6 +65,13 @@ pub struct InboxEntry {
 /// the file.
 pub(crate) fn unreadable_reason(seen: &InboxEntry) -> Option<String> {
     let kind = match seen.kind {
+        // Of what is hidden, a scan lists tickets and lists alone.
+        EntryKind::File if is_hidden(seen) => {
+            return Some(
+                "is hidden, so nestd does not read it: take away the dot at the start of its name, or delete it"
+                    .to_owned(),
+            );
+        }
         // The user who made the link may not be allowed to read the file.
         EntryKind::File if seen.is_private_link => {
             return Some(
@@ -81,4 +88,9 @@ pub(crate) fn unreadable_reason(seen: &InboxEntry) -> Option<String> {
         EntryKind::Device => "a device",
     };
     Some(format!("is {kind}, so nestd does not read it: put the file itself in its place"))
+}
+
+/// Whether the name of an entry begins with a dot.
+pub(crate) fn is_hidden(seen: &InboxEntry) -> bool {
+    seen.path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }

@@ -18,7 +18,7 @@ use crate::{
     folder::{
         disk,
         file_role::{FileRole, LIST_NAME, file_role, has_extension, without_hidden_txt},
-        inbox_entry::unreadable_reason,
+        inbox_entry::{is_hidden, unreadable_reason},
     },
     names::{name::is_part_name, name_match::fold_name},
 };
@@ -61,6 +61,7 @@ pub(crate) fn list_format(path: &Path) -> Option<ListFormat> {
 /// Whether a name begins like that of an order list.
 fn has_list_start(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_prefix('.').unwrap_or(&name);
     name.get(..TEXT_LIST_START.len()).is_some_and(|start| start.eq_ignore_ascii_case(TEXT_LIST_START))
 }
 
@@ -118,7 +119,9 @@ impl<'a> FolderLists<'a> {
             },
             (list, _) => Self { list, rivals: others, surplus: orders.chain(of(ListFormat::Foreign)).collect() },
         };
-        chosen.rivals.extend(of(ListFormat::Unreadable));
+        // Beside a list that counts, a hidden one is what a program has left.
+        let has_list = chosen.list.is_some();
+        chosen.rivals.extend(of(ListFormat::Unreadable).filter(|one| !has_list || !is_hidden(one)));
         chosen
     }
 
@@ -224,6 +227,7 @@ pub(crate) fn mark_lists(inbox: &Path, entries: &mut [InboxEntry]) {
 /// Whether the content of an entry tells whether it is a list.
 fn may_be_list(seen: &InboxEntry) -> bool {
     match has_extension(&seen.path, &FOREIGN_TEXTS) {
+        _ if is_hidden(seen) => false,
         _ if part_of_table(&seen.path).is_some() => true,
         true => list_format(&seen.path).is_none(),
         false => has_extension(&seen.path, &["txt"]) && is_part_entry(seen) && unreadable_reason(seen).is_none(),

@@ -1,6 +1,7 @@
 //! Tickets and order lists: their columns, rows and states, and which file a row means.
 
 pub(super) mod folder_lists;
+pub(super) mod hidden_sidecar;
 pub(super) mod list_cells;
 pub(super) mod list_columns;
 pub(super) mod list_extras;

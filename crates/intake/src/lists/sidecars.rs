@@ -5,13 +5,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::folder_lists::{FolderLists, entry_list_format, is_part_entry, list_format};
+use super::{
+    folder_lists::{FolderLists, entry_list_format, is_part_entry, list_format},
+    hidden_sidecar::shown_sidecar,
+};
 use crate::{
     InboxEntry,
     folder::{
         file_role::{FileRole, file_role, part_of_other_text},
-        ignore::{is_hidden_ticket, shown_ticket},
-        inbox_entry::unreadable_reason,
+        inbox_entry::{is_hidden, unreadable_reason},
     },
     names::{name::is_part_name, name_match::fold_path},
 };
@@ -26,7 +28,7 @@ pub(crate) fn short_name(part: &Path) -> Option<PathBuf> {
 
 /// The part that an entry is a ticket of, or may be meant as one: the name that it says, which may be a short one.
 fn part_of_sidecar(seen: &InboxEntry) -> Option<PathBuf> {
-    let shown = shown_ticket(&seen.path);
+    let shown = shown_sidecar(&seen.path);
     match file_role(shown.as_deref().unwrap_or(&seen.path)) {
         _ if entry_list_format(seen).is_some() => None,
         FileRole::Ticket { part } => Some(part),
@@ -88,9 +90,10 @@ impl<'a> SidecarIndex<'a> {
         for (sidecar, named) in sidecars {
             beside.add_sidecar(sidecar, &named, &is_clear);
         }
-        // Beside a ticket, another text is a note.
+        // Beside a ticket, another text is a note, and a hidden ticket is what a program has left.
         let Self { blocked, tickets, .. } = &mut beside;
-        blocked.retain(|part, blocking| is_ticket(&blocking.sidecar.path) || !tickets.contains_key(part));
+        let is_rival = |sidecar: &InboxEntry| is_ticket(&sidecar.path) && !is_hidden(sidecar);
+        blocked.retain(|part, blocking| is_rival(blocking.sidecar) || !tickets.contains_key(part));
         beside
     }
 
@@ -115,10 +118,6 @@ impl<'a> SidecarIndex<'a> {
                 Some("is not read: a ticket is named like the whole part file with .toml added".to_owned())
             }
             _ if unreadable_reason(sidecar).is_some() => unreadable_reason(sidecar),
-            _ if sidecar.path.file_name().is_some_and(is_hidden_ticket) => Some(
-                "is hidden, so nestd does not read it: take away the dot at the start of its name, or delete it"
-                    .to_owned(),
-            ),
             [_] if is_full_name || is_clear(&sidecar.path) => None,
             _ => Some("may be for several parts: name it like the whole part file with .toml added".to_owned()),
         };

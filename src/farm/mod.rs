@@ -37,8 +37,9 @@ pub use core::state::Load;
 
 pub use again::part_questions::PartQuestion;
 pub use alerts::alert::{AlertKind, FarmAlert};
-pub use alerts::alert_registry::{ServiceBridge, ServicePhase, read_stored_alerts};
+pub use alerts::alert_registry::read_stored_alerts;
 pub use alerts::alert_summary::AlertSummary;
+pub use alerts::service_bridge::{ServiceBridge, ServicePhase};
 pub use decisions::fire_forecast::{FireForecast, forecast_fire};
 pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;

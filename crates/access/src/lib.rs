@@ -37,7 +37,23 @@ pub struct FilePermissions {
 
 static PROCESS_PERMISSIONS: RwLock<Option<FilePermissions>> = RwLock::new(None);
 
+/// This process may not assign files to this group, given by its id.
+#[derive(Debug, thiserror::Error)]
+#[error("files.group: nestd's user is not in the group {0}; add it with usermod -aG {0} USER")]
+pub struct UnassignableGroupError(pub u32);
+
 impl FilePermissions {
+    /// Checks that this process may assign files to the group.
+    ///
+    /// # Errors
+    /// It is not in the group.
+    pub fn ensure_assignable(self) -> Result<(), UnassignableGroupError> {
+        match self.group {
+            Some(group) if !can_assign_group(group) => Err(UnassignableGroupError(group)),
+            _ => Ok(()),
+        }
+    }
+
     /// Applies the permissions to everything that this process creates from now on.
     pub fn apply_to_process(self) {
         *PROCESS_PERMISSIONS.write().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(self);
@@ -159,7 +175,7 @@ pub fn create_private_folders(folder: &Path) -> io::Result<()> {
 }
 
 /// Whether this process may assign files to a group.
-pub fn can_assign_group(group: u32) -> bool {
+fn can_assign_group(group: u32) -> bool {
     let own = [rustix::process::getegid().as_raw(), rustix::process::getgid().as_raw()];
     let others = rustix::process::getgroups().unwrap_or_default();
     rustix::process::geteuid().is_root() || own.contains(&group) || others.iter().any(|one| one.as_raw() == group)

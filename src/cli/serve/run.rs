@@ -38,16 +38,7 @@ pub fn run(common: &CommonArgs, args: &RunArgs) -> Result<CommandExit> {
     let runtime = start_runtime("nestd", 512)?;
     let web = settings.interfaces.web.clone();
     let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(settings)));
-    let (shared_settings, served) = (shared.clone(), web.clone());
-    let load = move || {
-        let settings = load()?;
-        if settings.interfaces.web != served {
-            tracing::warn!("The new values in [web] take effect at the next start.");
-        }
-        *shared_settings.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
-        Ok(settings)
-    };
-    let (outside, judged) = (farm::ServiceBridge::default(), farm::JudgedFiles::default());
+    let (outside, judged) = (farm::ServiceBridge::to_services_with(shared.clone()), farm::JudgedFiles::default());
     let serve_web = web.map(|web| serve_dashboard(shared.clone(), web, outside.clone(), judged.clone()));
     runtime.spawn(start_observers(shared, serve_web, outside.clone()));
     let result = runtime.block_on(farm::run(Box::new(load), outside, judged));
@@ -138,12 +129,5 @@ fn check_privileges(settings: &Settings, allow_root: bool) -> Result<()> {
                     own (systemd/README.md says how), or say --allow-root";
         return Err(UsageError(text.to_owned()).into());
     }
-    match settings.files.group {
-        Some(group) if !access::can_assign_group(group) => {
-            let text =
-                format!("files.group: nestd's user is not in the group {group}; add it with usermod -aG {group} USER");
-            Err(UsageError(text).into())
-        }
-        _ => Ok(()),
-    }
+    settings.files.ensure_assignable().map_err(|error| UsageError(error.to_string()).into())
 }

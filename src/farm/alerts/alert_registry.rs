@@ -7,11 +7,9 @@ use std::{
     io::Write,
     os::unix::fs::FileExt,
     path::Path,
-    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-use tokio::sync::watch;
 use tracing::{debug, error, info, warn};
 
 use super::{
@@ -32,87 +30,6 @@ const LOG_REPEAT_INTERVAL: Duration = Duration::from_secs(600);
 const MAX_FAILURES: usize = 1000;
 /// If a farm has more alerts than this, `STATUS.txt` gives only the number of the others.
 const MAX_LISTED_ALERTS: usize = 8;
-
-/// What is wrong with each service, by alert and name; `None` = it works.
-type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;
-
-/// What the other services of the daemon may do with the ledger.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub enum ServicePhase {
-    /// Nothing yet: the farm has not found it intact.
-    #[default]
-    Opening,
-    /// Use it.
-    Open,
-    /// Nothing any more, and why, with the remedy: the farm has halted because of it.
-    Halted(String),
-    /// Nothing any more: the farm closes it.
-    Closed,
-}
-
-/// Connects the farm with the other services of the daemon; usable from any thread.
-#[derive(Debug, Clone, Default)]
-pub struct ServiceBridge {
-    reports: Arc<Mutex<ServiceReports>>,
-    phase: watch::Sender<ServicePhase>,
-}
-
-impl ServiceBridge {
-    /// Reports that the dashboard is not served, and why.
-    pub fn report_dashboard_failure(&self, why: &str) {
-        self.store_report(AlertKind::DashboardDown, "", Some(why.to_owned()));
-    }
-
-    /// Reports why messages cannot be delivered to a receiver; `None` = they can.
-    pub fn report_receiver(&self, name: &str, why: Option<String>) {
-        self.store_report(AlertKind::MessagesFail, name, why);
-    }
-
-    /// Runs work that uses the ledger: starts it once the farm has found the ledger intact, and stops it when the farm
-    /// begins to close the ledger, or halts.
-    pub async fn run_while_open(&self, work: impl Future<Output = ()>) {
-        self.run_until(|phase| *phase != ServicePhase::Open, work).await;
-    }
-
-    /// Same as [`ServiceBridge::run_while_open`] for work that goes on while the farm is halted, and does not use the ledger then.
-    pub async fn run_until_closed(&self, work: impl Future<Output = ()>) {
-        self.run_until(|phase| *phase == ServicePhase::Closed, work).await;
-    }
-
-    async fn run_until(&self, is_over: impl FnMut(&ServicePhase) -> bool, work: impl Future<Output = ()>) {
-        let (mut begins, mut ends) = (self.phase.subscribe(), self.phase.subscribe());
-        if begins.wait_for(|phase| *phase == ServicePhase::Open).await.is_ok() {
-            tokio::select! {
-                () = work => {}
-                _ = ends.wait_for(is_over) => {}
-            }
-        }
-    }
-
-    /// Tells the services what they may do.
-    pub fn set_phase(&self, phase: ServicePhase) {
-        self.phase.send_replace(phase);
-    }
-
-    /// Why the farm has halted, with the remedy; `None` = it has not.
-    pub fn halt_reason(&self) -> Option<String> {
-        match &*self.phase.borrow() {
-            ServicePhase::Halted(why) => Some(why.clone()),
-            _ => None,
-        }
-    }
-
-    fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {
-        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
-        // A success is stored too, so that an earlier alert is cleared.
-        reports.insert((kind, about.to_owned()), why);
-    }
-
-    /// What is wrong with each service, as reported; `None` = it works.
-    pub fn service_reports(&self) -> ServiceReports {
-        self.reports.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
 
 /// The key of an alert: kind, machine, and subject.
 type AlertKey = (AlertKind, String, String);

@@ -4,3 +4,4 @@ pub(super) mod alert;
 pub(super) mod alert_registry;
 pub(super) mod alert_summary;
 pub(super) mod failure;
+pub(super) mod service_bridge;

@@ -13,7 +13,8 @@ use crate::{
     farm::{
         alerts::{
             alert::{AlertKind, FarmAlert},
-            alert_registry::{AlertRegistry, ServicePhase},
+            alert_registry::AlertRegistry,
+            service_bridge::ServicePhase,
         },
         files::mesh_source::MeshSource,
         process::systemd,

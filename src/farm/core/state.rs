@@ -13,7 +13,7 @@ use ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause};
 
 use crate::{
     farm::{
-        alerts::{alert::AlertKind, alert_registry::ServiceBridge},
+        alerts::{alert::AlertKind, service_bridge::ServiceBridge},
         files::standing_claim::StandingClaim,
         leases::{lease_holder::LeaseHolder, state_lock::StateDirLock},
         nesting::running_searches::RunningSearches,
@@ -24,7 +24,7 @@ use crate::{
         },
         records::forgettable::ForgettingState,
     },
-    settings::{Settings, SettingsError},
+    settings::{InterfaceSettings, Settings, SettingsError},
 };
 
 /// A waiting part that is refused once a copy of its original is in the error folder. Until then no batch takes it.
@@ -197,5 +197,9 @@ pub(crate) struct DaemonLifecycle {
     pub(crate) is_halted: bool,
     /// Connection to the other services of this process.
     pub(crate) services: ServiceBridge,
+    /// What people and programs were given to see at the start. Pages and log keep it.
+    pub(crate) started_with: InterfaceSettings,
+    /// A configuration that was read again and is not in force yet.
+    pub(crate) next_settings: Option<Settings>,
     pub(crate) _lock: StateDirLock,
 }

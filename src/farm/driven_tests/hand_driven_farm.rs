@@ -26,7 +26,7 @@ use crate::{
         process::time_source::{ClockHands, TimeSource},
         records::invariants,
         recover::restore::{repair_ledger, restore_ledger},
-        run::{event_loop, open::open_farm},
+        run::{event_loop, open::open_farm, reload},
     },
     settings::{self, MachineProfile},
 };
@@ -133,7 +133,7 @@ impl HandDrivenFarm {
 
     /// Reads the configuration again.
     pub fn reload(&mut self) {
-        self.runtime.block_on(event_loop::reload_configuration(self.farm.as_mut().unwrap()));
+        self.runtime.block_on(reload::reload_configuration(self.farm.as_mut().unwrap()));
         self.tick();
     }
 

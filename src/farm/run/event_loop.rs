@@ -10,16 +10,13 @@ use tokio::time::timeout;
 use tracing::{info, warn};
 
 use super::{
-    machine_setup, open,
+    machine_setup, open, reload,
     status::{self, STOPPED_STATUS_TIMEOUT},
     tidy,
 };
 use crate::farm::{
     again::{fetch_originals, revisions, second_copies},
-    alerts::{
-        alert::AlertKind,
-        alert_registry::{ServiceBridge, ServicePhase},
-    },
+    alerts::service_bridge::{ServiceBridge, ServicePhase},
     core::{
         clock_changes,
         farm::{Farm, TICK_INTERVAL},
@@ -61,6 +58,7 @@ const TICK_INTERVAL_WHILE_READING: Duration = Duration::from_millis(100);
 /// Runs the daemon until it is told to stop.
 pub async fn run(load: Load, outside: ServiceBridge, judged: JudgedFiles) -> Result<()> {
     let settings = load()?;
+    outside.adopt_settings(&settings);
     let mut signals = SignalListener::listen()?;
     let Some(mut farm) = open::open_with_retry(load, settings, &mut signals).await? else { return Ok(()) };
     farm.meshes.judged = judged;
@@ -90,7 +88,7 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
             signal = signals.next_signal() => match signal {
                 DaemonSignal::Stop => return,
                 DaemonSignal::Reload => {
-                    let reload = reload_configuration(farm);
+                    let reload = reload::reload_configuration(farm);
                     let Some(()) = show_life(&ledger, signals, reload).await else { return };
                 }
             },
@@ -150,6 +148,7 @@ pub(crate) async fn run_tick(farm: &mut Farm) {
     lease_renewal::renew_leases(&mut farm.desk(), is_due);
     farm.run_step("looking at the clock", async |farm| clock_changes::handle_clock_change(&mut farm.desk()).await)
         .await;
+    reload::take_over_configuration(farm).await;
     scan_jobs::start_scans(&mut farm.desk());
     if may_have_work(farm).await {
         run_ledger_steps(farm).await;
@@ -236,38 +235,6 @@ fn may_act(farm: &mut Farm) -> bool {
 async fn write_stopped_status(farm: &mut Farm) {
     status::write_stopped_status(&mut farm.desk()).await;
     job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
-}
-
-/// Reads the configuration again. One that is wrong changes nothing.
-pub(crate) async fn reload_configuration(farm: &mut Farm) {
-    systemd::notify_reloading();
-    let applied = apply_configuration(farm).await;
-    farm.alerts.clear(AlertKind::ConfigurationWrong, "", "");
-    match applied {
-        Ok(()) => info!(machines = farm.machines.len(), "The configuration was read again."),
-        Err(failure) => {
-            let detail = format!("{failure:#}").replace('\n', " ");
-            farm.alerts.raise(AlertKind::ConfigurationWrong, "", "", &detail);
-        }
-    }
-    // Machines may have been added or removed: the status is updated at once.
-    farm.display.updated_at = None;
-    farm.run_step("status", async |farm| status::update_status(&mut farm.desk()).await).await;
-    systemd::notify_ready(&farm.display.status_line);
-}
-
-async fn apply_configuration(farm: &mut Farm) -> Result<()> {
-    let settings = (farm.lifecycle.load)()?;
-    if settings.ledger != farm.settings.ledger || settings.state_dir != farm.settings.state_dir {
-        anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
-    }
-    settings.files.apply_to_process();
-    farm.settings = settings;
-    machine_setup::set_up_machines(&mut farm.desk()).await?;
-    watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
-    watching::start_watcher(&mut farm.desk());
-    folder_comparison::start_folder_comparison(&mut farm.desk());
-    Ok(())
 }
 
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use anyhow::Result;
+use ledger::{BuildRow, Ledger};
 use nester::PreparedMeshCache;
 use tracing::info;
 
@@ -17,8 +18,30 @@ use crate::{
     settings::Settings,
 };
 
+/// What the ledger says of the machines of a configuration.
+pub(super) struct MachineRows {
+    /// The machines that other nodes serve, each with its node.
+    of_others: BTreeMap<String, String>,
+    /// The open builds of the others.
+    open_builds: BTreeMap<String, BuildRow>,
+}
+
+impl MachineRows {
+    /// Reads them. Machines without a node are claimed for this one, and machines without an open build get one.
+    pub(super) async fn read(ledger: &Ledger, settings: &Settings) -> Result<Self> {
+        let names: Vec<String> = settings.profiles.keys().cloned().collect();
+        let of_others = ledger.claim_machines(&settings.node.name, &names).await?;
+        let mut open_builds = BTreeMap::new();
+        for name in names.into_iter().filter(|name| !of_others.contains_key(name)) {
+            let row = ledger.open_build(&name).await?;
+            open_builds.insert(name, row);
+        }
+        Ok(Self { of_others, open_builds })
+    }
+}
+
 /// Creates, replaces and removes machine states to match the settings.
-pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
+pub(super) fn set_up_machines(desk: &mut SettingUp<'_>, rows: MachineRows) {
     desk.meshes.limits = desk.shared.settings.limits.clone();
     if !desk.meshes.preparation_cache.as_ref().is_some_and(|cache| cache.is_of(desk.shared.settings)) {
         desk.meshes.preparation_cache = DiskPreparationCache::for_farm(desk.shared.settings).map(Arc::new);
@@ -27,13 +50,9 @@ pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
     }
     *desk.search_slots = search_slots(desk.shared.settings);
     remove_gone_machines(desk);
-    let names: Vec<String> = desk.shared.settings.profiles.keys().cloned().collect();
-    let of_others = desk.shared.ledger.claim_machines(&desk.shared.settings.node.name, &names).await?;
-    report_other_nodes(desk, &of_others);
-    for (name, profile) in desk.shared.settings.profiles.clone() {
-        if of_others.contains_key(&name) {
-            continue;
-        }
+    report_other_nodes(desk, &rows.of_others);
+    for (name, row) in rows.open_builds {
+        let Some(profile) = desk.shared.settings.profiles.get(&name).cloned() else { continue };
         match desk.machines.get_mut(&name) {
             Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_claim) = (None, false),
             Some(machine) => {
@@ -41,7 +60,6 @@ pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
                 // needs a new hot folder scanner.
                 machine.open.end_night();
                 let keeps_layout = keeps_layouts(&machine.profile, &profile);
-                let row = desk.shared.ledger.open_build(&name).await?;
                 let mut fresh = MachineState::new(
                     Arc::new(profile),
                     desk.shared.settings.orphan_ticket_secs,
@@ -63,7 +81,6 @@ pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
                 info!(machine = %name, "The profile has changed.");
             }
             None => {
-                let row = desk.shared.ledger.open_build(&name).await?;
                 let machine = MachineState::new(
                     Arc::new(profile),
                     desk.shared.settings.orphan_ticket_secs,
@@ -75,7 +92,6 @@ pub(super) async fn set_up_machines(desk: &mut SettingUp<'_>) -> Result<()> {
             }
         }
     }
-    Ok(())
 }
 
 /// Removes the machines that are not configured any more, and leaves their folders to another node.
@@ -111,7 +127,8 @@ pub(super) async fn take_free_machines(desk: &mut SettingUp<'_>) -> Result<()> {
     if !names.is_empty()
         && desk.shared.ledger.machines_of_others(&desk.shared.settings.node.name, &names).await?.len() < names.len()
     {
-        set_up_machines(desk).await?;
+        let rows = MachineRows::read(desk.shared.ledger, desk.shared.settings).await?;
+        set_up_machines(desk, rows);
     }
     Ok(())
 }

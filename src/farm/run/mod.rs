@@ -5,6 +5,7 @@
 pub(super) mod event_loop;
 pub(super) mod machine_setup;
 pub(super) mod open;
+pub(super) mod reload;
 pub(super) mod status;
 pub(super) mod status_alerts;
 pub(super) mod tidy;

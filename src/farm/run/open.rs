@@ -8,13 +8,14 @@ use jobs::JobRunner;
 use ledger::{Ledger, LedgerError, ServingRight};
 use tracing::warn;
 
-use super::{machine_setup, status};
+use super::{
+    machine_setup::{self, MachineRows},
+    status,
+};
 use crate::{
     farm::{
         alerts::{
-            alert::AlertKind,
-            alert_registry::{AlertRegistry, ServiceBridge},
-            failure::is_disk_failure,
+            alert::AlertKind, alert_registry::AlertRegistry, failure::is_disk_failure, service_bridge::ServiceBridge,
         },
         core::{
             clock_changes,
@@ -116,7 +117,8 @@ async fn open_machines(farm: &mut Farm) -> Result<()> {
     // Before it takes machines: they are its own as long as it is known.
     let node = status::describe_node(&farm.desk());
     farm.ledger.announce_node(&node).await?;
-    machine_setup::set_up_machines(&mut farm.desk()).await?;
+    let rows = MachineRows::read(&farm.ledger, &farm.settings).await?;
+    machine_setup::set_up_machines(&mut farm.desk(), rows);
     watching::make_folders_at_start(&mut farm.desk());
     watching::start_watcher(&mut farm.desk());
     lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)?;
@@ -151,6 +153,8 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
             is_stopping: false,
             is_halted: false,
             services: ServiceBridge::default(),
+            started_with: settings.interfaces.clone(),
+            next_settings: None,
             _lock: parts.lock,
         },
         alerts: AlertRegistry::by(time.clone()),

@@ -69,6 +69,27 @@ fn an_arrival_whose_layout_the_ledger_refuses_is_searched_again() {
 }
 
 #[test]
+fn a_configuration_that_the_ledger_cannot_take_in_applies_as_a_whole_later() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.write_profile("going", QUICK);
+    farm.reload();
+    let before = farm.profiles().clone();
+    std::fs::remove_file(farm.root().join("config/profiles/going.toml")).unwrap();
+    farm.write_profile("coming", QUICK);
+    let refused = RefusedChanges::of(&farm, "INSERT ON build");
+    farm.reload();
+    farm.pass_secs(20.0);
+    assert_eq!(farm.profiles(), &before);
+    assert!(!farm.has_alert(AlertKind::ConfigurationWrong), "nothing is wrong with it");
+    let told = farm.alert_text(AlertKind::StepFails);
+    assert!(told.contains("the new configuration (nothing of it applies before that)"), "{told}");
+    refused.allow(&farm);
+    farm.pass_until("it is in force", |farm| farm.profiles().contains_key("coming"));
+    farm.pass_until("it is not told any more", |farm| !farm.has_alert(AlertKind::StepFails));
+    assert!(!farm.profiles().contains_key("going"));
+}
+
+#[test]
 fn a_hot_folder_is_scanned_again_after_the_ledger_has_refused_what_a_scan_found() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));

@@ -76,6 +76,43 @@ fn a_reload_adds_and_changes_machines_and_a_wrong_one_leaves_them_as_they_were()
 }
 
 #[test]
+fn a_reload_takes_all_or_nothing() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.write_profile("going", QUICK);
+    farm.reload();
+    let (config, profiles) = (farm.root().join("config/nestd.toml"), farm.root().join("config/profiles"));
+    let (text, before) = (fs::read_to_string(&config).unwrap(), farm.profiles().clone());
+    // In each, one machine comes, one goes and one changes.
+    fs::remove_file(profiles.join("going.toml")).unwrap();
+    farm.write_profile("coming", QUICK);
+    farm.write_profile(MACHINE, &QUICK.replace("clearance_mm = 2.0", "clearance_mm = 3.0"));
+    for (of_farm, of_last, told) in [
+        ("[log]\nfilter = \"debug\"\n", "volume_mm = \"wrong\"", "last.toml:1"),
+        ("[log]\nfilter = 3\n", QUICK, "nestd.toml:"),
+        ("[node]\nname = \"other\"\n", QUICK, "node.name cannot change while the daemon runs"),
+        ("[folders]\nstate = \"elsewhere\"\n", QUICK, "the state folder cannot change while the daemon runs"),
+        (
+            "[folders]\nledger = \"postgres://db.example/farm\"\n",
+            QUICK,
+            "the ledger cannot change while the daemon runs",
+        ),
+    ] {
+        fs::write(&config, format!("{text}{of_farm}")).unwrap();
+        farm.write_profile("last", of_last);
+        farm.reload();
+        let alert = farm.alert_text(AlertKind::ConfigurationWrong);
+        assert!(alert.contains("nothing of it applies") && alert.contains(told), "{alert}");
+        farm.pass_secs(2.0);
+        assert_eq!(farm.profiles(), &before, "{told}");
+        assert!(!farm.folder_of("inbox", "coming").exists() && farm.folder_of("inbox", "going").exists(), "{told}");
+    }
+    fs::write(&config, text).unwrap();
+    farm.reload();
+    assert!(!farm.has_alert(AlertKind::ConfigurationWrong));
+    assert_eq!(farm.profiles().keys().collect::<Vec<_>>(), ["coming", "last", MACHINE]);
+}
+
+#[test]
 fn a_machine_whose_folders_cannot_be_made_does_not_stop_the_others() {
     let mut farm = HandDrivenFarm::closed(QUICK);
     fs::write(farm.root().join("file"), "in the way").unwrap();

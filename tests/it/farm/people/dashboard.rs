@@ -49,6 +49,23 @@ fn a_lost_write_ahead_log_is_noticed_before_the_dashboard_looks() {
 }
 
 #[test]
+fn pages_stay_with_the_ledger_of_the_farm_when_another_is_configured() {
+    let mut farm = farm();
+    farm.start();
+    wait_for_dashboard(&farm);
+    farm.drop_part("block_x3.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let config = fs::read_to_string(farm.config()).unwrap();
+    fs::write(farm.config(), format!("{config}[folders]\nstate = \"elsewhere\"\n")).unwrap();
+    farm.reload();
+    let is_told = || get(&farm, "/").is_some_and(|page| page.contains("the state folder cannot change"));
+    wait_until_or("the page says that nothing of it applies", 20.0, || farm.log(), is_told);
+    assert!(get(&farm, "/healthz").is_some_and(|answer| answer.contains("alive")));
+    assert!(!farm.root().join("elsewhere").exists());
+    farm.stop();
+}
+
+#[test]
 fn curve_and_proved_order_stay_when_the_printer_has_emptied_its_folder_and_two_parts_share_a_name() {
     let mut farm = farm();
     farm.start();

@@ -310,10 +310,11 @@ pub enum LedgerError {
         printed: u32,
     },
     /// No printed copy is meant.
-    #[error(
-        "no copy of it counts as printed: `nestd show` says what waits, and `nestd edit PART --copies N` orders more"
-    )]
+    #[error("no copy of it counts as printed: `nestd show` says what waits, `nestd edit PART --copies N` orders more")]
     NothingPrinted,
+    /// Copies that are to be nested are about to be cancelled.
+    #[error("copies of part {0} are being cancelled, and its build begins after that")]
+    AskedBack(PartId),
     /// Fewer copies of the part wait than are to be taken back.
     #[error("{} of part {part} can be cancelled, not {asked}; the others are in builds: `nestd show p{part}` lists them", copies_text(*.waiting))]
     TooFewWaiting {

@@ -141,6 +141,11 @@ async fn insert_placements(
         }
     }
     let placed = change.placed_count(id).await?;
+    // Whoever has taken copies back has been told so, and does not hear that they were nested meanwhile.
+    let wanted = part.wanted_copies().saturating_sub(change.copies_asked_back(id).await?);
+    if placed > wanted {
+        return Err(LedgerError::AskedBack(id));
+    }
     if placed == part.wanted_copies() {
         change.move_part(id, PartState::Batched, Some(build), "").await?;
     }

@@ -32,10 +32,7 @@ impl Ledger {
     pub async fn cancel_copies(&self, id: PartId, copies: u32, by: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let part = change.require_part(id).await?;
-        let waiting = match part.state {
-            PartState::Waiting => change.waiting_count(id).await?,
-            _ => 0,
-        };
+        let waiting = change.revocable_count(&part).await?;
         if copies > waiting {
             return Err(LedgerError::TooFewWaiting { part: id, asked: copies, waiting });
         }
@@ -46,13 +43,11 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Number of copies of a part that wait for a build; 0 if the part does not wait.
+    /// Number of copies of a part that wait for a build, or for their file; 0 if none does.
     pub async fn waiting_copies_of(&self, id: PartId) -> Result<u32> {
         let mut change = self.begin_change().await?;
-        match change.require_part(id).await?.state {
-            PartState::Waiting => change.waiting_count(id).await,
-            _ => Ok(0),
-        }
+        let part = change.require_part(id).await?;
+        change.revocable_count(&part).await
     }
 
     /// Moves all parts of a claimed file to another machine, where it is read again; `is_elsewhere` = that is on another node, which must
@@ -321,6 +316,9 @@ async fn take_back(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &
     change.note_wanted_change(-i64::from(copies)).await?;
     if part.wanted_copies() == copies {
         return change.refuse_part(part.id, RefusalCause::Cancelled, &format!("Cancelled by {by}.")).await;
+    }
+    if part.state == PartState::Claimed && change.waiting_count(part.id).await? == 0 {
+        change.move_part(part.id, PartState::Waiting, None, "its file is not needed any more").await?;
     }
     change.end_waiting(part.id, None).await
 }

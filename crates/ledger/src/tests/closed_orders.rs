@@ -177,3 +177,42 @@ async fn what_waits_of_an_order_that_is_closed_is_not_wanted_any_more_once_it_is
     assert_eq!(ledger.line_of_part(part).await.unwrap().copies.wanted, 3);
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }
+
+#[tokio::test]
+async fn what_is_being_cancelled_is_not_nested_meanwhile() {
+    let ledger = fresh().await;
+    let part = drop_in(&ledger, "a", 4, "A-17").await;
+    let first = published(&ledger, &[(part, 0)]).await;
+    close(&ledger, "A-17").await.unwrap();
+    let build = ledger.open_build("paper-200").await.unwrap().id;
+    let nested = ledger.begin_nesting(build, "flush", &[(part, 1)]).await;
+    assert!(matches!(nested, Err(LedgerError::AskedBack(of)) if of == part), "{nested:?}");
+    let cancel = ledger.pending_commands().await.unwrap().remove(0);
+    ledger.for_command(cancel.id).cancel_copies(part, 3, "ann@farm").await.unwrap();
+    assert_eq!(ledger.find_part(part).await.unwrap().unwrap().state, PartState::Built);
+    let again = ToldOutcome::new(PrintOutcome::Failed, "", "ann@farm");
+    ledger.record_outcome(first, &again).await.unwrap();
+    ledger.begin_nesting(build, "flush", &[(part, 0)]).await.unwrap();
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn copies_whose_file_is_asked_for_again_can_be_cancelled() {
+    let ledger = fresh().await;
+    let part = drop_in(&ledger, "a", 4, "A-17").await;
+    published(&ledger, &[(part, 0)]).await;
+    let unit = PartEdit { unit: Some(build_file::LengthUnit::Inch), ..PartEdit::default() };
+    ledger.edit_part(part, &unit, "ann@farm").await.unwrap();
+    let row = ledger.find_part(part).await.unwrap().unwrap();
+    ledger.mark_damaged(&row.file.content_hash, "it was damaged").await.unwrap();
+    assert_eq!((row.state, ledger.damaged_parts().await.unwrap().len()), (PartState::Claimed, 1));
+    close(&ledger, "A-17").await.unwrap();
+    let cancel = ledger.pending_commands().await.unwrap().remove(0);
+    assert_eq!(ledger.waiting_copies_of(part).await.unwrap(), 3);
+    let copies = cancel.read_argument().copies.unwrap();
+    ledger.for_command(cancel.id).cancel_copies(part, copies, "ann@farm").await.unwrap();
+    assert_eq!(ledger.find_part(part).await.unwrap().unwrap().state, PartState::Built);
+    assert_eq!(ledger.damaged_parts().await.unwrap().len(), 0, "nobody is asked for its file");
+    assert_eq!(ledger.line_of_part(part).await.unwrap().copies.waiting, 0);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp,
+    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, PartRow, PartState, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -228,6 +228,26 @@ impl Ledger {
 }
 
 impl LedgerChange {
+    /// Number of copies of a part that can be taken back: they wait, or their file is read again or asked for.
+    pub async fn revocable_count(&mut self, part: &PartRow) -> Result<u32> {
+        match part.state {
+            PartState::Waiting => self.waiting_count(part.id).await,
+            PartState::Claimed if part.measures.triangles.is_some() => self.waiting_count(part.id).await,
+            _ => Ok(0),
+        }
+    }
+
+    /// How many copies of a part are to be taken back by commands that are not carried out yet.
+    pub async fn copies_asked_back(&mut self, id: PartId) -> Result<u32> {
+        let asked: Vec<CommandRow> =
+            sql::select_as("FROM command WHERE part_id = $1 AND state = 'asked' AND kind = 'cancel'")
+                .bind(id)
+                .fetch_all(self.db())
+                .await?;
+        // One without a number takes all of them back.
+        Ok(asked.iter().map(|row| row.read_argument().copies.unwrap_or(u32::MAX)).fold(0, u32::saturating_add))
+    }
+
     /// Inserts the row of a command.
     pub(super) async fn insert_command(&mut self, command: &NewCommand) -> Result<CommandId> {
         let now = self.now;

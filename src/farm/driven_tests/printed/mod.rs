@@ -1,5 +1,6 @@
 //! What lies in the queues, and what people say of it.
 
+pub(super) mod closed_orders;
 pub(super) mod kept_builds;
 pub(super) mod life;
 pub(super) mod printer_recovery;

@@ -98,6 +98,8 @@ impl TestDashboard {
             quote_slots: Arc::new(Semaphore::new(2)),
             quote_meshes,
             changes: watch::Sender::new(0),
+            shown: Default::default(),
+            said: Default::default(),
         };
         change(&mut web);
         Self { ledger, web: Arc::new(web), _folder: folder }

@@ -3,6 +3,7 @@
 //! reported as ignored, with the reason.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
+mod break_out;
 mod clients;
 mod documented;
 mod full_disk;
@@ -51,6 +52,11 @@ fn pages_in_a_browser() -> Vec<Trial> {
             "tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon",
             missing(),
             tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
+        ),
+        trial(
+            "break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both",
+            missing(),
+            break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both,
         ),
         trial(
             "paper::pick_map_and_history_lose_nothing_on_paper",

@@ -1,4 +1,4 @@
-//! What comes out of a printer: the pick map of 500 copies with names of 60 letters, and the history, printed by a real Chromium and
+//! What comes out of a printer: the pick map of 527 copies with names of 60 letters, and the history, printed by a real Chromium and
 //! read back with `pdftotext`. Needs `NESTD_BROWSER=<chromium>` and poppler-utils.
 
 use std::{
@@ -18,11 +18,13 @@ use crate::{
 const PROFILE: &str = "volume_mm = [380, 284, 380]\nclearance_mm = 3.0\nlayer_mm = 0.08\nsettle_secs = 0.3\nunfinished_secs = 2\n\
                        final_secs = 1\narrival_secs = 0\n";
 /// Kinds of parts, and copies of each.
-const PARTS: (usize, usize) = (50, 10);
+const PARTS: (usize, usize) = (31, 17);
 /// Letters of the name of a part and of its order.
 const LETTERS: usize = 60;
 /// Copies on a sheet.
-const COPIES_PER_SHEET: usize = 15;
+const COPIES_PER_SHEET: usize = 22;
+/// Most sheets of all copies.
+const MOST_SHEETS: usize = 24;
 /// White rim of a sheet in which nothing is printed, points.
 const RIM_POINTS: f64 = 20.0;
 
@@ -141,6 +143,7 @@ pub fn pick_map_and_history_lose_nothing_on_paper() {
     assert_nothing_is_cut(&pdf);
     let sheets = pages_of_pdf(&pdf, "-raw");
     assert_eq!(sheets.len(), rows.len().div_ceil(COPIES_PER_SHEET), "a page for {COPIES_PER_SHEET} copies");
+    assert!(sheets.len() <= MOST_SHEETS, "{} sheets", sheets.len());
     for (sheet, rows) in sheets.iter().zip(rows.chunks(COPIES_PER_SHEET)) {
         assert_rows_are_printed(sheet, rows);
     }

@@ -4,7 +4,7 @@ const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
 const main = document.querySelector("#main");
 let events = null, again = 0, busy = false, dirty = false, lost = null, zone = "";
 
-const isTyping = () => main.querySelector("details[open] form") || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
+const isTyping = () => main.querySelector("details[open] form :is(input:not([type=hidden]), select, textarea)") || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
   && !document.activeElement.closest("#view");
 
 function say(id, text, link) {

@@ -32,7 +32,7 @@ pub(crate) async fn compress_pages(request: Request, next: Next) -> Response {
         return Response::from_parts(head, Body::empty());
     }
     // Writing to memory does not fail.
-    let Ok(packed) = CompressedBody::new(&plain, Compression::fast()) else {
+    let Ok(packed) = CompressedBody::new(&plain, Compression::default()) else {
         return Response::from_parts(head, Body::from(plain));
     };
     head.headers.remove(header::CONTENT_LENGTH);

@@ -29,7 +29,7 @@ pub(crate) fn table_of<Row>(
                 @if let Some(caption) = caption { caption { (caption) } }
                 thead { tr { @for column in &columns { (heading(&column.field)) } } }
                 tbody { @for row in rows { tr {
-                    @for column in &columns { (card_cell(&column.field, &(column.value)(row), view)) }
+                    @for column in &columns { (cell(&column.field, &(column.value)(row), true, view)) }
                 } } }
             }
         }
@@ -46,18 +46,14 @@ fn class_of(field: &FieldDefinition) -> Option<&'static str> {
     field.is_number().then_some("n")
 }
 
-/// A table cell. If `has_pages`, parts and builds are links to their pages.
+/// A table cell. It tells its heading where its row is shown as a card, and stays away there if it is empty. If `has_pages`, parts and
+/// builds are links to their pages.
 pub(crate) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
-    html! { td class=[class_of(field)] { (shown(field, value, has_pages, view)) } }
-}
-
-/// A cell that tells its heading where its row is shown as a card, and stays away there if it is empty.
-fn card_cell(field: &FieldDefinition, value: &CellValue, view: &TimeView) -> Markup {
     let class = match (class_of(field), field.cell_text(value, view)) {
         (_, None) => Some("none"),
         (class, Some(_)) => class,
     };
-    html! { td class=[class] data-of=(field.page_heading()) { (shown(field, value, true, view)) } }
+    html! { td class=[class] data-of=(field.page_heading()) { (shown(field, value, has_pages, view)) } }
 }
 
 fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {

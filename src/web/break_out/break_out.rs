@@ -1,39 +1,47 @@
 //! Breaking a build out step by step, on a tablet beside the cake: a card for each copy, in the order of the pick map, with large
-//! buttons. What is said of a copy is in the ledger, so that several people work on one build and see what the others did.
+//! buttons. What is said of a copy is in the ledger, so that several people work on one build and see what the others did. Each of them is
+//! shown another copy.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc, time::Instant};
 
 use axum::{
     Form,
     extract::{Path, State},
+    http::HeaderMap,
+    response::{IntoResponse, Redirect, Response},
 };
-use ledger::{BuildId, OperatorWord, PartId, PickMark};
+use ledger::{BuildId, OperatorWord, PartId, PickMark, PickMarkRow};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    break_out_card::{bins_table, current_card, mark_form, open_list, progress_line, summary_section},
+    bins::bins_table,
+    break_out_card::{ShownStep, current_card, last_line, open_list, progress_line, summary_section},
     break_out_state::{BreakOutState, CopyState, mark_word},
+    together::positions_in,
 };
-use crate::{
-    tables::TimeView,
-    web::{
-        base::{error::HandlerResult, page::html_page, query::Query},
-        core::{
-            command::answer_form,
-            device_name::device_user,
-            form_answer::FormAnswer,
-            request_user::{RequestUser, name_of_user},
-            state::DashboardState,
-        },
-        forms::operate_form::say_word,
+use crate::web::{
+    base::{error::HandlerResult, format::count, page::html_page, query::Query},
+    core::{
+        command::answer_form,
+        device_name::device_user,
+        form_answer::FormAnswer,
+        request_user::{RequestUser, name_of_user},
+        shown_copies::{RequestDevice, ScreenLook},
+        state::DashboardState,
     },
+    forms::operate_form::say_word,
 };
 
-/// Which copy is shown: its number in the list; the first that is in the cake unless given.
+/// Which copy is shown, by its number in the list; without any, the next that is in the cake and on no other screen.
 #[derive(Debug, Default, Deserialize)]
 pub(crate) struct StepQuery {
+    /// A copy that a person chose.
     at: Option<usize>,
+    /// The copy after this one.
+    after: Option<usize>,
+    /// A copy that a person has in hand, though another screen shows it.
+    take: Option<usize>,
 }
 
 /// The page.
@@ -42,35 +50,67 @@ pub(crate) async fn show_step(
     Path(number): Path<i64>,
     Query(query): Query<StepQuery>,
     RequestUser(user): RequestUser,
-) -> HandlerResult<Markup> {
+    device: RequestDevice,
+) -> HandlerResult<(HeaderMap, Response)> {
     let state = BreakOutState::read(&web, number).await?;
-    let asked = query.at.and_then(|at| at.checked_sub(1)).filter(|&at| at < state.states.len());
-    let shown = asked.or_else(|| state.first_open());
-    let (counts, view) = (state.counts(), web.time_view());
-    let title = format!("Break out build {}", state.build.id);
-    let content = html! {
-        h1 { (title) }
-        (progress_line(&counts))
-        (device_user(&web, &user, &state.address()))
-        @if let Some(at) = shown { (current_card(&web, &state, at, &view)) }
-        @if state.first_open().is_none() { (summary_section(&web, &state, &counts)) }
-        (last_line(&web, &state, &user, &view))
-        (bins_table(&counts))
-        (open_list(&web, &state))
-        p.links { a href=(format!("/builds/{}/pick", state.build.id)) { "The whole pick map, to print" }
-            a href=(format!("/builds/{}", state.build.id)) { "Build " (state.build.id) } }
+    let look = ScreenLook { build: number, device: &device, user: &user, now: Instant::now() };
+    let position = |number: Option<usize>| number.and_then(|n| n.checked_sub(1)).filter(|&at| at < state.states.len());
+    if let Some(at) = position(query.take) {
+        web.shown.choose(&look, at, true);
+        web.said.notify_one();
+        return Ok((device.headers(), Redirect::to(&state.address_of(at)).into_response()));
+    }
+    let step = match position(query.at) {
+        Some(at) => Some(ShownStep { at, is_chosen: true, other: choose_open(&web, &state, &look, at) }),
+        None => {
+            let at = web.shown.offer(&look, &state.open_positions(), position(query.after));
+            at.map(|at| ShownStep { at, is_chosen: false, other: None })
+        }
     };
-    Ok(html_page(&title, "", None, &content))
+    let content = step_content(&web, &state, step.as_ref(), &look);
+    let page = html_page(&format!("Break out build {}", state.build.id), "", None, &content);
+    Ok((device.headers(), page.into_response()))
 }
 
-/// What was said last, with the button that takes it back.
-fn last_line(web: &DashboardState, state: &BreakOutState, user: &str, view: &TimeView) -> Markup {
-    let Some((copy, row)) = state.last_mark(user) else { return html! {} };
+/// Puts a chosen copy on the screen, if it is in the cake; returns whose screen shows it already.
+fn choose_open(web: &DashboardState, state: &BreakOutState, look: &ScreenLook<'_>, at: usize) -> Option<String> {
+    matches!(state.states[at], CopyState::Open).then(|| web.shown.choose(look, at, false)).flatten()
+}
+
+fn step_content(
+    web: &Arc<DashboardState>,
+    state: &BreakOutState,
+    step: Option<&ShownStep>,
+    look: &ScreenLook<'_>,
+) -> Markup {
+    let (counts, view, elsewhere) = (state.counts(), web.time_view(), web.shown.elsewhere(look));
     html! {
-        div.undo {
-            p { "Last: " (copy.number) " " (copy.name) ", copy " (copy.copy) ", " (mark_word(row.mark)) ", by "
-                (name_of_user(&row.told_by)) ", " (view.time_text(row.told_at)) "." }
-            @if web.orders { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "Undo", "undo")) }
+        h1 { "Break out build " (state.build.id) }
+        (progress_line(&counts))
+        @match step {
+            Some(step) => (current_card(web, state, step, &elsewhere, &view)),
+            None if !state.open_positions().is_empty() => (all_elsewhere(state, &elsewhere)),
+            None => {}
+        }
+        @if state.open_positions().is_empty() { (summary_section(web, state, &counts)) }
+        (last_line(web, state, look.user, &view))
+        (device_user(web, look.user, &state.address()))
+        (bins_table(&counts))
+        (open_list(web, state, &elsewhere))
+        p.links { a href=(format!("/builds/{}/pick", state.build.id)) { "The whole pick map, to print" }
+            a href=(format!("/builds/{}", state.build.id)) { "Build " (state.build.id) } }
+    }
+}
+
+/// Instead of a card: the last copies are on other screens.
+fn all_elsewhere(state: &BreakOutState, elsewhere: &BTreeMap<usize, String>) -> Markup {
+    html! {
+        section.card.step aria-label="On other screens" {
+            h2 { "The last " (count(elsewhere.len() as u32, "copy is on another screen", "copies are on other screens")) }
+            ul { @for (&at, user) in elsewhere {
+                @let copy = &state.map.list.copies[at];
+                li { a href=(state.address_of(at)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) } ", " (name_of_user(user)) }
+            } }
         }
     }
 }
@@ -102,45 +142,37 @@ pub(crate) async fn post_mark(
         Ok(told) => told,
         Err(error) => return answer_form(Err(error), &address),
     };
-    let state = BreakOutState::read(&web, number).await?;
-    let next = match form.mark {
-        PickMark::Open => Some(form.at),
-        _ => state.next_open(form.at.saturating_sub(1)).map(|at| at + 1),
-    };
-    let back = next.map_or_else(|| address.clone(), |at| format!("{address}?at={at}"));
+    web.said.notify_one();
+    let step = if form.mark == PickMark::Open { "at" } else { "after" };
+    let back = format!("{address}?{step}={}", form.at);
     let Some(first) = told else { return Ok(FormAnswer::back_to(&back)) };
     let (who, when) = (name_of_user(&first.told_by), web.time_view().time_text(first.told_at));
-    let (title, sentence) = match first.mark == form.mark {
-        true => (
-            "Said already",
-            format!(
-                "{who} said so before, {when}: {}. Is it another copy that you have in hand?",
-                mark_word(first.mark)
-            ),
-        ),
-        false => (
-            "Not recorded",
-            format!(
-                "{who} said since, {when}, that this copy is {}. That stays. Look at the copy again to say otherwise.",
-                mark_word(first.mark)
-            ),
-        ),
-    };
+    let word = mark_word(first.mark);
+    if first.mark == form.mark {
+        let sentence = format!("{who} said so before, {when}: {word}. Is it another copy that you have in hand?");
+        return Ok(FormAnswer::told("Said already", vec![sentence], &back));
+    }
+    let sentence = format!(
+        "{who} said since, {when}, that this copy is {word}. That stays. Look at the copy again to say otherwise."
+    );
     // Whoever says otherwise looks at the same copy first.
-    let back = if first.mark == form.mark { back } else { format!("{address}?at={}", form.at) };
-    Ok(FormAnswer::told(title, vec![sentence], &back))
+    Ok(FormAnswer::told("Not recorded", vec![sentence], &format!("{address}?at={}", form.at)))
 }
 
-/// A button that concerns all copies.
+/// A button that concerns several copies, or all.
 #[derive(Debug, Deserialize)]
 pub(crate) struct AllForm {
-    /// What is said of all copies of which nobody said anything yet.
+    /// What is said of the copies of which nobody said anything yet. Without it, the outcome is told.
     mark: Option<PickMark>,
+    /// The numbers of the copies, as ranges; all unless given.
+    numbers: Option<String>,
+    /// Number of the copy after which the next is shown.
+    after: Option<usize>,
     /// Sent if the outcome is meant although the file of the build lies in the queue.
     anyway: Option<String>,
 }
 
-/// Says the same of all copies that are left, or tells the outcome of the build once something is said of each.
+/// Says the same of several copies, or tells the outcome of the build once something is said of each.
 pub(crate) async fn post_all(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
@@ -153,8 +185,65 @@ pub(crate) async fn post_all(
         return say_word(&web, &OperatorWord::BreakOut(build), &by, form.anyway.is_some(), &back).await;
     };
     let state = BreakOutState::read(&web, number).await?;
-    let open = state.map.list.copies.iter().zip(&state.states).filter(|(_, state)| matches!(state, CopyState::Open));
-    let open: Vec<_> = open.map(|(copy, _)| (PartId(copy.part), copy.copy.saturating_sub(1))).collect();
-    web.ledger.mark_picks(build, &open, mark, &by).await?;
-    Ok(FormAnswer::back_to(&address))
+    let meant = match &form.numbers {
+        None => state.open_positions(),
+        Some(numbers) => match positions_in(numbers, state.states.len()) {
+            Some(positions) => positions.into_iter().collect(),
+            None => return Ok(FormAnswer::refused(vec!["These are no copies of this build.".to_owned()], &address)),
+        },
+    };
+    let copies = &state.map.list.copies;
+    let meant: Vec<_> = meant.iter().map(|&at| (PartId(copies[at].part), copies[at].copy.saturating_sub(1))).collect();
+    let known = match web.ledger.mark_picks(build, &meant, mark, &by).await {
+        Ok(known) => known,
+        Err(error) => return answer_form(Err(error), &address),
+    };
+    web.said.notify_one();
+    let back = form.after.map_or_else(|| address.clone(), |after| format!("{address}?after={after}"));
+    if known.is_empty() {
+        return Ok(FormAnswer::back_to(&back));
+    }
+    let recorded = count((meant.len() - known.len()) as u32, "copy is", "copies are");
+    let mut sentences = vec![format!("{recorded} recorded as {}.", mark_word(mark))];
+    sentences.extend(known.iter().map(|row| said_before(&state, row)));
+    Ok(FormAnswer::told("Recorded in part", sentences, &back))
+}
+
+/// What somebody said of a copy before.
+fn said_before(state: &BreakOutState, row: &PickMarkRow) -> String {
+    let copies = &state.map.list.copies;
+    let copy = copies.iter().find(|copy| (copy.part, copy.copy) == (row.part_id.0, row.copy + 1));
+    let name = copy.map(|copy| format!("{}: {}, copy {},", copy.number, copy.name, copy.copy)).unwrap_or_default();
+    format!("{name} is {}, as {} said before. That stays.", mark_word(row.mark), name_of_user(&row.told_by))
+}
+
+/// A press that is taken back, by the numbers of its marks.
+#[derive(Debug, Deserialize)]
+pub(crate) struct UndoForm {
+    first: i64,
+    last: i64,
+    /// Number of its first copy.
+    at: usize,
+}
+
+/// Takes back what was said at once, then shows the copy.
+pub(crate) async fn post_undo(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    Form(form): Form<UndoForm>,
+) -> HandlerResult<FormAnswer> {
+    let address = format!("/builds/{number}/break-out");
+    let back = format!("{address}?at={}", form.at);
+    match web.ledger.undo_picks(BuildId(number), form.first..=form.last, &by).await {
+        Ok(0) => {
+            let sentence = "Somebody said something else of it since, or took it back already.";
+            Ok(FormAnswer::told("Nothing to take back", vec![sentence.to_owned()], &back))
+        }
+        Ok(_) => {
+            web.said.notify_one();
+            Ok(FormAnswer::back_to(&back))
+        }
+        Err(error) => answer_form(Err(error), &address),
+    }
 }

@@ -1,11 +1,16 @@
-//! What the page for breaking a build out shows: the card of a copy, the bins, and what is left.
+//! What the page for breaking a build out shows: the card of a copy, what is left, and what was said last.
 
-use build_file::kind_colour_code;
-use glam::DVec2;
+use std::collections::BTreeMap;
+
 use ledger::{BuildState, PickMark, PickMarkRow};
 use maud::{Markup, html};
 
-use super::break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of};
+use super::{
+    bins::{bin_badge, bin_kind},
+    break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of},
+    step_plan::step_plan,
+    together::together_buttons,
+};
 use crate::{
     tables::{PickedCopy, TimeView, fields, points_down, removal_in_words},
     web::{
@@ -13,9 +18,6 @@ use crate::{
         core::{form_answer::key_field, picture::themed_picture, request_user::name_of_user, state::DashboardState},
     },
 };
-
-/// Copies around the one that is looked for that a plan shows.
-const SHOWN_NEIGHBOURS: usize = 30;
 
 /// How far it is.
 pub(crate) fn progress_line(counts: &[BinCount]) -> Markup {
@@ -27,38 +29,76 @@ pub(crate) fn progress_line(counts: &[BinCount]) -> Markup {
     }
 }
 
-/// A patch in the colour of a bin.
-fn swatch(bin: usize) -> Markup {
-    html! { svg.swatch viewBox="0 0 10 10" aria-hidden="true" { rect width="10" height="10" fill=(kind_colour_code(bin)) {} } }
+/// A copy that is shown.
+pub(super) struct ShownStep {
+    /// Its position in the list.
+    pub(super) at: usize,
+    /// Whether a person chose it.
+    pub(super) is_chosen: bool,
+    /// Whose screen shows it already.
+    pub(super) other: Option<String>,
 }
 
-/// The card of the copy at a position of the list.
-pub(super) fn current_card(web: &DashboardState, state: &BreakOutState, at: usize, view: &TimeView) -> Markup {
+/// The card of a copy. What a person presses comes before texts of any length, so that it is always in the same place. `elsewhere` are the
+/// copies on other screens.
+pub(super) fn current_card(
+    web: &DashboardState,
+    state: &BreakOutState,
+    step: &ShownStep,
+    elsewhere: &BTreeMap<usize, String>,
+    view: &TimeView,
+) -> Markup {
+    let at = step.at;
     let copy = &state.map.list.copies[at];
-    let bin = state.bins.iter().position(|order| *order == copy.order).unwrap_or(0);
-    let source = format!("/builds/{}/parts/{}/picture?kind={bin}", state.build.id, copy.part);
+    let bin = state.bin_of(copy);
+    let source = format!("/builds/{}/parts/{}/picture?kind={}", state.build.id, copy.part, bin_kind(bin));
     html! {
         section.card.step aria-label=(format!("Copy {} of {}", copy.number, state.states.len())) {
             h2 { (copy.number) ": " (copy.name) }
+            p.bin { (bin_badge(bin)) span { b { "Bin " (bin + 1) } ": " @if copy.order.is_empty() { "no order" } @else { "order " (copy.order) } } }
             div.step-sights {
                 (themed_picture(&source, &html! { img width="400" height="300" alt=(format!("The part {}", copy.name)) src=(source); }))
-                (step_plan(state, at))
+                (step_plan(state, at, bin_kind(bin)))
             }
-            p.bin { (swatch(bin)) " " b { "Bin " (bin + 1) } ": " @if copy.order.is_empty() { "no order" } @else { "order " (copy.order) } }
+            (what_is_said(web, state, step, view))
+            @if step.is_chosen { p.note role="status" { "Chosen: number " (copy.number) ", " (copy.name) ", copy " (copy.copy) "." } }
             p { (place_text(copy)) }
             @if copy.direction.is_some_and(points_down) { p.warn { "It comes out when the cake is lifted or turned." } }
             @if !copy.note.is_empty() { p { b { (fields::NOTE.label) ": " } (copy.note) } }
             @if let Some(others) = state.map.shapes.look_alikes.get(&copy.part) {
                 p.warn { "Looks like " (others.join(", ")) "." }
             }
-            @match &state.states[at] {
-                CopyState::Open => { (step_buttons(web, state, at)) }
-                CopyState::ToldBad => { p.warn { "It was told bad, and waits to be printed again." } (next_link(state, at)) }
-                CopyState::Marked(row) => {
-                    p.warn { "It is " (mark_word(row.mark)) ", as " (name_of_user(&row.told_by)) " said, " (view.time_text(row.told_at)) "." }
-                    @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "It is still in the cake", "")) } }
-                    (next_link(state, at))
-                }
+            @if matches!(state.states[at], CopyState::Open) && step.other.is_none() { (together_buttons(web, state, at, elsewhere)) }
+            @let after = format!("{}?after={}", state.address(), copy.number);
+            p.links { a href=(after) { @if step.is_chosen { "Go on with the next one" } @else { "Later: show the next one" } } }
+        }
+    }
+}
+
+/// What is known of the shown copy, and the buttons that say something of it.
+fn what_is_said(web: &DashboardState, state: &BreakOutState, step: &ShownStep, view: &TimeView) -> Markup {
+    let copy = &state.map.list.copies[step.at];
+    match (&state.states[step.at], &step.other) {
+        (CopyState::Open, None) => step_buttons(web, state, copy),
+        (CopyState::Open, Some(user)) => html! {
+            p.warn role="status" { "It is on the screen of " (name_of_user(user)) "." }
+            @if web.orders { div.step-buttons { a.button href=(format!("{}?take={}", state.address(), copy.number)) { "I have it in hand" } } }
+        },
+        (CopyState::ToldBad, _) => html! { p.warn { "It was told bad, and waits to be printed again." } },
+        (CopyState::Marked(row), _) => html! {
+            p.warn role="status" { "It is " (mark_word(row.mark)) ", as " (name_of_user(&row.told_by)) " said, " (view.time_text(row.told_at)) "." }
+            @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "It is still in the cake", "")) } }
+        },
+    }
+}
+
+fn step_buttons(web: &DashboardState, state: &BreakOutState, copy: &PickedCopy) -> Markup {
+    html! {
+        @if web.orders {
+            div.step-buttons {
+                (mark_form(web, state, (copy, None), PickMark::Out, "Out", "good"))
+                (mark_form(web, state, (copy, None), PickMark::Bad, "Bad", "spoilt"))
+                (mark_form(web, state, (copy, None), PickMark::Missing, "Not found", ""))
             }
         }
     }
@@ -77,63 +117,9 @@ fn place_text(copy: &PickedCopy) -> String {
     format!("Copy {}. {place}{}{due}", copy.copy, way.unwrap_or_default())
 }
 
-fn step_buttons(web: &DashboardState, state: &BreakOutState, at: usize) -> Markup {
-    let copy = &state.map.list.copies[at];
-    html! {
-        @if web.orders {
-            div.step-buttons {
-                (mark_form(web, state, (copy, None), PickMark::Out, "Out", "good"))
-                (mark_form(web, state, (copy, None), PickMark::Bad, "Bad", "spoilt"))
-                (mark_form(web, state, (copy, None), PickMark::Missing, "Not found", ""))
-            }
-        }
-        (next_link(state, at))
-    }
-}
-
-/// To the next copy that is in the cake.
-fn next_link(state: &BreakOutState, at: usize) -> Markup {
-    let next = state.next_open(at).filter(|&next| next != at);
-    html! { @if let Some(next) = next { p.links { a href=(format!("{}?at={}", state.address(), next + 1)) { "Later: show the next one" } } } }
-}
-
-/// The copy and those that come after it, from above. The machine's front is at the bottom.
-fn step_plan(state: &BreakOutState, at: usize) -> Markup {
-    let shapes = &state.map.shapes;
-    let (DVec2 { x, y }, unit) = (shapes.floor_mm, shapes.floor_mm.max_element() / 100.0);
-    let corner = |p: &DVec2| format!("{:.1},{:.1}", p.x, y - p.y);
-    let corners = |at: usize| shapes.footprints[at].iter().map(corner).collect::<Vec<_>>().join(" ");
-    let others = (at + 1..state.states.len()).filter(|&other| matches!(state.states[other], CopyState::Open));
-    html! {
-        svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -unit, -unit, x + 2.0 * unit, y + 8.0 * unit)) role="img" aria-label="Where it stands, from above" {
-            rect.grid x="0" y="0" width=(x) height=(y) {}
-            @for other in others.take(SHOWN_NEIGHBOURS) { polygon.covers points=(corners(other)) {} }
-            @if !shapes.footprints[at].is_empty() { polygon.sought points=(corners(at)) {} }
-            text.number x=(x / 2.0) y=(y + 6.0 * unit) font-size=(format!("{:.1}", 5.0 * unit)) { "front" }
-        }
-    }
-}
-
-/// The bins with their counts.
-pub(super) fn bins_table(counts: &[BinCount]) -> Markup {
-    html! {
-        h2 { "Bins" }
-        div.wide tabindex="0" role="region" aria-label="Bins" { table.bins {
-            thead { tr { th scope="col" { "Bin" } th scope="col" { "Order" } th.n scope="col" { "Copies" } th.n scope="col" { "Good" }
-                th.n scope="col" { "Bad" } th.n scope="col" { "Not found" } th.n scope="col" { "In the cake" } } }
-            tbody { @for (bin, counted) in counts.iter().enumerate() { tr {
-                td { (swatch(bin)) " " (bin + 1) } td { (counted.name()) } td.n { (counted.all) } td.n { (counted.good) }
-                td.n { (counted.bad) } td.n { (counted.missing) } td.n { (counted.open()) @if counted.open() == 0 { " \u{2713}" } }
-            } } }
-        } }
-    }
-}
-
 /// What is still in the cake, with a link to each copy, and buttons for all of it.
-pub(super) fn open_list(web: &DashboardState, state: &BreakOutState) -> Markup {
-    let open: Vec<&PickedCopy> = (state.map.list.copies.iter().zip(&state.states))
-        .filter_map(|(copy, state)| matches!(state, CopyState::Open).then_some(copy))
-        .collect();
+pub(super) fn open_list(web: &DashboardState, state: &BreakOutState, elsewhere: &BTreeMap<usize, String>) -> Markup {
+    let open = state.open_positions();
     let all = |mark: PickMark, label: &str| {
         html! { form.order method="post" action=(format!("{}/all", state.address())) {
             (key_field(web))
@@ -143,9 +129,11 @@ pub(super) fn open_list(web: &DashboardState, state: &BreakOutState) -> Markup {
     html! {
         @if !open.is_empty() {
             details { summary { "Still in the cake: " (count(open.len() as u32, "copy", "copies")) }
-                ul.still { @for copy in &open { li {
-                    a href=(format!("{}?at={}", state.address(), copy.number)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) }
+                ul.still { @for &at in &open { li {
+                    @let copy = &state.map.list.copies[at];
+                    a href=(state.address_of(at)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) }
                     @if !copy.order.is_empty() { ", order " (copy.order) }
+                    @if let Some(user) = elsewhere.get(&at) { ", on the screen of " (name_of_user(user)) }
                 } } }
                 @if web.orders {
                     div.buttons { (all(PickMark::Out, "All of these are out and good")) (all(PickMark::Missing, "None of these was found")) }
@@ -204,6 +192,31 @@ pub(super) fn mark_form(
             input type="hidden" name="at" value=(copy.number);
             input type="hidden" name="seen" value=(shown.map_or(0, |row| row.id));
             button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { ": " (copy.name) ", copy " (copy.copy) } }
+        }
+    }
+}
+
+/// What was said last, with the button that takes it back.
+pub(super) fn last_line(web: &DashboardState, state: &BreakOutState, user: &str, view: &TimeView) -> Markup {
+    let press = state.last_press(user);
+    let ids = || press.iter().map(|(_, row)| row.id);
+    let (Some((copy, row)), Some(first), Some(last)) = (press.first(), ids().min(), ids().max()) else {
+        return html! {};
+    };
+    html! {
+        div.undo {
+            p { "Last: "
+                @if press.len() > 1 { (press.len()) " copies, " } @else { (copy.number) " " (copy.name) ", copy " (copy.copy) ", " }
+                (mark_word(row.mark)) ", by " (name_of_user(&row.told_by)) ", " (view.time_text(row.told_at)) "." }
+            @if web.orders {
+                form.order method="post" action=(format!("{}/undo", state.address())) {
+                    (key_field(web))
+                    @for (name, value) in [("first", first), ("last", last), ("at", copy.number as i64)] {
+                        input type="hidden" name=(name) value=(value);
+                    }
+                    button type="submit" { @if press.len() > 1 { "Undo all " (press.len()) } @else { "Undo" } }
+                }
+            }
         }
     }
 }

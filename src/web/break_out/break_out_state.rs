@@ -70,15 +70,19 @@ impl BreakOutState {
         format!("/builds/{}/break-out", self.build.id)
     }
 
-    /// Position in the list of the next copy that is in the cake after position `at`, from there on round to it.
-    pub(crate) fn next_open(&self, at: usize) -> Option<usize> {
-        let length = self.states.len();
-        (at + 1..=at + length).map(|at| at % length).find(|&at| matches!(self.states[at], CopyState::Open))
+    /// Address of the page that shows the copy at a position of the list.
+    pub(super) fn address_of(&self, at: usize) -> String {
+        format!("{}?at={}", self.address(), at + 1)
     }
 
-    /// Position of the first copy that is in the cake.
-    pub(super) fn first_open(&self) -> Option<usize> {
-        self.states.iter().position(|state| matches!(state, CopyState::Open))
+    /// Positions in the list of the copies that are in the cake.
+    pub(super) fn open_positions(&self) -> Vec<usize> {
+        (0..self.states.len()).filter(|&at| matches!(self.states[at], CopyState::Open)).collect()
+    }
+
+    /// Number of the bin of a copy, from 0.
+    pub(super) fn bin_of(&self, copy: &PickedCopy) -> usize {
+        self.bins.iter().position(|order| *order == copy.order).unwrap_or(0)
     }
 
     /// The copies with their states, bin by bin.
@@ -92,16 +96,19 @@ impl BreakOutState {
         counts
     }
 
-    /// The last mark of this user, or of anybody if he made none.
-    pub(super) fn last_mark(&self, user: &str) -> Option<(&PickedCopy, &PickMarkRow)> {
-        let marked = || {
-            self.map.list.copies.iter().zip(&self.states).filter_map(|(copy, state)| match state {
+    /// What this user said last, or anybody if he said nothing, of one copy or of several at once, as far as it still counts.
+    pub(super) fn last_press(&self, user: &str) -> Vec<(&PickedCopy, &PickMarkRow)> {
+        let mut marked: Vec<_> = (self.map.list.copies.iter().zip(&self.states))
+            .filter_map(|(copy, state)| match state {
                 CopyState::Marked(row) => Some((copy, row)),
                 _ => None,
             })
+            .collect();
+        let Some(&(_, last)) = marked.iter().max_by_key(|(_, row)| (row.told_by == user, row.id)) else {
+            return marked;
         };
-        let own = marked().filter(|(_, row)| row.told_by == user).max_by_key(|(_, row)| row.id);
-        own.or_else(|| marked().max_by_key(|(_, row)| row.id))
+        marked.retain(|(_, row)| (&row.told_by, row.told_at, row.mark) == (&last.told_by, last.told_at, last.mark));
+        marked
     }
 }
 

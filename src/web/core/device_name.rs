@@ -17,16 +17,18 @@ pub(crate) fn device_user(web: &DashboardState, user: &str, back: &str) -> Marku
     if !web.orders || web.user_header.is_some() {
         return html! {};
     }
-    html! {
-        details.who open[is_nobody(user)] {
-            summary { @if is_nobody(user) { "Who works here? The name is asked once on this device." } @else { "You are " (name_of_user(user)) "." } }
-            form.filters method="post" action="/name" {
-                (key_field(web))
-                input type="hidden" name="back" value=(back);
-                label { "Your name" input name="name" maxlength="40" autocomplete="name" value=[(!is_nobody(user)).then(|| name_of_user(user))]; }
-                button type="submit" { "That is me" }
-            }
+    let form = html! {
+        form.filters method="post" action="/name" {
+            (key_field(web))
+            input type="hidden" name="back" value=(back);
+            label { "Your name" input name="name" maxlength="40" autocomplete="name" value=[(!is_nobody(user)).then(|| name_of_user(user))]; }
+            button type="submit" { "That is me" }
         }
+    };
+    // An open fold with a field keeps a page from showing what is new.
+    html! {
+        @if is_nobody(user) { p { "Who works here? The name is asked once on this device." } (form) }
+        @else { details { summary { "You are " (name_of_user(user)) "." } (form) } }
     }
 }
 

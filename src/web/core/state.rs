@@ -5,9 +5,9 @@ use std::sync::{Arc, PoisonError};
 use axum::body::Bytes;
 use jiff::Timestamp;
 use ledger::Ledger;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{Notify, Semaphore, watch};
 
-use super::{form_keys::FormKeys, order_keys::OrderDoor, upload_turns::UploadTurns};
+use super::{form_keys::FormKeys, order_keys::OrderDoor, shown_copies::ShownCopies, upload_turns::UploadTurns};
 use crate::{
     farm::{self, FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
     metrics::MetricsExporter,
@@ -57,6 +57,10 @@ pub(crate) struct DashboardState {
     /// The meshes of the machine that was quoted for last.
     pub(crate) quote_meshes: QuoteMeshes,
     pub(crate) changes: watch::Sender<u64>,
+    /// The copies that screens show while builds are broken out.
+    pub(crate) shown: ShownCopies,
+    /// Wakes whoever looks for changes: a person said something that others wait for.
+    pub(crate) said: Notify,
 }
 
 /// What is made of builds once, and kept.
@@ -91,11 +95,11 @@ impl DashboardState {
         let reading = FarmReading::read(&self.ledger, settings.profiles.values(), Timestamp::now()).await?;
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&settings.state_dir);
-        let picked = self.ledger.last_pick_id().await?;
+        let picked = (self.ledger.last_pick_id().await?, self.shown.taken());
         let (status, facts) = (&reading.rows.statuses, reading.facts());
         // What each printer does is a word that time alone changes, too.
         let doing: Vec<_> =
             facts.iter().flat_map(|fact| &fact.printers).map(|printer| (printer.state, printer.build)).collect();
-        Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?} {doing:?}"))
+        Ok(format!("{alive:?} {last} {picked:?} {status:?} {notices:?} {doing:?}"))
     }
 }

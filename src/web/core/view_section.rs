@@ -65,9 +65,9 @@ impl ViewSection {
                             // Stands there until the view is drawn, and where it cannot be drawn.
                             @if has_pages { div.poster { (cake_picture(self.build)) } }
                             canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
+                            p #hover role="status" { "Point at a copy or at a line of the list to see what it is; press to keep it chosen." }
                         }
                         (view_controls())
-                        p #hover role="status" { "Point at a copy or at a line of the list to see what it is; press to keep it chosen." }
                     }
                     (self.part_list())
                 }

@@ -8,9 +8,9 @@ use maud::{Markup, html};
 use solids::Bounds;
 
 use super::{
-    footprint::convex_footprint,
     labels::{PlanLabel, separate_labels},
     look_alike::look_alikes,
+    outline::{OUTLINE_SCALE, outline_path},
 };
 use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
@@ -22,14 +22,11 @@ use crate::{
     },
 };
 
-/// Least distance between two corners of a footprint, mm.
-const MIN_CORNER_DISTANCE_MM: f64 = 1.5;
-
 /// Thickness of a band of the map, mm.
 const BAND_MM: f64 = 10.0;
 
 /// Copies per sheet of a map in proved order: with names and orders of 60 letters, plan and list fit on a page of A4.
-const COPIES_PER_SHEET: usize = 15;
+const COPIES_PER_SHEET: usize = 22;
 
 /// A pick map as the cache holds it.
 #[derive(Clone)]
@@ -45,8 +42,8 @@ pub(crate) struct CachedPickMap {
 pub(crate) struct PickShapes {
     /// Width and depth of the machine, mm.
     pub(crate) floor_mm: DVec2,
-    /// The outline of each copy from above, in the order of the list.
-    pub(crate) footprints: Vec<Vec<DVec2>>,
+    /// The outline of each copy from above, in the order of the list, as a path in steps (`figures/outline`).
+    pub(crate) outlines: Vec<String>,
     /// Parts by number, with the names of those that an eye confuses with them.
     pub(crate) look_alikes: BTreeMap<i64, Vec<String>>,
 }
@@ -60,7 +57,7 @@ impl CachedPickMap {
         let sheets = map_sheets(cake, (&picks, is_proved), true);
         let shapes = Arc::new(PickShapes {
             floor_mm: cake.volume_mm.truncate(),
-            footprints: picks.iter().map(|pick| pick.footprint.clone()).collect(),
+            outlines: picks.iter().map(|pick| pick.outline.clone()).collect(),
             look_alikes: look_alikes(&cake.parts),
         });
         Self { copies: cake.copy_count(), sheets, list, shapes }
@@ -73,8 +70,8 @@ struct PickEntry<'c> {
     copy: u32,
     /// `None` when the original file of its part no longer exists.
     bounds: Option<Bounds>,
-    /// Its outline seen from above.
-    footprint: Vec<DVec2>,
+    /// Its outline seen from above, a path.
+    outline: String,
     removal: Option<RemovalStep>,
 }
 
@@ -137,7 +134,7 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
                 h2 { (title) }
                 div.sheet {
                     (sheet_plan(first, band, cake.volume_mm.x, cake.volume_mm.y))
-                    div.wide tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
+                    div.wide.listed tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
                         colgroup { col.pick-done; @for column in &columns { col class=(format!("pick-{}", column.key)); } }
                         thead { tr { th scope="col" { "Done" } @for column in &columns { (heading(&column.field)) } } }
                         tbody { @for (number, pick) in (first..).zip(band) { (table_row(&pick_list_row(number, pick), &columns, has_pages)) } }
@@ -192,7 +189,7 @@ fn table_row(copy: &PickedCopy, columns: &[&TableColumn<PickedCopy>], has_pages:
     // The due date of a copy is a text here.
     let view = TimeView::kept(&FarmZone::default());
     html! { tr {
-        td { "\u{2610}" }
+        td data-of="Done" { "\u{2610}" }
         @for column in columns { (cell(&column.field, &(column.value)(copy), has_pages, &view)) }
     } }
 }
@@ -214,8 +211,6 @@ fn shown_columns(cake: &CakeContents, is_proved: bool) -> Vec<&'static TableColu
 /// bottom.
 fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Markup {
     let unit = x_mm.max(y_mm) / 100.0;
-    let corner = |p: &DVec2| format!("{:.1},{:.1}", p.x, y_mm - p.y);
-    let corners = |pick: &PickEntry<'_>| pick.footprint.iter().map(corner).collect::<Vec<_>>().join(" ");
     let label = |(number, pick): (usize, &PickEntry<'_>)| {
         let center = pick.center_mm()?;
         Some(PlanLabel::new(number.to_string(), DVec2::new(center.x, y_mm - center.y), 4.5 * unit))
@@ -226,7 +221,7 @@ fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Mar
         svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -rim, -rim, x_mm + 2.0 * rim, y_mm + 2.0 * rim + 5.0 * unit)) preserveAspectRatio="xMinYMin" role="img"
             aria-label="What they cover, from above, with their numbers" {
             rect.grid x="0" y="0" width=(x_mm) height=(y_mm) {}
-            @for pick in band { polygon.covers points=(corners(pick)) {} }
+            g.covers transform=(OUTLINE_SCALE) { @for pick in band { path d=(pick.outline) {} } }
             @for label in &labels { @if label.is_shifted() {
                 line.leader x1=(format!("{:.1}", label.target.x)) y1=(format!("{:.1}", label.target.y))
                     x2=(format!("{:.1}", label.center.x)) y2=(format!("{:.1}", label.center.y)) stroke-width=(format!("{:.2}", 0.3 * unit)) {}
@@ -240,10 +235,10 @@ fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Mar
     }
 }
 
-fn copy_footprint(part: &CakePart, standing: &CakeCopy) -> Vec<DVec2> {
+fn copy_outline(part: &CakePart, standing: &CakeCopy, depth_mm: f64) -> String {
     let placed =
         part.mesh.iter().flat_map(|mesh| mesh.vertices().iter().map(|&vertex| standing.pose.transform_point(vertex)));
-    convex_footprint(placed, MIN_CORNER_DISTANCE_MM)
+    outline_path(placed, depth_mm)
 }
 
 /// The copies from the top down; copies without a known place come last.
@@ -254,7 +249,7 @@ fn picks_from_top(cake: &CakeContents) -> Vec<PickEntry<'_>> {
             part,
             copy: standing.copy,
             bounds: part.copy_bounds(standing),
-            footprint: copy_footprint(part, standing),
+            outline: copy_outline(part, standing, cake.volume_mm.y),
             removal: standing.drawn,
         }));
     }

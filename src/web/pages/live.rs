@@ -40,11 +40,12 @@ pub(crate) async fn stream_changes(
     Ok(Sse::new(events).keep_alive(KeepAlive::default()))
 }
 
-/// Checks once a second whether the farm's state has changed, while any page listens.
+/// Checks once a second, and as soon as a person said something, whether the farm's state has changed, while any page listens.
 pub(crate) async fn watch_for_changes(web: Arc<DashboardState>, changes: watch::Sender<u64>) {
     let mut seen = String::new();
     loop {
-        tokio::time::sleep(POLL_INTERVAL).await;
+        // Either way it is time to look.
+        let _ = tokio::time::timeout(POLL_INTERVAL, web.said.notified()).await;
         if changes.receiver_count() == 0 {
             continue;
         }

@@ -104,6 +104,8 @@ pub async fn serve_dashboard(
         quote_slots: Arc::new(Semaphore::new(quote::MAX_QUOTES)),
         quote_meshes,
         changes: changes.clone(),
+        shown: Default::default(),
+        said: Default::default(),
     });
     tokio::spawn(live::watch_for_changes(shared.clone(), changes));
     if shared.orders {
@@ -127,6 +129,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/builds/{build}/pick", get(pick_page::show_pick_map))
         .route("/builds/{build}/break-out", get(break_out::show_step).post(break_out::post_mark))
         .route("/builds/{build}/break-out/all", post(break_out::post_all))
+        .route("/builds/{build}/break-out/undo", post(break_out::post_undo))
         .route("/builds/{build}/parts/{part}/picture", get(picture::get_part_picture))
         .route("/builds/{build}/picture", get(picture::get_picture))
         .route("/builds/{build}/scene", get(scene::get_scene))

@@ -5,7 +5,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Cake } from "./cake.js";
 import { furniture } from "./furniture.js";
 import { load } from "./load.js";
-import { kindColour, scaleColour } from "./palette.js";
+import { kindColour, orderColour, pale, scaleColour } from "./palette.js";
 
 const section = document.querySelector("#view");
 const HINT = "Point at a copy or at a line of the list to see what it is; press to keep it chosen.";
@@ -23,7 +23,7 @@ function colourings(data) {
   const few = dues.length > 6 ? [dues[0], dues[dues.length >> 1], dues[dues.length - 1]] : dues;
   return {
     part: { colour: (mesh) => kindColour(number.get(mesh)), legend: [] },
-    order: { colour: (mesh) => kindColour(orders.indexOf(mesh.order)), legend: orders.map((name, at) => [kindColour(at), name || "no order"]) },
+    order: { colour: (mesh) => orderColour(orders.indexOf(mesh.order)), legend: orders.map((name, at) => [orderColour(at), name || "no order"]) },
     due: { colour: (mesh) => scaleColour(dueShare(mesh)), legend: [...steps(few), [scaleColour(null), "no date"]] },
     height: { colour: (_, copy) => scaleColour((middle(copy) - low) / (top - low || 1)), legend: steps([low, (low + top) / 2, top].map((mm) => `${mm.toFixed(0)} mm`)) },
     step: { colour: (_, copy) => scaleColour(copy.step ? 1 - (copy.step - 1) / Math.max(lastStep - 1, 1) : null), legend: lastStep ? steps([`${lastStep}: last out`, "1: first out"]) : [[scaleColour(null), "no proved order of removal"]] },
@@ -45,15 +45,17 @@ function show(data) {
   let around = null;
   const theme = () => { scene.background = new Color(style("--canvas")); if (around) scene.remove(around); around = furniture(data.volume_mm, data.height_mm, style("--box"), style("--text")); scene.add(around); paint(); };
 
-  // What is chosen for good, and what is pointed at: { part } or { order }; null = nothing. The page of a part links to its copies.
-  const linked = () => { const part = Number(/^#part-(\d+)$/.exec(location.hash)?.[1]); return part ? { part } : null; };
+  // What is chosen for good, and what is pointed at: { part } with the copy that was tapped, if any, or { order }; null = nothing. Other
+  // pages link to the copies of a part, or to one of them.
+  const linked = () => { const [, part, copy] = /^#part-(\d+)(?:-(\d+))?$/.exec(location.hash) ?? []; return part ? { part: Number(part), copy: copy && Number(copy) } : null; };
   let chosen = linked(), pointed = null;
   const fits = (mesh, what) => (what.part === undefined ? mesh.order === what.order : mesh.part === what.part);
-  const same = (one, other) => one?.part === other?.part && one?.order === other?.order;
+  const same = (one, other) => one?.part === other?.part && one?.order === other?.order && one?.copy === other?.copy;
   const meaning = () => meanings[section.querySelector("#colour")?.value] ?? meanings.part;
   function paint() {
     const what = pointed ?? chosen, { colour } = meaning();
-    cake.arrange((mesh) => !what || fits(mesh, what), colour, style("--box"));
+    const told = (mesh, copy) => (what?.copy === undefined || copy.copy === what.copy ? colour(mesh, copy) : pale(colour(mesh, copy)));
+    cake.arrange((mesh) => !what || fits(mesh, what), told, style("--box"));
     draw();
   }
   function mark() {
@@ -126,7 +128,7 @@ function show(data) {
   canvas.addEventListener("click", (e) => {
     if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
     const found = under(e);
-    if (found) choose({ part: found.mesh.part }); else if (chosen) choose(chosen);
+    if (found) choose({ part: found.mesh.part, copy: found.copy.copy }); else if (chosen) choose(chosen);
     tell(found);
     if (found && hot) { const list = hot.closest(".view-list"); list.scrollTop = hot.offsetTop - list.offsetTop - list.clientHeight / 2; }
   });

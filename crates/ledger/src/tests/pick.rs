@@ -99,9 +99,34 @@ async fn who_did_not_see_what_another_said_overwrites_nothing() {
     assert_eq!((stale.mark, stale.told_by.as_str()), (PickMark::Bad, ANN));
     let undo = ledger.mark_pick(build, (part, 0), PickMark::Open, stale.id + 1, BEN).await.unwrap().unwrap();
     assert_eq!(undo, stale, "nor is it taken back unseen");
-    ledger.mark_picks(build, &[(part, 0), (part, 1)], PickMark::Out, BEN).await.unwrap();
+    let known = ledger.mark_picks(build, &[(part, 0), (part, 1)], PickMark::Out, BEN).await.unwrap();
+    assert_eq!(known, std::slice::from_ref(&stale), "of that copy something was said before");
     let said = vec![(0, PickMark::Bad, ANN.to_owned()), (1, PickMark::Out, BEN.to_owned())];
     assert_eq!(marks(&ledger, build).await, said, "what is said of the rest is not said of it");
     assert_eq!(ledger.mark_pick(build, (part, 0), PickMark::Out, stale.id, BEN).await.unwrap(), None, "it was shown");
     assert!(marks(&ledger, build).await.contains(&(0, PickMark::Out, BEN.to_owned())));
+}
+
+#[tokio::test]
+async fn what_was_said_of_several_copies_at_once_is_taken_back_at_once_but_for_what_was_said_since() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    let tray = [(part, 0), (part, 1), (part, 2)];
+    ledger.mark_picks(build, &tray, PickMark::Out, ANN).await.unwrap();
+    let rows = ledger.picks_of_build(build).await.unwrap();
+    let ids = rows[0].id..=rows[2].id;
+    ledger.mark_pick(build, (part, 1), PickMark::Bad, rows[1].id, BEN).await.unwrap();
+    assert_eq!(ledger.undo_picks(build, ids.clone(), ANN).await.unwrap(), 2);
+    assert_eq!(marks(&ledger, build).await, [(1, PickMark::Bad, BEN.to_owned())]);
+    assert_eq!(ledger.undo_picks(build, ids, ANN).await.unwrap(), 0, "pressed twice");
+}
+
+#[tokio::test]
+async fn a_mark_of_a_copy_that_was_told_bad_is_not_taken_back() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    ledger.mark_picks(build, &[(part, 0), (part, 1), (part, 2)], PickMark::Missing, ANN).await.unwrap();
+    let rows = ledger.picks_of_build(build).await.unwrap();
+    ledger.finish_break_out(build, ANN).await.unwrap();
+    assert_eq!(ledger.undo_picks(build, rows[0].id..=rows[2].id, ANN).await.unwrap(), 0);
 }

@@ -1,7 +1,10 @@
 //! Breaking a build out: what people say of each copy when it comes out of the cake. Several people may work on one build. The marks
 //! are a log: the last one of a copy counts, and taking one back is a mark, too.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::RangeInclusive,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -90,20 +93,41 @@ impl Ledger {
     }
 
     /// Records the same of several copies in a published build of which nobody said anything, of all or of none. What somebody says
-    /// meanwhile of one of them stays.
+    /// meanwhile of one of them stays, and is returned.
     pub async fn mark_picks(
         &self,
         build: BuildId,
         copies: &[(PartId, u32)],
         mark: PickMark,
         told_by: &str,
-    ) -> Result<()> {
+    ) -> Result<Vec<PickMarkRow>> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, PRINTED_STATES).await?;
+        let mut known = Vec::new();
         for copy in copies {
-            record_mark(&mut change, build, *copy, (mark, 0), told_by).await?;
+            known.extend(record_mark(&mut change, build, *copy, (mark, 0), told_by).await?);
         }
-        change.commit().await
+        change.commit().await?;
+        Ok(known)
+    }
+
+    /// Takes back the marks with these numbers, where nobody said anything else since and the copy was not told bad. Returns how many
+    /// were taken back. What is said at once has numbers one after the other.
+    pub async fn undo_picks(&self, build: BuildId, ids: RangeInclusive<i64>, told_by: &str) -> Result<u32> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, PRINTED_STATES).await?;
+        let all = sql::select_as("FROM pick_mark WHERE build_id = $1 ORDER BY id").bind(build);
+        let marks = last_marks(all.fetch_all(change.db()).await?);
+        let mut undone = 0;
+        for row in marks.iter().filter(|row| ids.contains(&row.id)) {
+            match record_mark(&mut change, build, (row.part_id, row.copy), (PickMark::Open, row.id), told_by).await {
+                Err(LedgerError::NotInBuild { .. }) => {}
+                Err(error) => return Err(error),
+                Ok(_) => undone += 1,
+            }
+        }
+        change.commit().await?;
+        Ok(undone)
     }
 
     /// What was said last of each copy of a build, without what was taken back, in the order in which it was said.

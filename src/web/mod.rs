@@ -11,6 +11,7 @@ mod doors;
 mod figures;
 mod forms;
 mod help;
+mod labels;
 mod look;
 mod pages;
 mod serve;

@@ -1,4 +1,4 @@
-//! What comes out of a printer: the pick map of 527 copies with names of 60 letters, and the history, printed by a real Chromium and
+//! What comes out of a printer: the pick map of 527 copies with names of 60 letters, the labels, and the history, printed by a real Chromium and
 //! read back with `pdftotext`. Needs `NESTD_BROWSER=<chromium>` and poppler-utils.
 
 use std::{
@@ -119,6 +119,19 @@ fn assert_rows_are_printed(printed: &str, rows: &[Vec<String>]) {
     }
 }
 
+/// Fails unless the labels of build 1 are whole on each kind of sheet, with a page for as many as it has.
+fn labels_are_whole(dashboard: &BrowserDashboard, names: &[String], order: &str) {
+    for (sheet, per_page) in [("a4-70x37", 24), ("a4-99x38", 14), ("letter-5160", 30), ("roll-62", 1)] {
+        let address = format!("{}/builds/1/labels.pdf?of=bags&sheet={sheet}", dashboard.base);
+        let pdf = dashboard.farm.root().join(format!("{sheet}.pdf"));
+        std::fs::write(&pdf, ureq::get(address).call().unwrap().body_mut().read_to_vec().unwrap()).unwrap();
+        let pages = pages_of_pdf(&pdf, "-raw");
+        assert_eq!(pages.len(), names.len().div_ceil(per_page), "{sheet}");
+        let row = |name: &String| vec![order.to_owned(), name.clone(), format!("{} copies of build 1", PARTS.1)];
+        assert_rows_are_printed(&pages.concat(), &names.iter().map(row).collect::<Vec<_>>());
+    }
+}
+
 pub fn pick_map_and_history_lose_nothing_on_paper() {
     let _quiet = quiet::run_alone();
     let dashboard = BrowserDashboard::start();
@@ -147,6 +160,7 @@ pub fn pick_map_and_history_lose_nothing_on_paper() {
     for (sheet, rows) in sheets.iter().zip(rows.chunks(COPIES_PER_SHEET)) {
         assert_rows_are_printed(sheet, rows);
     }
+    labels_are_whole(&dashboard, &names, &order);
     let history = page_html(&dashboard, "/history");
     let rows = rows_of_page(&history, |table| table.contains("Bound, mm"));
     assert_eq!(rows.len(), 1, "{history}");

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the font of the pages, a Latin part of Inter with the weights 400 to 700: sh src/web/assets/font.sh. Needs npm, python3 and a network.
+# Makes the font of the pages, a Latin part of Inter with the weights 400 to 700, and that of labels, its European letters: sh src/web/assets/font.sh. Needs npm, python3 and a network.
 set -eu
 cd "$(dirname "$0")"
 out=$(mktemp -d)
@@ -10,3 +10,7 @@ trap 'rm -r "$out"' EXIT
 "$out/python/bin/pyftsubset" "$out/inter.ttf" --flavor=woff2 --layout-features=kern,mark,mkmk,tnum,ccmp,locl --output-file=inter.woff2 \
     --unicodes=U+0020-007E,U+00A0-00FF,U+0131,U+0152-0153,U+02C6,U+02DA,U+02DC,U+2013-2014,U+2018-201A,U+201C-201E,U+2022,U+2026,U+2032-2033,U+2039-203A,U+20AC,U+2122,U+2190-2193,U+2212,U+2215
 cp "$out/package/LICENSE" LICENSE-Inter
+(cd "$out" && rm -r package ./*.tgz && npm pack --silent inter-ui@4.1.1 >/dev/null && tar xzf ./*.tgz)
+"$out/python/bin/fonttools" ttLib.woff2 decompress -o "$out/medium.ttf" "$out/package/web/Inter-Medium.woff2"
+"$out/python/bin/pyftsubset" "$out/medium.ttf" --output-file=labels.ttf --layout-features= --no-hinting --notdef-outline --name-IDs= --drop-tables+=GSUB,GPOS,GDEF,STAT \
+    --unicodes=U+0020-007E,U+00A0-017F,U+0218-021B,U+0370-03FF,U+0400-045F,U+0490-0491,U+2013-2014,U+2018-201E,U+2020-2022,U+2026,U+2030,U+2032-2033,U+2039-203A,U+20AC,U+2122,U+2190-2193,U+2212

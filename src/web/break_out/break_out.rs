@@ -31,6 +31,7 @@ use crate::web::{
         state::DashboardState,
     },
     forms::operate_form::say_word,
+    labels::label_form::build_labels,
 };
 
 /// Which copy is shown, by its number in the list; without any, the next that is in the cake and on no other screen.
@@ -97,6 +98,7 @@ fn step_content(
         (device_user(web, look.user, &state.address()))
         (bins_table(&counts))
         (open_list(web, state, &elsewhere))
+        (build_labels(state.build.id.0))
         p.links { a href=(format!("/builds/{}/pick", state.build.id)) { "The whole pick map, to print" }
             a href=(format!("/builds/{}", state.build.id)) { "Build " (state.build.id) } }
     }

@@ -25,6 +25,7 @@ use crate::{
         },
         figures::chart,
         forms::build_forms::{build_forms, release_form, second_files, unseen_failure},
+        labels::label_form::build_labels,
     },
 };
 
@@ -65,6 +66,7 @@ pub(crate) async fn show_build(
                 a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
             } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
+        (build_labels(build.id.0))
         (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &view))
         (release)
         (build_forms(&web, &build, &placements))

@@ -30,6 +30,7 @@ use crate::{
         },
         core::state::DashboardState,
         forms::order_forms::{line_forms, order_forms},
+        labels::label_form::order_labels,
         look::{
             chip::chip,
             pieces::empty,
@@ -212,6 +213,7 @@ pub(crate) async fn show_order(
         @if !order.arriving.is_empty() { p { (count(order.arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
         (order_forms(&web, &order.order, &lines, order.arriving.len()))
         (line_forms(&web, &lines, &parts))
+        (order_labels(&name))
         h2 { "Where the copies are" }
         @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }

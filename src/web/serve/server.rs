@@ -42,6 +42,7 @@ use crate::{
         },
         forms::{build_forms, order_forms, part_forms},
         help::pages as help,
+        labels::label_form,
         pages::{build, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search},
     },
 };
@@ -132,6 +133,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/builds/{build}/break-out/undo", post(break_out::post_undo))
         .route("/builds/{build}/parts/{part}/picture", get(picture::get_part_picture))
         .route("/builds/{build}/picture", get(picture::get_picture))
+        .route("/builds/{build}/labels.pdf", get(label_form::get_build_labels))
         .route("/builds/{build}/scene", get(scene::get_scene))
         .route("/machines/{machine}/flush", get(flush::show_preview))
         .route("/machines/{machine}/drop", get(drop::show_form))
@@ -161,6 +163,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/orders/{order}/cancel", post(order_forms::post_cancel))
         .route("/orders/{order}/close", post(order_forms::post_close))
         .route("/orders/{order}/edit", post(order_forms::post_edit))
+        .route("/orders/{order}/labels.pdf", get(label_form::get_order_labels))
         .route("/orders/{order}/move", post(order_forms::post_move))
         .route("/orders/{order}/reprint", post(order_forms::post_reprint))
         .route("/assets/{name}", get(asset_route::get_asset))

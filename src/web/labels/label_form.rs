@@ -1,0 +1,114 @@
+//! The form that asks for labels, and the PDF of a build and of an order.
+
+use std::sync::Arc;
+
+use axum::{
+    extract::{Path, State},
+    http::{HeaderMap, header},
+    response::{IntoResponse, Response},
+};
+use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    label_pdf::{Label, write_labels},
+    label_sheet::{LabelSheet, SHEETS},
+    labels_of::{Bag, LinkRoot, bag_labels, bin_labels},
+};
+use crate::{
+    farm::load_placed_parts,
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            query::{Query, order_address},
+        },
+        core::{cached_render::find_build, state::DashboardState},
+    },
+};
+
+/// What is labelled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Labelled {
+    /// The copies of an order in a build.
+    #[default]
+    Bins,
+    /// The copies of a part.
+    Bags,
+}
+
+/// Which labels.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct LabelQuery {
+    of: Labelled,
+    sheet: LabelSheet,
+    /// Labels that the first sheet lacks already.
+    used: usize,
+}
+
+/// Asks for the labels of a build.
+pub(crate) fn build_labels(build: i64) -> Markup {
+    label_form(&format!("/builds/{build}/labels.pdf"), true)
+}
+
+/// Asks for the labels of an order.
+pub(crate) fn order_labels(order: &str) -> Markup {
+    label_form(&format!("{}/labels.pdf", order_address(order)), false)
+}
+
+fn label_form(address: &str, has_bins: bool) -> Markup {
+    html! {
+        details.forms { summary { "Labels for " @if has_bins { "bins and " } "bags" }
+            form.filters method="get" action=(address) {
+                @if has_bins { label { "For" select name="of" {
+                    option value="bins" { "bins: one for each order" }
+                    option value="bags" { "bags: one for each part" }
+                } } }
+                label { "Sheet" select name="sheet" { @for sheet in SHEETS { option value=(sheet.word()) { (sheet.words()) } } } }
+                label { "Labels used up on the first sheet" input type="number" name="used" min="0" max="29" value="0"; }
+                button type="submit" { "Open the PDF" }
+            }
+        }
+    }
+}
+
+/// The labels of a build as PDF.
+pub(crate) async fn get_build_labels(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    Query(query): Query<LabelQuery>,
+    headers: HeaderMap,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let placed = load_placed_parts(&web.ledger, &build, &profile).await?;
+    let bags: Vec<Bag> = placed.iter().map(|(part, copies)| Bag::of_part(part, copies.len() as u32)).collect();
+    let root = LinkRoot::of_request(&headers);
+    let labels = match query.of {
+        Labelled::Bins => bin_labels(&bags, number, &root),
+        Labelled::Bags => bag_labels(&bags, Some(number), &root),
+    };
+    answer_pdf(&format!("Labels of build {number}"), &labels, &query)
+}
+
+/// The labels of an order as PDF, one for each of its parts.
+pub(crate) async fn get_order_labels(
+    State(web): State<Arc<DashboardState>>,
+    Path(name): Path<String>,
+    Query(query): Query<LabelQuery>,
+    headers: HeaderMap,
+) -> HandlerResult<Response> {
+    let lines = web.ledger.order_lines(&name).await?;
+    let bags: Vec<Bag> = lines.iter().map(|line| Bag::of_line(&name, line)).collect();
+    answer_pdf(&format!("Labels of order {name}"), &bag_labels(&bags, None, &LinkRoot::of_request(&headers)), &query)
+}
+
+fn answer_pdf(title: &str, labels: &[Label], query: &LabelQuery) -> HandlerResult<Response> {
+    if labels.is_empty() {
+        return Err(HandlerError::NotFound("part to label".to_owned()));
+    }
+    let pdf = write_labels(title, labels, query.sheet, query.used)?;
+    let headers =
+        [(header::CONTENT_TYPE, "application/pdf"), (header::CONTENT_DISPOSITION, "inline; filename=\"labels.pdf\"")];
+    Ok((headers, pdf).into_response())
+}

@@ -1,0 +1,264 @@
+//! Writes labels as a PDF. The font is embedded, and a text that it lacks letters of says so to whoever reads the file (`ActualText`), so
+//! that a text is whole in every script.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context, Result};
+use flate2::{Compression, write::ZlibEncoder};
+use pdf_writer::{
+    Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr,
+    types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap},
+};
+use qrcode::{Color, EcLevel, QrCode};
+
+use super::{
+    label_font::{FONT_FILE, LabelFont},
+    label_sheet::{LabelSheet, SheetShape},
+};
+
+/// Points in a millimetre.
+const POINTS_PER_MM: f64 = 72.0 / 25.4;
+/// Free rim of a label, mm.
+const RIM_MM: f64 = 2.5;
+/// Greatest side of a code, and its greatest share of the width of a label.
+const CODE_MM: f64 = 24.0;
+const CODE_SHARE: f64 = 0.36;
+/// Free cells that a reader needs around a code; the rim of the label gives most of them.
+const QUIET_CELLS: usize = 2;
+/// Sizes of the first line and of the others, points.
+const TITLE_SIZE: f64 = 13.0;
+const LINE_SIZE: f64 = 9.5;
+/// Height of a line, in sizes, and how much smaller each attempt to fit is.
+const LINE_HEIGHT: f64 = 1.15;
+const SMALLER: f64 = 0.94;
+/// Smallest scale of the sizes.
+const SMALLEST: f64 = 0.3;
+/// Name of the font in the file, of its font program, and of what its glyphs mean.
+const FONT_NAME: Name<'static> = Name(b"F");
+const BASE_FONT: Name<'static> = Name(b"NESTDA+Inter-Medium");
+const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
+
+/// A label.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Label {
+    /// In large letters: the order.
+    pub(crate) title: String,
+    /// Below it.
+    pub(crate) lines: Vec<String>,
+    /// Where its code leads; "" = no code.
+    pub(crate) address: String,
+}
+
+/// The labels on sheets, of which the first lacks `used` labels already.
+///
+/// # Errors
+/// When an address is too long for a code.
+pub(crate) fn write_labels(title: &str, labels: &[Label], sheet: LabelSheet, used: usize) -> Result<Vec<u8>> {
+    let (font, shape) = (LabelFont::read()?, sheet.shape());
+    let (mut pdf, mut next) = (Pdf::new(), Ref::new(1));
+    let (catalog, tree, info, font_ref) = (next.bump(), next.bump(), next.bump(), next.bump());
+    pdf.document_info(info).title(TextStr(title)).producer(TextStr("nestd"));
+    let used = used % shape.per_page();
+    let places: Vec<(usize, &Label)> = (used..).zip(labels).collect();
+    let mut letters = BTreeMap::new();
+    let mut pages = Vec::new();
+    for sheet in places.chunk_by(|a, b| a.0 / shape.per_page() == b.0 / shape.per_page()) {
+        let mut content = Content::new();
+        for (place, label) in sheet {
+            let corner_mm = shape.corner_mm(place % shape.per_page());
+            draw_label(&mut content, &font, &mut letters, label, (corner_mm, &shape))?;
+        }
+        let (page_ref, content_ref) = (next.bump(), next.bump());
+        pages.push(page_ref);
+        let packed = pack(&content.finish())?;
+        pdf.stream(content_ref, &packed).filter(Filter::FlateDecode);
+        let mut page = pdf.page(page_ref);
+        let [width, height] = shape.page_mm.map(|mm| (mm * POINTS_PER_MM) as f32);
+        page.parent(tree).media_box(Rect::new(0.0, 0.0, width, height)).contents(content_ref);
+        page.resources().fonts().pair(FONT_NAME, font_ref);
+        page.finish();
+    }
+    pdf.catalog(catalog).pages(tree);
+    pdf.pages(tree).count(pages.len() as i32).kids(pages);
+    embed_font(&mut pdf, &font, &letters, (font_ref, next))?;
+    Ok(pdf.finish())
+}
+
+fn pack(bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    std::io::Write::write_all(&mut encoder, bytes).context("compressing labels")?;
+    encoder.finish().context("compressing labels")
+}
+
+/// Draws a label whose left upper corner is there on a page.
+fn draw_label(
+    content: &mut Content,
+    font: &LabelFont,
+    letters: &mut BTreeMap<u16, char>,
+    label: &Label,
+    (corner_mm, shape): ([f64; 2], &SheetShape),
+) -> Result<()> {
+    let [width, height] = shape.label_mm.map(|mm| (mm - 2.0 * RIM_MM) * POINTS_PER_MM);
+    let left = (corner_mm[0] + RIM_MM) * POINTS_PER_MM;
+    let top = (shape.page_mm[1] - corner_mm[1] - RIM_MM) * POINTS_PER_MM;
+    let mut aside = 0.0;
+    if !label.address.is_empty() {
+        let side = height.min(CODE_SHARE * width).min(CODE_MM * POINTS_PER_MM);
+        draw_code(content, &label.address, [left, top - 0.5 * (height - side)], side)?;
+        aside = side + RIM_MM * POINTS_PER_MM;
+    }
+    let mut y = top;
+    for (size, line) in fitted(font, label, [width - aside, height]) {
+        y -= LINE_HEIGHT * size;
+        draw_text(content, font, letters, &line, [left + aside, y + 0.25 * size], size);
+    }
+    Ok(())
+}
+
+/// The lines of a label with their sizes, as large as they fit.
+fn fitted(font: &LabelFont, label: &Label, [width, height]: [f64; 2]) -> Vec<(f64, String)> {
+    let mut scale = 1.0;
+    loop {
+        let wrapped = |text: &str, size: f64| -> Vec<(f64, String)> {
+            font.wrapped(text, width / size).into_iter().map(|line| (size, line)).collect()
+        };
+        let mut lines = wrapped(&label.title, scale * TITLE_SIZE);
+        lines.extend(label.lines.iter().flat_map(|line| wrapped(line, scale * LINE_SIZE)));
+        let high: f64 = lines.iter().map(|(size, _)| LINE_HEIGHT * size).sum();
+        if high <= height || scale < SMALLEST {
+            return lines;
+        }
+        scale *= SMALLER;
+    }
+}
+
+fn draw_text(
+    content: &mut Content,
+    font: &LabelFont,
+    letters: &mut BTreeMap<u16, char>,
+    text: &str,
+    [x, y]: [f64; 2],
+    size: f64,
+) {
+    let mut bytes = Vec::new();
+    for letter in text.chars() {
+        let glyph = font.glyph(letter).unwrap_or(0);
+        bytes.extend(glyph.to_be_bytes());
+        if glyph != 0 {
+            letters.entry(glyph).or_insert(letter);
+        }
+    }
+    let is_whole =
+        text.chars().all(|letter| font.glyph(letter).is_some_and(|glyph| letters.get(&glyph) == Some(&letter)));
+    if !is_whole {
+        content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(text));
+    }
+    content.begin_text().set_font(FONT_NAME, size as f32);
+    content.set_text_matrix([1.0, 0.0, 0.0, 1.0, x as f32, y as f32]).show(Str(&bytes)).end_text();
+    if !is_whole {
+        content.end_marked_content();
+    }
+}
+
+/// Draws the code of an address with its left upper corner there.
+fn draw_code(content: &mut Content, address: &str, [left, top]: [f64; 2], side: f64) -> Result<()> {
+    let code = QrCode::with_error_correction_level(address, EcLevel::M)
+        .with_context(|| format!("the address {address} does not fit into a code"))?;
+    let cells = code.width();
+    let cell = side / (cells + 2 * QUIET_CELLS) as f64;
+    let begin = QUIET_CELLS as f64 * cell;
+    for (row, line) in code.to_colors().chunks(cells).enumerate() {
+        let mut column = 0;
+        // Neighbours in a row are one rectangle, without a seam.
+        for run in line.chunk_by(|a, b| a == b) {
+            if run[0] == Color::Dark {
+                let [x, y] = [left + begin + column as f64 * cell, top - begin - (row + 1) as f64 * cell];
+                content.rect(x as f32, y as f32, (run.len() as f64 * cell) as f32, cell as f32);
+            }
+            column += run.len();
+        }
+    }
+    content.fill_nonzero();
+    Ok(())
+}
+
+/// Embeds the font with what its glyphs mean.
+fn embed_font(
+    pdf: &mut Pdf,
+    font: &LabelFont,
+    letters: &BTreeMap<u16, char>,
+    (font_ref, mut next): (Ref, Ref),
+) -> Result<()> {
+    let (descendant, descriptor, meaning, file) = (next.bump(), next.bump(), next.bump(), next.bump());
+    pdf.type0_font(font_ref)
+        .base_font(BASE_FONT)
+        .encoding_predefined(Name(b"Identity-H"))
+        .descendant_font(descendant)
+        .to_unicode(meaning);
+    let mut cid = pdf.cid_font(descendant);
+    cid.subtype(CidFontType::Type2).base_font(BASE_FONT).system_info(SYSTEM).font_descriptor(descriptor);
+    cid.cid_to_gid_map_predefined(Name(b"Identity"));
+    cid.widths().consecutive(0, (0..font.glyph_count()).map(|glyph| font.width_of(glyph) as f32));
+    cid.finish();
+    let ([x0, y0, x1, y1], ascent, descent) = font.metrics();
+    pdf.font_descriptor(descriptor)
+        .name(BASE_FONT)
+        .flags(FontFlags::SYMBOLIC)
+        .bbox(Rect::new(x0, y0, x1, y1))
+        .italic_angle(0.0)
+        .ascent(ascent)
+        .descent(descent)
+        .cap_height(ascent)
+        .stem_v(90.0)
+        .font_file2(file);
+    let mut cmap = UnicodeCmap::<u16>::new(Name(b"nestd"), SYSTEM);
+    for (&glyph, &letter) in letters {
+        cmap.pair(glyph, letter);
+    }
+    pdf.cmap(meaning, &cmap.finish());
+    let packed = pack(FONT_FILE)?;
+    pdf.stream(file, &packed).filter(Filter::FlateDecode).pair(Name(b"Length1"), FONT_FILE.len() as i32);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A text of 60 letters.
+    fn long(first: char) -> String {
+        std::iter::once(first).chain(('a'..='z').cycle()).take(60).collect()
+    }
+
+    #[test]
+    fn three_names_of_sixty_letters_fit_on_every_label() {
+        let font = LabelFont::read().unwrap();
+        let label = Label {
+            title: long('O'),
+            lines: vec![long('C'), long('P'), "12 copies, build 1234".to_owned()],
+            address: "https://farm.example.org:7878/orders/K-2026-1182".to_owned(),
+        };
+        for sheet in super::super::label_sheet::SHEETS {
+            let [width, height] = sheet.shape().label_mm.map(|mm| (mm - 2.0 * RIM_MM) * POINTS_PER_MM);
+            let aside = height.min(CODE_SHARE * width).min(CODE_MM * POINTS_PER_MM) + RIM_MM * POINTS_PER_MM;
+            let lines = fitted(&font, &label, [width - aside, height]);
+            let high: f64 = lines.iter().map(|(size, _)| LINE_HEIGHT * size).sum();
+            assert!(high <= height, "{sheet:?}: {high} of {height}");
+            let smallest = lines.iter().map(|(size, _)| *size).fold(f64::MAX, f64::min);
+            assert!(smallest >= 5.0, "{sheet:?}: {smallest} points cannot be read");
+        }
+    }
+
+    #[test]
+    fn a_sheet_that_is_begun_is_gone_on_with_and_a_page_holds_what_fits() {
+        let label = Label { title: "K".to_owned(), lines: Vec::new(), address: String::new() };
+        let pages = |labels: usize, sheet: LabelSheet, used: usize| {
+            let pdf = write_labels("Labels", &vec![label.clone(); labels], sheet, used).unwrap();
+            String::from_utf8_lossy(&pdf).matches("/Type /Page\n").count()
+        };
+        assert_eq!(pages(24, LabelSheet::A4Small, 0), 1);
+        assert_eq!(pages(24, LabelSheet::A4Small, 1), 2);
+        assert_eq!(pages(15, LabelSheet::A4Wide, 0), 2);
+        assert_eq!((pages(30, LabelSheet::Letter, 30), pages(3, LabelSheet::Roll, 5)), (1, 3));
+    }
+}

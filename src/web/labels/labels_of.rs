@@ -1,0 +1,97 @@
+//! What stands on the labels of a build and of an order.
+
+use std::collections::BTreeMap;
+
+use axum::http::HeaderMap;
+use ledger::{OrderLine, PartRow};
+
+use super::label_pdf::Label;
+use crate::web::base::{format::count, query::order_address};
+
+/// Where links on paper lead: the address by which the browser came here.
+#[derive(Debug, Clone)]
+pub(crate) struct LinkRoot(String);
+
+impl LinkRoot {
+    /// The address of a request. A reverse proxy with TLS says so in `x-forwarded-proto`.
+    pub(super) fn of_request(headers: &HeaderMap) -> Self {
+        let text = |name: &str| headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default();
+        let scheme = if text("x-forwarded-proto") == "https" { "https" } else { "http" };
+        Self(format!("{scheme}://{}", text("host")))
+    }
+
+    /// The address of an order's page; "" = no order.
+    fn of_order(&self, order: &str) -> String {
+        if order.is_empty() { String::new() } else { format!("{}{}", self.0, order_address(order)) }
+    }
+}
+
+/// A bag of copies of a part.
+pub(super) struct Bag {
+    order: String,
+    customer: String,
+    part: String,
+    copies: u32,
+}
+
+impl Bag {
+    /// The copies of a part that are in a build.
+    pub(super) fn of_part(part: &PartRow, copies: u32) -> Self {
+        let (order, customer) = (part.terms.order_name.clone(), part.terms.customer.clone());
+        Self { order, customer, part: part.full_name(), copies }
+    }
+
+    /// The copies of a line of an order.
+    pub(super) fn of_line(order: &str, line: &OrderLine) -> Self {
+        let part = match line.object_name.is_empty() {
+            true => line.name.clone(),
+            false => format!("{} ({})", line.name, line.object_name),
+        };
+        Self { order: order.to_owned(), customer: line.customer.clone(), part, copies: line.copies.wanted }
+    }
+
+    fn order_words(&self) -> String {
+        if self.order.is_empty() { "No order".to_owned() } else { self.order.clone() }
+    }
+}
+
+/// A label for each bag.
+pub(super) fn bag_labels(bags: &[Bag], build: Option<i64>, root: &LinkRoot) -> Vec<Label> {
+    let label = |bag: &Bag| Label {
+        title: bag.order_words(),
+        lines: lines_of([bag.customer.clone(), bag.part.clone(), copies_of_build(bag.copies, build)]),
+        address: root.of_order(&bag.order),
+    };
+    bags.iter().map(label).collect()
+}
+
+/// A label for each bin: the copies of one order in a build. Their numbers are those of the break-out.
+pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label> {
+    let mut bins: BTreeMap<&str, Vec<&Bag>> = BTreeMap::new();
+    for bag in bags {
+        bins.entry(&bag.order).or_default().push(bag);
+    }
+    let label = |(number, (order, bags)): (usize, (&&str, &Vec<&Bag>))| {
+        let customer = bags.iter().map(|bag| bag.customer.as_str()).find(|customer| !customer.is_empty());
+        let parts = match bags[..] {
+            [only] => only.part.clone(),
+            _ => count(bags.len() as u32, "part", "parts"),
+        };
+        let copies = copies_of_build(bags.iter().map(|bag| bag.copies).sum(), Some(build));
+        Label {
+            title: bags[0].order_words(),
+            lines: lines_of([customer.unwrap_or_default().to_owned(), parts, format!("Bin {}: {copies}", number + 1)]),
+            address: root.of_order(order),
+        }
+    };
+    bins.iter().enumerate().map(label).collect()
+}
+
+fn copies_of_build(copies: u32, build: Option<i64>) -> String {
+    let copies = count(copies, "copy", "copies");
+    build.map_or_else(|| copies.clone(), |build| format!("{copies} of build {build}"))
+}
+
+fn lines_of(lines: [String; 3]) -> Vec<String> {
+    lines.into_iter().filter(|line| !line.is_empty()).collect()
+}

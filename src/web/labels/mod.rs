@@ -1,0 +1,7 @@
+//! Labels for bins and bags: sheets of usual sizes as PDF, with a QR code that leads to the page of the order.
+
+pub(super) mod label_font;
+pub(super) mod label_form;
+pub(super) mod label_pdf;
+pub(super) mod label_sheet;
+pub(super) mod labels_of;

@@ -54,6 +54,23 @@ async fn a_failed_build_puts_every_copy_back_with_all_that_was_asked_and_first_i
 }
 
 #[tokio::test]
+async fn a_failed_print_whose_copies_are_printed_again_needs_nobody() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "brandt").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let hash = ledger.find_part(part).await.unwrap().unwrap().file.content_hash;
+    ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    ledger.mark_fetched(&hash).await.unwrap();
+    let one = published(&ledger, &[(part, 0)]).await;
+    ledger.record_outcome(one, &told(PrintOutcome::Complete)).await.unwrap();
+    assert_eq!(ledger.unseen_failures().await.unwrap().len(), 1, "the other copy is printed nowhere");
+    let other = published(&ledger, &[(part, 1)]).await;
+    assert_eq!(ledger.unseen_failures().await.unwrap().len(), 1, "it lies in a queue");
+    ledger.record_outcome(other, &told(PrintOutcome::Printing)).await.unwrap();
+    assert!(ledger.unseen_failures().await.unwrap().is_empty());
+}
+
+#[tokio::test]
 async fn lines_and_orders_carry_the_due_date_as_it_was_given() {
     let ledger = fresh().await;
     let due = |claim: &str, at: &str, text: &str| {

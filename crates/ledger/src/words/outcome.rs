@@ -113,10 +113,15 @@ impl Ledger {
         Ok(has_second)
     }
 
-    /// Failed prints that nobody has seen to, oldest first.
+    /// Failed prints that nobody has seen to, oldest first. One whose owed copies are all printed again in other builds, or were, has
+    /// been seen to.
     pub async fn unseen_failures(&self) -> Result<Vec<BuildRow>> {
         let query = sql::select_as(
-            "FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL ORDER BY id",
+            "FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL AND ( \
+             NOT EXISTS (SELECT 1 FROM bad_placement bad WHERE bad.build_id = build.id AND bad.is_owed) \
+             OR EXISTS (SELECT 1 FROM bad_placement bad WHERE bad.build_id = build.id AND bad.is_owed AND NOT EXISTS ( \
+             SELECT 1 FROM placement again JOIN build later ON later.id = again.build_id \
+             WHERE again.part_id = bad.part_id AND again.copy = bad.copy AND later.state IN ('printing', 'complete')))) ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }

@@ -152,15 +152,37 @@ fn to_build_object(part: &BuildPart) -> BuildFileObject {
     }
 }
 
-/// Renders the build as seen from above one corner.
+/// Renders the build as seen from above one corner. Parts have the colours of their numbers' order, as everywhere.
 pub fn render_picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
+    let numbers: Vec<&str> = build.objects.iter().map(|object| object.part_number.as_str()).collect();
+    let kinds = kinds_by_number(&numbers);
     let picture_body =
-        |i: &BuildFileItem| PictureBody { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
+        |i: &BuildFileItem| PictureBody { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: kinds[i.object] };
     let bodies: Vec<PictureBody> = build.items.iter().map(picture_body).collect();
     build_file::draw_picture(&bodies, build.rules.volume_mm, Viewpoint::Iso, size)
+}
+
+/// The kind of each object: its place in the order of the numbers of their parts. A batch has them in the order of precedence.
+fn kinds_by_number(numbers: &[&str]) -> Vec<usize> {
+    let mut by_number: Vec<usize> = (0..numbers.len()).collect();
+    by_number.sort_by_key(|&object| numbers[object].parse::<i64>().ok());
+    let mut kinds = vec![0; numbers.len()];
+    by_number.iter().enumerate().for_each(|(kind, &object)| kinds[object] = kind);
+    kinds
 }
 
 /// The name that serde writes for a unit variant.
 fn serialized_name(value: &impl serde::Serialize) -> Option<String> {
     serde_json::to_value(value).ok()?.as_str().map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_has_the_colour_of_its_number_whatever_goes_first() {
+        assert_eq!(kinds_by_number(&["12", "7", "9"]), [2, 0, 1]);
+        assert_eq!(kinds_by_number(&["", ""]), [0, 1], "parts without numbers keep their order");
+    }
 }

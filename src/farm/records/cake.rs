@@ -149,6 +149,8 @@ impl CakeContents {
             let copy = item.copy.unwrap_or(copies.len() as u32 + 1);
             copies.push(CakeCopy { copy, pose: item.pose, drawn: None });
         }
+        // As those of the ledger, so that each has the same colour.
+        parts.sort_by_key(|part| part.part);
         Self { volume_mm, parts }
     }
 

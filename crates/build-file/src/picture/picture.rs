@@ -7,7 +7,7 @@ use solids::{Mesh, Pose};
 use super::{
     lettering,
     raster::{DepthCanvas, OrthographicView},
-    shade::{PictureScheme, TAG_FLOOR, TAG_INK, TAG_WIRE, body_tag, kind_colour, resolve_pixels},
+    shade::{PictureScheme, TAG_FAULT, TAG_FLOOR, TAG_INK, TAG_WIRE, body_tag, kind_colour, resolve_pixels},
 };
 
 /// Approximate greatest number of samples of a picture: small pictures get more samples per pixel.
@@ -22,6 +22,10 @@ const LIGHT: DVec3 = DVec3::new(-0.35, -0.75, 1.0);
 const MARGIN: f64 = 0.03;
 /// Digit height: share of the picture's height, least and greatest number of pixels.
 const DIGIT_HEIGHT: (f64, f64, f64) = (0.028, 12.0, 48.0);
+/// Thickness of the edges at which a surface is not closed, pixels.
+const FAULT_PIXELS: usize = 2;
+/// Brightness of the inside of a surface that is not closed.
+const INSIDE: f64 = 0.22;
 /// Digits below this height are unreadable, pixels.
 const MIN_DIGIT_PIXELS: f32 = 6.0;
 /// Least height of a picture with a caption, pixels.
@@ -101,8 +105,9 @@ pub fn draw_picture_on(
     encode_png(&resolve_pixels(&canvas, &colours, scheme, fine), width, height)
 }
 
-/// Draws one body as large as it fits, as it lies in its own frame, seen as [`Viewpoint::Iso`], in the colour of a kind.
-/// `size` is width and height in pixels, at least 1. Returns a PNG.
+/// Draws one body as large as it fits, as it lies in its own frame, seen as [`Viewpoint::Iso`], in the colour of a kind. Of a surface that
+/// is not closed the inside shows, too, and the edges at which it is open are drawn over all, in red. `size` is width and height in
+/// pixels, at least 1. Returns a PNG.
 pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
     let (width, height, fine) = sample_size(size);
     let mut canvas = DepthCanvas::new(width * fine, height * fine);
@@ -113,6 +118,11 @@ pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u3
     let body = PictureBody { mesh, pose: Pose::IDENTITY, kind };
     let mut left = MAX_LOOKS_PER_SAMPLE * canvas.width * canvas.height;
     draw_body(&mut canvas, &view, forward, &body, 0, &mut left);
+    let thick = FAULT_PIXELS * fine;
+    for edge in mesh.faulty_edges() {
+        let [from, to] = edge.map(|at| view.project_point(mesh.vertices()[at as usize]).with_z(f32::MIN));
+        canvas.draw_line(from, to, thick, 0.0, TAG_FAULT);
+    }
     encode_png(&resolve_pixels(&canvas, &[kind_colour(kind)], scheme, fine), width, height)
 }
 
@@ -205,11 +215,13 @@ fn draw_body(
 ) {
     let placed: Vec<DVec3> = body.mesh.vertices().iter().map(|&v| body.pose.transform_point(v)).collect();
     let projected: Vec<Vec3> = placed.iter().map(|&p| view.project_point(p)).collect();
+    let inside = (!body.mesh.defects().is_closed()).then_some(INSIDE);
     for corners in body.mesh.triangles() {
         if *left == 0 {
             return draw_box(canvas, view, forward, body, index);
         }
-        if let Some(brightness) = face_brightness(corners.map(|v| placed[v as usize]), forward) {
+        let seen = face_brightness(corners.map(|v| placed[v as usize]), forward).or(inside);
+        if let Some(brightness) = seen {
             let looks = canvas.fill_triangle(corners.map(|v| projected[v as usize]), body_tag(index, brightness));
             *left = left.saturating_sub(looks);
         }

@@ -189,3 +189,30 @@ fn a_body_outside_the_picture_does_no_harm() {
     let far = PictureBody { mesh: &mesh, pose, kind: 7 };
     assert!(!draw_picture(&[far], DVec3::splat(50.0), Viewpoint::Top, (64, 64)).is_empty());
 }
+
+/// Pixels of the edges at which a surface is open.
+fn faults(mesh: &Mesh) -> usize {
+    decode(&draw_part(mesh, 0, PictureScheme::Light, (200, 150))).count(|p| p.x > 180.0 && p.y < 90.0 && p.z < 90.0)
+}
+
+#[test]
+fn the_open_edges_of_a_part_are_red_and_a_closed_part_has_none() {
+    let closed = sample_parts::cuboid(DVec3::new(40.0, 30.0, 20.0));
+    assert_eq!(faults(&closed), 0);
+    let torn = Mesh::new(closed.vertices().to_vec(), closed.triangles()[2..].to_vec()).unwrap();
+    assert!(torn.defects().open_edges > 0 && faults(&torn) > 40, "{}", faults(&torn));
+}
+
+#[test]
+fn a_flat_face_has_one_colour_however_far_it_reaches() {
+    let mesh = sample_parts::cuboid(DVec3::new(90.0, 80.0, 60.0));
+    let colours = |picture: DecodedPicture| {
+        let mut many = std::collections::HashMap::new();
+        picture.pixels.iter().for_each(|pixel| *many.entry(*pixel).or_insert(0) += 1);
+        let is_body = |rgb: &[u8; 3]| !is_grey(Vec3::from_array(rgb.map(f32::from)));
+        many.into_iter().filter(|(rgb, count)| *count > 60 && is_body(rgb)).count()
+    };
+    assert_eq!(colours(decode(&draw_part(&mesh, 0, PictureScheme::Light, (320, 240)))), 3, "three faces are seen");
+    let bodies = [at(&mesh, 0, 5.0, 10.0, 0.0)];
+    assert_eq!(colours(decode(&draw_picture(&bodies, VOLUME, Viewpoint::Iso, (320, 240)))), 3);
+}

@@ -116,11 +116,6 @@ impl DepthCanvas {
         self.depth.iter().copied()
     }
 
-    /// Depth of a sample, mm.
-    pub(super) fn depth_at(&self, at: usize) -> f32 {
-        self.depth[at]
-    }
-
     /// Like [`DepthCanvas::line`], in dashes five times as long as thick.
     pub(super) fn draw_dashes(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
         let dashes = (((to - from).truncate().length() / (8.0 * thick as f32)).round()).max(1.0);

@@ -10,6 +10,8 @@ pub(super) const TAG_FLOOR: u32 = 0;
 pub(super) const TAG_WIRE: u32 = 1;
 /// The line at the build's height, and the caption.
 pub(super) const TAG_INK: u32 = 2;
+/// Where a surface is not closed.
+pub(super) const TAG_FAULT: u32 = 3;
 const FIRST_BODY: u32 = 256;
 /// Bodies beyond this number reuse the numbers from the start.
 const MAX_BODIES: usize = 1 << 16;
@@ -31,6 +33,7 @@ pub(crate) struct FixedColours {
     pub(super) floor: Vec3,
     wire: Vec3,
     ink: Vec3,
+    fault: Vec3,
 }
 
 /// Colours on a light ground.
@@ -39,6 +42,7 @@ pub(super) const LIGHT_COLOURS: FixedColours = FixedColours {
     floor: Vec3::new(226.0, 229.0, 233.0),
     wire: Vec3::new(120.0, 128.0, 140.0),
     ink: Vec3::new(27.0, 31.0, 36.0),
+    fault: Vec3::new(210.0, 26.0, 26.0),
 };
 /// Colours on a dark ground.
 const DARK_COLOURS: FixedColours = FixedColours {
@@ -46,10 +50,11 @@ const DARK_COLOURS: FixedColours = FixedColours {
     floor: Vec3::new(50.0, 56.0, 63.0),
     wire: Vec3::new(139.0, 150.0, 161.0),
     ink: Vec3::new(232.0, 234.0, 237.0),
+    fault: Vec3::new(255.0, 74.0, 62.0),
 };
 /// Brightness of the contour lines between bodies.
 const CONTOUR: f32 = 0.5;
-/// Share of the background colour in the farthest samples.
+/// Share of the background colour in the farthest body.
 const HAZE: f32 = 0.28;
 
 /// The colours of Okabe and Ito, which colour-blind people can tell apart; the same as in the 3D view
@@ -90,13 +95,12 @@ const COLOUR_STEP: f32 = 8.0;
 /// Averages `fine` x `fine` samples into each pixel's RGB. `colours` are those of the bodies.
 pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: PictureScheme, fine: usize) -> Vec<u8> {
     let (width, height) = (canvas.width / fine, canvas.height / fine);
-    let depths = || canvas.depths().filter(|depth| depth.is_finite() && *depth > f32::MIN);
-    let range = (depths().fold(f32::INFINITY, f32::min), depths().fold(f32::NEG_INFINITY, f32::max));
     let fixed = match scheme {
         PictureScheme::Light => &LIGHT_COLOURS,
         PictureScheme::Dark => &DARK_COLOURS,
     };
-    let shader = SampleShader { canvas, colours, fixed, range, reach: fine.div_ceil(2) };
+    let shader =
+        SampleShader { canvas, colours, fixed, haze: body_haze(canvas, colours.len()), reach: fine.div_ceil(2) };
     let mut pixels = Vec::with_capacity(3 * width * height);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let mut sum = Vec3::ZERO;
@@ -111,12 +115,28 @@ pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: Pic
     pixels
 }
 
+/// How hazy each body is: the farther away the middle of what is seen of it. One haze for a whole body leaves flat faces in one colour.
+fn body_haze(canvas: &DepthCanvas, bodies: usize) -> Vec<f32> {
+    let mut sums = vec![(0.0_f64, 0_u32); bodies.min(MAX_BODIES)];
+    for (tag, depth) in canvas.tags.iter().zip(canvas.depths()) {
+        if let Some(sum) = body_of(*tag).and_then(|body| sums.get_mut(body)) {
+            *sum = (sum.0 + f64::from(depth), sum.1 + 1);
+        }
+    }
+    let middle = |(sum, samples): &(f64, u32)| (*samples > 0).then(|| sum / f64::from(*samples));
+    let middles: Vec<Option<f64>> = sums.iter().map(middle).collect();
+    let seen = || middles.iter().flatten().copied();
+    let (near, far) = (seen().fold(f64::INFINITY, f64::min), seen().fold(f64::NEG_INFINITY, f64::max));
+    let haze = |depth: f64| HAZE * (((depth - near) / (far - near).max(1e-6)) as f32).clamp(0.0, 1.0);
+    middles.iter().map(|depth| depth.map_or(0.0, haze)).collect()
+}
+
 struct SampleShader<'a> {
     canvas: &'a DepthCanvas,
     colours: &'a [Vec3],
     fixed: &'a FixedColours,
-    /// Depth of the nearest and of the farthest sample, mm.
-    range: (f32, f32),
+    /// Share of the background colour in each body.
+    haze: Vec<f32>,
     /// Thickness of contours, samples.
     reach: usize,
 }
@@ -129,6 +149,7 @@ impl SampleShader<'_> {
             TAG_FLOOR => self.fixed.floor,
             TAG_WIRE => self.fixed.wire,
             TAG_INK => self.fixed.ink,
+            TAG_FAULT => self.fixed.fault,
             tag => self.body_colour(tag, x, y),
         }
     }
@@ -138,9 +159,9 @@ impl SampleShader<'_> {
         let differs = |other: usize| body_of(self.canvas.tags[other]) != body_of(tag);
         let contour =
             (x >= self.reach && differs(at - self.reach)) || (y >= self.reach && differs(at - self.reach * width));
-        let plain = self.colours[body_of(tag).unwrap_or(0) % self.colours.len().max(1)];
+        let body = body_of(tag).unwrap_or(0);
+        let plain = self.colours[body % self.colours.len().max(1)];
         let lit = plain * ((tag & 255) as f32 / 255.0) * if contour { CONTOUR } else { 1.0 };
-        let far = (self.canvas.depth_at(at) - self.range.0) / (self.range.1 - self.range.0).max(1e-6);
-        lit.lerp(self.fixed.background, HAZE * far.clamp(0.0, 1.0))
+        lit.lerp(self.fixed.background, self.haze.get(body).copied().unwrap_or(0.0))
     }
 }

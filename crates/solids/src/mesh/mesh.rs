@@ -125,6 +125,15 @@ impl Mesh {
         &self.triangles
     }
 
+    /// The edges at which the surface is not closed, as pairs of corner indices: open ones, and those at which triangles do not fit.
+    pub fn faulty_edges(&self) -> Vec<[u32; 2]> {
+        let mut edges = Vec::new();
+        if !self.defects.is_closed() {
+            edge_defects(&self.triangles, self.vertices.len(), |from, to| edges.push([from, to]));
+        }
+        edges
+    }
+
     /// The three corners of a triangle, mm.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize])
@@ -186,7 +195,7 @@ mod tests {
         let (vertices, mut triangles) = tetrahedron();
         triangles.pop();
         let mesh = Mesh::new(vertices, triangles).expect("still has a signed volume");
-        assert_eq!(mesh.defects().open_edges, 3);
+        assert_eq!((mesh.defects().open_edges, mesh.faulty_edges().len()), (3, 3));
     }
 
     #[test]

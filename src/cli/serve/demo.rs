@@ -56,6 +56,9 @@ async fn play_demo(farm: &DemoFarm) -> Result<()> {
     println!("A demo farm in {}", farm.root.display());
     let mut daemon = DemoDaemon::start(&farm.config_file(), &farm.root, &farm.log_file())?;
     println!("The daemon runs (process {}, log {}).", daemon.process_id(), farm.log_file().display());
+    if let Some(page) = farm.page() {
+        println!("Its page, as long as it runs: {page}");
+    }
     let mut watch = DemoWatcher::wait_for_daemon(farm, &mut daemon).await?;
     let dropped = farm.drop_parts()?;
     println!(
@@ -69,9 +72,12 @@ async fn play_demo(farm: &DemoFarm) -> Result<()> {
     show_results(farm, &watch).await?;
     watch.ledger.close().await;
     daemon.stop()?;
-    println!("\nThe daemon has stopped. Start it again and drop parts of your own into its hot folder:");
+    println!(
+        "\nThe daemon has stopped. Start it again, look at its page, and drop parts of your own there or into its hot folder:"
+    );
     let program = std::env::current_exe().context("cannot find this program")?;
     println!("  {} run{} -c {}", program.display(), root_option(), farm.config_file().display());
+    farm.page().iter().for_each(|page| println!("  {page}"));
     println!("  {}", farm.machine_folder("inbox").display());
     Ok(())
 }

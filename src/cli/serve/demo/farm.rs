@@ -5,6 +5,7 @@
 use std::{
     fs::{self, File},
     io::{BufWriter, Write},
+    net::{Ipv4Addr, SocketAddr, TcpListener},
     path::{Path, PathBuf},
 };
 
@@ -12,7 +13,7 @@ use anyhow::{Context, Result};
 use build_file::write_stl;
 use solids::{Mesh, Pose};
 
-use crate::cli::UsageError;
+use crate::{cli::UsageError, settings::load_settings};
 
 /// The machine of the demo.
 pub(super) const MACHINE: &str = "paper-200";
@@ -90,7 +91,7 @@ impl DemoFarm {
             &marker,
             "This folder is the farm of `nestd demo`. Delete it as a whole when you have seen enough.\n",
         )?;
-        write_new(&farm.config_file(), &farm_toml(utf8))?;
+        write_new(&farm.config_file(), &farm_toml(utf8, free_address()?))?;
         write_new(&farm.root.join("config/profiles").join(format!("{MACHINE}.toml")), MACHINE_TOML)?;
         Ok(farm)
     }
@@ -98,6 +99,12 @@ impl DemoFarm {
     /// The configuration file.
     pub(super) fn config_file(&self) -> PathBuf {
         self.root.join("config/nestd.toml")
+    }
+
+    /// The address of its pages, if its configuration has any.
+    pub(super) fn page(&self) -> Option<String> {
+        let settings = load_settings(Some(&self.config_file()), None).ok()?;
+        settings.interfaces.web.map(|web| web.listen.to_string())
     }
 
     /// The daemon's log.
@@ -165,13 +172,22 @@ fn drop_file(file: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>)
     write().with_context(|| format!("cannot drop {}", file.display()))
 }
 
-fn farm_toml(root: &str) -> String {
+/// An address of this machine alone that nothing listens on.
+fn free_address() -> Result<SocketAddr> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("no address is free for the pages")?;
+    Ok(listener.local_addr()?)
+}
+
+fn farm_toml(root: &str, pages: SocketAddr) -> String {
     let root = toml::Value::String(root.to_owned());
     format!(
         "# The farm of `nestd demo`: as a real one, but in a hurry.\n\
          # Every option with its default and its meaning: config/nestd.toml in nestd's repository.\n\
          root = {root}\n\
-         scan_secs = 1\n"
+         scan_secs = 1\n\n\
+         # Its pages, for this machine alone.\n\
+         [web]\n\
+         listen = \"{pages}\"\n"
     )
 }
 

@@ -20,3 +20,5 @@ mod tests;
 
 pub use pages::report::{HtmlReport, ReportSource};
 pub use serve::server::serve_dashboard;
+
+pub(crate) use look::chip::Tone;

@@ -72,9 +72,20 @@ pub fn require_machine(settings: &Settings, machine: &str) -> Result<()> {
 /// `user@host` of the operator, for the ledger.
 pub fn user_at_host() -> String {
     let user = std::env::var("SUDO_USER").or_else(|_| std::env::var("USER"));
-    let user = user.unwrap_or_else(|_| format!("uid {}", rustix::process::getuid().as_raw()));
+    let user = user.unwrap_or_else(|_| name_of_user(rustix::process::getuid().as_raw()));
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     format!("{user}@{}", host.trim())
+}
+
+/// The name that `/etc/passwd` gives to a user, else its number.
+fn name_of_user(uid: u32) -> String {
+    let known = std::fs::read_to_string("/etc/passwd").unwrap_or_default();
+    let name = known.lines().find_map(|line| {
+        let mut fields = line.split(':');
+        let name = fields.next()?;
+        (fields.nth(1)?.parse() == Ok(uid)).then(|| name.to_owned())
+    });
+    name.unwrap_or_else(|| format!("uid {uid}"))
 }
 
 /// Parses a time as a person writes it: `7d` (ago), `2026-11-01` (start of the day in the farm's zone) or RFC 3339.

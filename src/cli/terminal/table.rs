@@ -1,5 +1,5 @@
-//! Aligned text tables, and the functions that print to the terminal. The output has no colours, so that a pipe
-//! receives the same text as a person.
+//! Aligned text tables, and the functions that print to the terminal. States have the colours of their tones where somebody sees them; a
+//! pipe receives the same text without.
 
 use std::{
     fmt,
@@ -9,14 +9,28 @@ use std::{
 use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
-use super::terminal::wrap_words;
-use crate::tables::{FieldDefinition, TableColumn, TimeView, people_columns};
+use super::terminal::{LinePaint, show_marks, without_marks, wrap_words};
+use crate::tables::{CellValue, FieldDefinition, TableColumn, TimeView, people_columns};
 
 /// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
 pub struct TextTable {
     headings: Vec<TableHead>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<Vec<TableCell>>,
+}
+
+/// A cell: its text, and how it is shown.
+#[derive(Debug, Clone)]
+struct TableCell {
+    text: String,
+    paint: LinePaint,
+}
+
+impl TableCell {
+    /// The text with its paint.
+    fn painted(&self) -> String {
+        self.paint.mark(&self.text)
+    }
 }
 
 /// The head of a column.
@@ -37,7 +51,10 @@ impl TextTable {
     /// Creates a table of rows with the columns that people see, but for those of counts in which all is 0; `view` is how times are shown.
     pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row], view: &TimeView) -> Self {
         let cell = |column: &TableColumn<Row>, row: &Row| {
-            escape_invisible(&column.field.cell_text(&(column.value)(row), view).unwrap_or_else(|| "-".to_owned()))
+            let value = (column.value)(row);
+            let text = escape_invisible(&column.field.cell_text(&value, view).unwrap_or_else(|| "-".to_owned()));
+            let paint = if let CellValue::State(word) = &value { LinePaint::of_state(word) } else { LinePaint::Plain };
+            TableCell { text, paint }
         };
         let columns = people_columns(columns, rows);
         Self {
@@ -84,40 +101,44 @@ impl TextTable {
     }
 
     fn fits_columns(&self, columns: usize) -> bool {
-        self.to_string().lines().all(|line| line.chars().count() <= columns)
+        self.to_string().lines().all(|line| seen_width(line) <= columns)
     }
 
     /// A row as "PART: 3  MACHINE: mjf". Each line contains as many pairs as fit; all lines but the first are
     /// indented.
-    fn row_as_list(&self, row: &[String], columns: usize) -> String {
+    fn row_as_list(&self, row: &[TableCell], columns: usize) -> String {
         let mut lines: Vec<String> = Vec::new();
         for (head, cell) in self.headings.iter().zip(row) {
-            let pair = format!("{}: {cell}", head.text);
+            let pair = format!("{}: {}", head.text, cell.painted());
             match lines.last_mut() {
-                Some(line) if line.chars().count() + 2 + pair.chars().count() <= columns => {
-                    *line += &format!("  {pair}")
-                }
+                Some(line) if seen_width(line) + 2 + seen_width(&pair) <= columns => *line += &format!("  {pair}"),
                 Some(_) => lines.push(format!("  {pair}")),
                 None => lines.push(pair),
             }
         }
-        lines.iter().map(|line| format!("{line}\n")).collect()
+        lines.iter().map(|line| wrap_words(line, columns, 4) + "\n").collect()
     }
 
     fn column_width(&self, column: usize) -> usize {
         let head = self.headings[column].text.chars().count();
-        self.rows.iter().map(|row| row[column].chars().count()).fold(head, usize::max)
+        self.rows.iter().map(|row| row[column].text.chars().count()).fold(head, usize::max)
     }
+}
+
+/// Columns that a text takes.
+fn seen_width(text: &str) -> usize {
+    without_marks(text).chars().count()
 }
 
 impl fmt::Display for TextTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let widths: Vec<usize> = (0..self.headings.len()).map(|column| self.column_width(column)).collect();
-        let heads: Vec<String> = self.headings.iter().map(|head| head.text.clone()).collect();
+        let head = |head: &TableHead| TableCell { text: head.text.clone(), paint: LinePaint::Plain };
+        let heads: Vec<TableCell> = self.headings.iter().map(head).collect();
         for row in std::iter::once(&heads).chain(&self.rows) {
-            let cells = row.iter().zip(&widths).zip(&self.headings).map(|((cell, &width), head)| match head.is_right {
-                true => format!("{cell:>width$}"),
-                false => format!("{cell:<width$}"),
+            let cells = row.iter().zip(&widths).zip(&self.headings).map(|((cell, &width), head)| {
+                let blanks = " ".repeat(width - cell.text.chars().count());
+                if head.is_right { blanks + &cell.painted() } else { cell.painted() + &blanks }
             });
             writeln!(f, "{}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
         }
@@ -128,7 +149,7 @@ impl fmt::Display for TextTable {
 /// Prints to standard output. A closed pipe (`| head`) is no error. Control characters are escaped, so that text from
 /// customers cannot move the cursor of the operator's terminal.
 pub fn print_text(text: &str) -> Result<()> {
-    let text = escape_invisible_lines(text);
+    let text = show_marks(&escape_invisible_lines(text));
     let mut out = io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| match text.ends_with('\n') {
         true => out.flush(),

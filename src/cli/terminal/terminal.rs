@@ -2,6 +2,8 @@
 
 use std::io::IsTerminal;
 
+use crate::web::Tone;
+
 /// Size of a terminal whose size is unknown, and of a pipe: columns and rows.
 const DEFAULT_SIZE: (usize, usize) = (80, 24);
 
@@ -31,20 +33,69 @@ pub enum LinePaint {
     Bad,
 }
 
+/// Marks of a painted text on its way to the terminal: noncharacters, which no text of a customer may bring along.
+const MARKS: [(char, LinePaint); 3] =
+    [('\u{fdd0}', LinePaint::Good), ('\u{fdd1}', LinePaint::Doubtful), ('\u{fdd2}', LinePaint::Bad)];
+/// The end of a painted text.
+const MARK_END: char = '\u{fdd3}';
+
+/// A text without its marks.
+pub fn without_marks(text: &str) -> String {
+    text.chars().filter(|c| *c != MARK_END && MARKS.iter().all(|(mark, _)| mark != c)).collect()
+}
+
+/// A text with colours in the place of its marks if standard output shows colours, else without them.
+pub fn show_marks(text: &str) -> String {
+    if has_colours() { coloured(text) } else { without_marks(text) }
+}
+
+fn coloured(text: &str) -> String {
+    let shown = |c: char| match MARKS.iter().find(|(mark, _)| *mark == c) {
+        Some((_, paint)) => format!("\x1b[{}m", paint.code().unwrap_or("0")),
+        None if c == MARK_END => "\x1b[0m".to_owned(),
+        None => c.to_string(),
+    };
+    text.chars().map(shown).collect()
+}
+
 impl LinePaint {
+    /// That of a state with this word.
+    pub fn of_state(word: &str) -> Self {
+        match Tone::of_word(word) {
+            Tone::Good => Self::Good,
+            Tone::Tight => Self::Doubtful,
+            Tone::Wrong => Self::Bad,
+            Tone::Busy | Tone::Next | Tone::Idle => Self::Plain,
+        }
+    }
+
+    /// The text between marks, for what [`show_marks`] prints.
+    pub fn mark(self, text: &str) -> String {
+        match MARKS.iter().find(|(_, paint)| *paint == self) {
+            Some((mark, _)) => format!("{mark}{text}{MARK_END}"),
+            None => text.to_owned(),
+        }
+    }
+
+    fn code(self) -> Option<&'static str> {
+        match self {
+            Self::Plain => None,
+            Self::Good => Some("32"),
+            Self::Doubtful => Some("33"),
+            Self::Bad => Some("31"),
+        }
+    }
+
     /// The text in its colour if standard output shows colours.
     pub fn paint(self, text: &str) -> String {
         self.paint_if(text, has_colours())
     }
 
     fn paint_if(self, text: &str, has_colours: bool) -> String {
-        let code = match self {
-            Self::Plain => return text.to_owned(),
-            Self::Good => "32",
-            Self::Doubtful => "33",
-            Self::Bad => "31",
-        };
-        if has_colours { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+        match self.code().filter(|_| has_colours) {
+            Some(code) => format!("\x1b[{code}m{text}\x1b[0m"),
+            None => text.to_owned(),
+        }
     }
 }
 
@@ -89,6 +140,17 @@ mod tests {
         let wrapped = "  file\n    /a/very/long/path/of/a/file.stl\n    of the build";
         assert_eq!(wrap_words("  file /a/very/long/path/of/a/file.stl of the build", 20, 4), wrapped);
         assert_eq!(wrap_words(text, usize::MAX, 4), text, "blanks stay where nothing is wrapped");
+    }
+
+    #[test]
+    fn a_state_has_the_colour_of_its_tone_where_colours_are_shown() {
+        let text = format!(
+            "1182  {}  A-17  {}",
+            LinePaint::of_state("late").mark("late"),
+            LinePaint::of_state("open").mark("open")
+        );
+        assert_eq!(coloured(&text), "1182  \x1b[31mlate\x1b[0m  A-17  open");
+        assert_eq!(without_marks(&text), "1182  late  A-17  open");
     }
 
     #[test]

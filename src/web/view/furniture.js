@@ -33,13 +33,24 @@ export function furniture([x, y, z], heightMm, colour, ink) {
   for (let at = 0; at <= y; at += step) base.push(0, at, 0, x, at, 0);
   const box = new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)));
   box.material = plain;
-  const marks = [], add = (sprite, ...place) => { sprite.position.set(...place); group.add(sprite); };
+  const marks = [], scale = new Group(), front = label("FRONT", 1.5 * high, ink);
   for (let at = 0; at <= z + 1e-6; at += rise) {
-    marks.push(x, 0, at, x + high, 0, at);
-    add(label(`${at} mm`, high, ink), x + 3.2 * high, 0, at);
+    const text = label(`${at} mm`, high, ink);
+    marks.push(0, 0, at, high, 0, at);
+    text.position.set(3.2 * high, 0, at);
+    scale.add(text);
   }
-  add(label("FRONT", 1.5 * high, ink), x / 2, -1.6 * high, 0);
-  group.add(lines(base, faint), box, lines(marks, plain));
+  front.position.set(x / 2, -1.6 * high, 0);
+  scale.add(lines(marks, plain));
+  group.add(lines(base, faint), box, scale, front);
+  // The scale stands at the edge that is seen on the right of all, and points away from the parts: it lies over none of them.
+  const middle = new Vector3(x / 2, y / 2, z / 2), corners = [[0, 0], [x, 0], [x, y], [0, y]];
+  group.userData.turn = (camera) => {
+    const right = ([cx, cy]) => new Vector3(cx, cy, middle.z).project(camera).x;
+    const [cx, cy] = corners.reduce((best, corner) => (right(corner) > right(best) ? corner : best));
+    scale.position.set(cx, cy, 0);
+    scale.rotation.z = Math.atan2(cy - middle.y, cx - middle.x);
+  };
   if (heightMm) {
     const top = [[0, 0], [x, 0], [x, y], [0, y]];
     group.add(lines(top.flatMap((corner, n) => [...corner, heightMm, ...top[(n + 1) % 4], heightMm]), faint));

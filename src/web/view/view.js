@@ -73,7 +73,17 @@ function show(data) {
       return line;
     }));
   }
-  const choose = (what) => { chosen = same(what, chosen) ? null : what; pointed = null; mark(); paint(); };
+  // What is chosen is said where what is pointed at is said; the button that shows all undoes the choice.
+  const chosenText = () => {
+    const meshes = data.meshes.filter((mesh) => fits(mesh, chosen)), count = meshes.reduce((sum, mesh) => sum + mesh.copies.length, 0);
+    return `Chosen: ${chosen.part === undefined ? chosen.order || "what has no order" : meshes[0]?.name ?? "a part that is not here"}, ${count} ${count === 1 ? "copy" : "copies"}. "Show all" ends this.`;
+  };
+  const rest = () => (chosen ? chosenText() : HINT);
+  const choose = (what) => {
+    chosen = same(what, chosen) ? null : what; pointed = null; mark(); paint();
+    hover.textContent = rest();
+    section.querySelector("#home").textContent = chosen ? "Show all" : "Whole view";
+  };
   const point = (what) => { if (same(what, pointed)) return; pointed = what; paint(); };
   addEventListener("hashchange", () => { chosen = linked(); mark(); paint(); });
 
@@ -88,10 +98,10 @@ function show(data) {
       const corner = new Vector3(sx, sy, sz).multiplyScalar(0.5);
       distance = Math.max(distance, corner.dot(back) + Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall));
     }
-    camera.position.copy(controls.target).addScaledVector(back, 1.12 * distance); controls.update(); draw();
+    camera.position.copy(controls.target).addScaledVector(back, (camera.aspect < 1.2 ? 1.32 : 1.12) * distance); controls.update(); draw();
   };
   let asked = false;
-  function draw() { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(cake.count); }); }
+  function draw() { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; camera.updateMatrixWorld(); around.userData.turn(camera); renderer.render(scene, camera); section.dataset.drawn = String(cake.count); }); }
   const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; if (!w || !h) return; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };
   controls.addEventListener("change", draw); new ResizeObserver(fit).observe(canvas);
 
@@ -103,7 +113,7 @@ function show(data) {
   };
   cut.addEventListener("input", slice);
   section.querySelector("#explode").addEventListener("input", (e) => { cake.explode = e.target.value / 60; paint(); });
-  section.querySelector("#home").addEventListener("click", home);
+  section.querySelector("#home").addEventListener("click", () => { if (chosen) choose(chosen); home(); });
   section.querySelector("#colour")?.addEventListener("change", () => { mark(); paint(); });
 
   const ray = new Raycaster(), mouse = new Vector2();
@@ -115,7 +125,7 @@ function show(data) {
   };
   let hot = null;
   const tell = (found) => {
-    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}${found.mesh.is_simplified ? " (drawn simplified)" : ""}` : HINT;
+    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}${found.mesh.is_simplified ? " (drawn simplified)" : ""}` : rest();
     hot?.classList.remove("hot");
     hot = found ? entries.find((entry) => Number(entry.dataset.part) === found.mesh.part) : null;
     hot?.classList.add("hot");

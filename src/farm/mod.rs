@@ -45,7 +45,7 @@ pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;
 pub use decisions::queue_depth::held_text;
 pub use decisions::trigger::FireTrigger;
-pub use facts::build_fact::{BuildFact, build_fact, build_of_copy};
+pub use facts::build_fact::{BuildFact, build_fact, build_of_copy, history_fact};
 pub use facts::copy_fact::{CopyWord, copy_counts, copy_fact, counted_words};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;
@@ -62,6 +62,7 @@ pub use leases::folder_lease::LeaseError;
 pub use leases::known_folders::is_known_folder;
 pub use leases::own_machines::machines_of_other_nodes;
 pub use nesting::node_content::find_kept_content;
+pub use nesting::part_mesh::load_part_mesh;
 pub use nodes::adopt::adopt_claims;
 pub use operate::operate::operate;
 pub use planning::{

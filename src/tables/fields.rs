@@ -151,8 +151,6 @@ pub const WARNING: FieldDefinition = FieldDefinition::text("Warning");
 pub const WHERE: FieldDefinition = FieldDefinition::text("Where");
 /// Number of a copy of a part, from 1.
 pub const COPY: FieldDefinition = FieldDefinition::whole("Copy");
-/// Position of the mesh's origin in the cake.
-pub const ORIGIN: FieldDefinition = FieldDefinition::real("Origin of its mesh in the cake", "mm", 1);
 
 /// When something happened.
 pub const EVENT: FieldDefinition = FieldDefinition::time("Event");

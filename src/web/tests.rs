@@ -93,6 +93,7 @@ impl TestDashboard {
                 scenes: RecentCache::new(2),
                 picks: RecentCache::new(2),
                 pictures: RecentCache::new(2),
+                parts: RecentCache::new(2),
             },
             metrics: Default::default(),
             render_slot: Arc::new(Semaphore::new(1)),
@@ -205,6 +206,50 @@ async fn every_page_is_whole_and_forbids_what_it_does_not_need() {
         );
     }
     assert!(dashboard.get("/builds/1").await.text.contains("bracket.stl"));
+}
+
+/// What a page says outside its folds and sheets.
+fn said_text(page: &str) -> String {
+    let mut text = String::new();
+    for piece in page
+        .split("<details")
+        .flat_map(|piece| piece.split_once("</details>").map_or(piece, |(_, rest)| rest).split('<'))
+    {
+        text += piece.split_once('>').map_or("", |(_, said)| said);
+        text.push(' ');
+    }
+    text
+}
+
+#[tokio::test]
+async fn no_page_says_a_raw_word_or_an_exact_time_outside_its_details() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let people =
+        PAGES.iter().filter(|page| !page.contains("help") && !page.contains("pick") && !page.contains("break"));
+    for page in people {
+        let main = dashboard.get(page).await.text;
+        let text = said_text(main.split("<main").nth(1).unwrap_or_default());
+        for word in text.split(|c: char| c.is_whitespace() || ",;:()".contains(c)) {
+            let is_raw = word.contains('_') || ["batched", "claimed", "verified", "published"].contains(&word);
+            let is_exact = word.len() == 8 && word.chars().filter(|c| *c == ':').count() == 2;
+            assert!(!is_raw && !is_exact, "{page}: {word}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_part_whose_file_is_gone_has_a_picture_that_stands_for_it_and_a_build_its_files() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let picture = dashboard.get("/parts/1/picture?width=80").await;
+    assert!(picture.status == StatusCode::OK && picture.text.starts_with("<svg"), "{}", picture.text);
+    assert_eq!(dashboard.get("/parts/9/picture").await.status, StatusCode::NOT_FOUND);
+    let csv = dashboard.get("/builds/1/pick.csv").await;
+    assert!(csv.status == StatusCode::OK && csv.text.starts_with("number,"), "{}", csv.text);
+    let report = dashboard.get("/builds/1/report.html").await;
+    assert!(report.status == StatusCode::OK && report.text.contains("Build 1 on cube"), "{}", report.status);
+    assert_eq!(dashboard.get("/builds/1/file").await.status, StatusCode::NOT_FOUND, "its file is nowhere");
+    let page = dashboard.get("/builds/1").await.text;
+    assert!(page.contains("href=\"/builds/1/report.html\"") && !page.contains("href=\"/builds/1/file\""), "{page}");
 }
 
 #[tokio::test]

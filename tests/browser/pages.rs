@@ -27,6 +27,12 @@ pub fn browser() -> PathBuf {
     std::env::var_os("NESTD_BROWSER").unwrap().into()
 }
 
+/// Names as people give them, of 60 letters and more.
+const LONG: (&str, &str) = (
+    "Maschinenbau_Friedrich_Oberhausen_und_Soehne_GmbH_Auftrag_4711",
+    "replacement_gearbox_housing_left_hand_variant_rev_C_2026-11.stl",
+);
+
 /// A farm with its own machine, besides the machine of the other tests.
 pub struct BrowserDashboard {
     pub farm: TestFarm,
@@ -174,7 +180,9 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     for name in &NASTY[1..] {
         dashboard.drop("Delta", name, &stl(&sample_parts::cuboid(glam::DVec3::splat(15.0))));
     }
-    dashboard.wait_for(PartState::Waiting, third + 2);
+    dashboard.drop(LONG.0, &format!("{}.toml", LONG.1), b"due = \"2026-01-15\"\n");
+    dashboard.drop(LONG.0, LONG.1, &stl(&sample_parts::cuboid(glam::DVec3::new(25.0, 15.0, 11.0))));
+    dashboard.wait_for(PartState::Waiting, third + 3);
     dashboard.drop("Delta", "torn.stl", &stl(&sample_parts::cuboid(glam::DVec3::splat(9.0)))[..500]);
     let refused = dashboard.wait_for(PartState::Refused, 1);
     let open = open_build(dashboard);

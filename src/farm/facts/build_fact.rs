@@ -1,6 +1,6 @@
 //! How far a build is: as its machine plans it while it is under way, and as the ledger has it otherwise.
 
-use ledger::{BuildId, BuildRow, BuildState, PlacementRow, UtcTimestamp};
+use ledger::{BuildId, BuildRow, BuildState, HistoryRow, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -35,6 +35,11 @@ impl PlanStage {
 /// What is so of a build.
 pub fn build_fact(build: &BuildRow, plans: &[MachinePlan]) -> BuildFact {
     fact_of((build.id, build.state), build.state_word(), plans)
+}
+
+/// What is so of a build of the history.
+pub fn history_fact(build: &HistoryRow, plans: &[MachinePlan]) -> BuildFact {
+    fact_of((build.build, build.state), build.state_word(), plans)
 }
 
 /// What is so of the build that a copy was taken into.

@@ -8,6 +8,7 @@ pub(super) mod layout_search;
 pub(super) mod nest_decision;
 pub(super) mod node_content;
 pub(super) mod open_night;
+pub(super) mod part_mesh;
 pub(super) mod running_searches;
 pub(super) mod search_policy;
 pub(super) mod write_build;

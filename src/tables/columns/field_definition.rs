@@ -44,6 +44,8 @@ pub struct SheetFact {
     pub text: String,
     /// The time that the text tells, if it is one.
     pub at: Option<UtcTimestamp>,
+    /// The due date that the text tells, if it is one.
+    pub due: Option<GivenDate>,
 }
 
 impl FieldDefinition {
@@ -161,7 +163,7 @@ impl FieldDefinition {
 
     /// A line of a fact sheet with this field's label and any text.
     pub fn fact_of(&self, text: String) -> SheetFact {
-        SheetFact { label: self.label, text, at: None }
+        SheetFact { label: self.label, text, at: None, due: None }
     }
 
     fn real_text(&self, number: f64) -> String {
@@ -188,6 +190,7 @@ impl TimeView {
 
     /// A line of a fact sheet with a due date; `None` if there is none.
     pub fn due_fact(&self, field: FieldDefinition, due: Option<GivenDate>) -> Option<SheetFact> {
-        Some(field.fact_of(self.due_text(&due?)))
+        let due = due?;
+        Some(SheetFact { due: Some(due.clone()), ..field.fact_of(self.due_text(&due)) })
     }
 }

@@ -43,6 +43,10 @@ pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::for_people("file_or_reason", fields::FILE_OR_REASON, file_or_reason),
 ];
 
+/// The columns of the page of the history, by their keys.
+pub const HISTORY_PAGE_KEYS: [&str; 11] =
+    ["build", "machine", "printer", "state_word", "at", "height_mm", "used", "density", "parts", "copies", "reason"];
+
 fn file_or_reason(row: &HistoryRow) -> CellValue {
     row.result.file_name.as_ref().unwrap_or(&row.result.reason).into()
 }

@@ -68,14 +68,14 @@ pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
     TableColumn::new("due_at", fields::DUE, |part| GivenDate::of_terms(&part.terms).into()),
     TableColumn::new("order", fields::ORDER, |part| CellValue::Order(part.terms.order_name.clone())),
-    TableColumn::new("name", fields::NAME, |part| part.full_name().into()),
+    TableColumn::new("name", fields::NAME, |part| CellValue::NamedPart(part.id, part.full_name())),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
 ];
 
 /// Parts of a build.
 pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
-    TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
+    TableColumn::new("name", fields::NAME, |row| CellValue::NamedPart(row.part.id, row.part.full_name())),
     TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
@@ -113,13 +113,18 @@ pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
     TableColumn::new("reference", fields::REFERENCE, |part| (&part.reference).into()),
 ];
 
+/// The columns of a page of parts, by their keys.
+pub const PART_PAGE_KEYS: [&str; 7] = ["name", "order", "state", "copies", "due_at", "machine", "reason_or_warning"];
+/// The columns of a page with the parts of a build, by their keys.
+pub const BUILD_PART_PAGE_KEYS: [&str; 7] =
+    ["name", "order", "copies_here", "copies", "due_at", "part", "reason_or_warning"];
+
 /// Copies of a part that are in builds.
 pub const PLACEMENT_COLUMNS: &[TableColumn<PlacedCopy>] = &[
     TableColumn::new("copy", fields::COPY, |row| (row.placed.copy + 1).into()),
     TableColumn::new("build", fields::BUILD, |row| CellValue::BuildWithPart(row.placed.build_id, row.placed.part_id)),
     TableColumn::for_people("copy_state", fields::STATE, |row| CellValue::State(row.copy_state.word().to_owned())),
     TableColumn::new("ends_at", fields::UNPACKED, |row| row.build.ends_at.into()),
-    TableColumn::for_people("origin_mm", fields::ORIGIN, |row| origin(&row.placed)),
 ];
 
 /// Why a part was refused; otherwise what it waits for and its warnings.
@@ -153,11 +158,4 @@ pub fn whereabouts(placed: &[PlacedCopy]) -> String {
     }
     let texts: Vec<String> = builds.iter().map(|((id, state), n)| format!("{n} in build {id} ({state})")).collect();
     if texts.is_empty() { "none in a build".to_owned() } else { texts.join(", ") }
-}
-
-fn origin(placed: &PlacementRow) -> CellValue {
-    let Some(pose) = placed.pose() else { return CellValue::Text("not placed yet".to_owned()) };
-    let number = |mm: f64| fields::ORIGIN.plain_text(&mm.into()).unwrap_or_default();
-    let [x, y, z] = pose.translation.to_array().map(number);
-    format!("{x}, {y}, {z}").into()
 }

@@ -28,6 +28,7 @@ fn event_word(kind: &EventKind) -> String {
     match kind {
         EventKind::Claimed => "taken".to_owned(),
         EventKind::Batched => "in a build".to_owned(),
+        EventKind::Built => "in the queue".to_owned(),
         other => other.to_string().replace('_', " "),
     }
 }
@@ -67,7 +68,10 @@ pub fn build_facts(
     let ago = |at: UtcTimestamp| {
         view.now().and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"))
     };
-    let published = row.times.published_at.map(|at| view.time_text(at) + &ago(at));
+    let published = row
+        .times
+        .published_at
+        .map(|at| SheetFact { at: Some(at), ..fields::PUBLISHED.fact_of(view.time_text(at) + &ago(at)) });
     let released = row.place.released_at.zip(row.place.released_by.as_ref());
     let released = released.map(|(at, by)| format!("{} by {by}", view.time_text(at)));
     let printer = row.place.printer.as_ref().filter(|printer| **printer != row.machine);
@@ -89,7 +93,7 @@ pub fn build_facts(
         view.time_fact(fields::NESTING, row.times.nesting_at),
         view.time_fact(fields::VERIFIED, row.times.verified_at),
         optional_fact(fields::RELEASED, released),
-        optional_fact(fields::PUBLISHED, published),
+        published,
         optional_fact(fields::PRINTER, printer),
         view.time_fact(fields::TAKEN, row.place.taken_at),
         view.time_fact(fields::WITHDRAWN, row.place.withdrawn_at),

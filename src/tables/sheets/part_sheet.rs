@@ -1,6 +1,6 @@
 //! The facts of a part, line by line.
 
-use ledger::PartRow;
+use ledger::{PartRow, PartState};
 
 use super::build_sheet::{content, joined};
 use crate::tables::{
@@ -18,7 +18,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.plain_text(&mm.into())), " x ") + " mm");
     let triangles = row.measures.triangles.map(|triangles| format!("{triangles} triangles"));
     let volume = row.measures.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
-    let volume = volume.unwrap_or_else(|| "not read yet".to_owned());
+    let volume = volume.or_else(|| (row.state == PartState::Claimed).then(|| "not read yet".to_owned()));
     let clearance = fields::CLEARANCE.with_unit(row.terms.clearance_mm);
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
@@ -32,7 +32,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         Some(fields::ORIENTATION.fact_of(orientation(row))),
         optional_fact(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
         optional_fact(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
-        Some(fields::PART_VOLUME.fact_of(volume)),
+        optional_fact(fields::PART_VOLUME, volume),
         fields::NOTE.fact(&row.terms.note),
         fields::REFERENCE.fact(&row.terms.reference),
         Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),

@@ -1,5 +1,6 @@
-// Files that are dropped onto a machine, or chosen in its form: shows what is chosen and how much of it is sent. Without this script the
-// form works as any form does.
+// Files that are dropped onto the board: a sheet says of each machine when they could be done and how much height they add, and one of
+// them is chosen. Shows what is chosen in the form of a machine, and how much of it is sent. Without this script the form works as any
+// form does.
 const KB = 1024, MB = KB * KB;
 const size = (bytes) => (bytes < MB ? `${Math.ceil(bytes / KB)} kB` : `${(bytes / MB).toFixed(1)} MB`);
 const formOf = (target) => {
@@ -48,6 +49,69 @@ function send(form) {
   request.send(new FormData(form));
 }
 
+/** Puts files into the form of a machine. */
+function give(form, files) {
+  const fold = form.closest("details");
+  if (fold) fold.open = true;
+  form.elements.file.files = files;
+  show(form);
+  form.elements.order.focus();
+}
+
+const node = (tag, properties, ...children) => { const made = Object.assign(document.createElement(tag), properties); made.append(...children); return made; };
+
+/** Asks in a sheet which machine takes files. A browser tells what a file holds only once it is dropped. `target` = where they were. */
+function offer(files, target, board) {
+  const machines = [...document.querySelectorAll("form.drop")].map((form) => form.dataset.machine);
+  machines.sort((a, b) => Number(b === target.dataset.machine) - Number(a === target.dataset.machine));
+  const names = [...files].map((file) => file.name).join(", ");
+  const close = node("button", { type: "button", className: "close", textContent: "Close" });
+  const list = node("ul", { className: "rows" });
+  const sheet = node("div", { className: "sheet-box", popover: "auto" }, node("div", { className: "sheet-head" }, node("h2", { textContent: "Which machine?" }), close), node("p", { textContent: names }), list);
+  sheet.setAttribute("role", "dialog");
+  sheet.setAttribute("aria-label", "Which machine?");
+  const ending = new AbortController();
+  const answers = machines.map((name) => {
+    const said = node("span", { className: "row-more", textContent: "asking when they could be done" });
+    const choice = node("button", { type: "button", className: "row" }, node("span", { className: "row-name", textContent: name }), said);
+    choice.addEventListener("click", () => { sheet.hidePopover(); give(document.querySelector(`form.drop[data-machine="${CSS.escape(name)}"]`), files); });
+    list.append(node("li", {}, choice));
+    return { name, said };
+  });
+  close.addEventListener("click", () => sheet.hidePopover());
+  sheet.addEventListener("toggle", ({ newState }) => { if (newState === "closed") { ending.abort(); sheet.remove(); } });
+  document.body.append(sheet);
+  sheet.showPopover();
+  list.querySelector("button").focus();
+  quoteAll(answers, files, board.dataset.zone, ending.signal);
+}
+
+/** Asks one machine after the other: each searches. */
+async function quoteAll(answers, files, zone, signal) {
+  for (const { name, said } of answers) {
+    const form = new FormData();
+    form.append("quote", JSON.stringify({ machine: name, lines: [...files].map((file) => ({ name: file.name })) }));
+    for (const file of files) form.append("file", file);
+    try {
+      const answer = await fetch("/api/v1/quote", { method: "POST", body: form, headers: { accept: "application/json" }, signal });
+      const quote = await answer.json();
+      said.textContent = answer.ok ? inWords(quote, zone) : quote.error || `the farm answers ${answer.status}`;
+    } catch (error) {
+      if (error.name === "AbortError") return;
+      said.textContent = "no answer";
+    }
+  }
+}
+
+/** What a quote says: when all is done, how much height that adds, and whom it makes late. */
+function inWords(quote, zone) {
+  const format = { weekday: "short", day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
+  const time = (at) => new Date(at).toLocaleString("en-GB", { ...format, timeZone: zone || undefined });
+  const late = quote.delays.length, added = quote.added_at_most_mm === null ? quote.added_mm : Math.min(quote.added_mm, quote.added_at_most_mm);
+  const done = quote.earliest_at ? `done ${time(quote.earliest_at)}` : "no date known";
+  return `${done}, adds ${added.toFixed(1)} mm${late ? `; ${late === 1 ? "a date" : `${late} dates`} would be late` : ""}`;
+}
+
 addEventListener("change", ({ target }) => { if (target.matches?.("form.drop input[type=file]")) show(target.form); });
 addEventListener("submit", (event) => {
   if (!event.target.matches("form.drop")) return;
@@ -69,9 +133,7 @@ addEventListener("drop", (event) => {
   for (const card of document.querySelectorAll(".over")) card.classList.remove("over");
   const form = formOf(event.target);
   if (!form) return;
-  const fold = form.closest("details");
-  if (fold) fold.open = true;
-  form.elements.file.files = event.dataTransfer.files;
-  show(form);
-  form.elements.order.focus();
+  const files = event.dataTransfer.files, board = form.closest(".board");
+  if (board && HTMLElement.prototype.togglePopover) offer(files, form, board);
+  else give(form, files);
 });

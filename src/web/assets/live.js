@@ -1,10 +1,11 @@
 // Keeps a page up to date: when the farm changes, and once a minute, fetches the page again and replaces its content. Shows a
 // message when the page cannot be updated.
-const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
+const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000, TOAST_MS = 8000;
 const main = document.querySelector("#main");
 let events = null, again = 0, busy = false, dirty = false, lost = null, zone = "";
 
-const isTyping = () => main.querySelector("details[open] form :is(input:not([type=hidden]), select, textarea)") || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
+const OPEN = CSS.supports("selector(:popover-open)") ? "details[open] form, :popover-open form" : "details[open] form";
+const isTyping = () => main.querySelector(OPEN) || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
   && !document.activeElement.closest("#view");
 
 function say(id, text, link) {
@@ -105,9 +106,26 @@ addEventListener("keydown", (event) => {
   document.querySelector("nav input[type=search]")?.focus();
 });
 
+/** Says for a while what a form did that led back here, with the button that takes it back. Under pointer and focus it stays. */
+async function toast() {
+  const number = /(?:^|; )told=([^;]+)/.exec(document.cookie)?.[1];
+  if (!number) return;
+  document.cookie = "told=; Path=/; Max-Age=0; SameSite=Strict";
+  const answer = await fetch(`/told/${encodeURIComponent(number)}`, { headers: { accept: "text/html" } });
+  const told = new DOMParser().parseFromString(await answer.text(), "text/html"), said = told.querySelector("#answer");
+  if (!answer.ok || !said) return;
+  const box = Object.assign(document.createElement("div"), { className: "toast" });
+  box.setAttribute("role", "status");
+  document.body.append(box);
+  box.append(...said.childNodes, ...told.querySelectorAll("#undo form"));
+  const end = () => (box.matches(":hover, :focus-within") ? setTimeout(end, TOAST_MS) : box.remove());
+  setTimeout(end, TOAST_MS);
+}
+toast().catch(() => { /* The page shows what was done. */ });
+
 // An error page and the answer to a form are not updated.
 if (main && !document.querySelector("#problem, #answer")) {
-  main.addEventListener("toggle", () => { if (dirty) refresh(); }, true);
+  main.addEventListener("toggle", () => { if (dirty) refresh(); }, true); // of folds and sheets
   main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
   document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });
   addEventListener("online", listen);

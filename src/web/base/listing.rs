@@ -10,6 +10,7 @@ use crate::{
     tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, fields, people_columns},
     web::look::{
         chip::chip,
+        pieces::thumbnail,
         times::{due_of, promise_of, time_of},
     },
 };
@@ -22,18 +23,58 @@ pub(crate) fn table_of<Row>(
     rows: &[Row],
     view: &TimeView,
 ) -> Markup {
-    let columns = people_columns(columns, rows);
+    shown_table(name, caption, &people_columns(columns, rows), rows, view, &|_, _| None)
+}
+
+/// A table with the columns of these keys, in their order. What `told` says of a cell stands in the place of its value.
+pub(crate) fn table_of_keys<Row>(
+    (name, caption): (&str, Option<String>),
+    columns: &[TableColumn<Row>],
+    keys: &[&str],
+    rows: &[Row],
+    view: &TimeView,
+    told: &dyn Fn(&str, &Row) -> Option<CellValue>,
+) -> Markup {
+    let chosen: Vec<&TableColumn<Row>> =
+        keys.iter().filter_map(|key| columns.iter().find(|column| column.key == *key)).collect();
+    shown_table(name, caption, &chosen, rows, view, told)
+}
+
+/// A table without the columns in which nothing stands. On a narrow screen each row is a card.
+fn shown_table<Row>(
+    name: &str,
+    caption: Option<String>,
+    columns: &[&TableColumn<Row>],
+    rows: &[Row],
+    view: &TimeView,
+    told: &dyn Fn(&str, &Row) -> Option<CellValue>,
+) -> Markup {
+    let value = |column: &TableColumn<Row>, row: &Row| told(column.key, row).unwrap_or_else(|| (column.value)(row));
+    let is_said = |column: &TableColumn<Row>| {
+        rows.is_empty() || rows.iter().any(|row| column.field.cell_text(&value(column, row), view).is_some())
+    };
+    let columns: Vec<&&TableColumn<Row>> = columns.iter().filter(|column| is_said(column)).collect();
     html! {
         div.wide.listed tabindex="0" role="region" aria-label=(name) {
             table {
                 @if let Some(caption) = caption { caption { (caption) } }
                 thead { tr { @for column in &columns { (heading(&column.field)) } } }
-                tbody { @for row in rows { tr {
-                    @for column in &columns { (cell(&column.field, &(column.value)(row), true, view)) }
-                } } }
+                tbody { @for row in rows { (card_row(columns.iter().map(|column| (column.field, value(column, row))), view)) } }
             }
         }
     }
+}
+
+/// A row; all of it is the target of its first link.
+fn card_row(cells: impl Iterator<Item = (FieldDefinition, CellValue)>, view: &TimeView) -> Markup {
+    let mut link = CellLink::Row;
+    let cell = |(field, value): (FieldDefinition, CellValue)| {
+        let shown = card_cell(&field, &value, link, view);
+        link = if page_of(&value).is_some() { CellLink::Own } else { link };
+        shown
+    };
+    let cells: Vec<Markup> = cells.map(cell).collect();
+    html! { tr { @for cell in &cells { (cell) } } }
 }
 
 /// The heading of a column.
@@ -53,35 +94,87 @@ pub(crate) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool, 
         (_, None) => Some("none"),
         (class, Some(_)) => class,
     };
-    html! { td class=[class] data-of=(field.page_heading()) { (shown(field, value, has_pages, view)) } }
+    let link = if has_pages { CellLink::Own } else { CellLink::None };
+    html! { td class=[class] data-of=(field.page_heading()) { (shown(field, value, link, view)) } }
 }
 
-fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
+/// Letters from which on a text may be broken anywhere.
+const LONG_TEXT: usize = 28;
+
+/// A cell that tells its heading where its row is shown as a card, and stays away there if it is empty. A name is the title of the card.
+fn card_cell(field: &FieldDefinition, value: &CellValue, link: CellLink, view: &TimeView) -> Markup {
+    let text = field.cell_text(value, view);
+    let is_title = field.label == fields::NAME.label || field.label == fields::ORDER.label;
+    let classes = [
+        class_of(field),
+        text.is_none().then_some("none"),
+        is_title.then_some("title"),
+        matches!(value, CellValue::NamedPart(..)).then_some("pictured"),
+        text.is_some_and(|text| text.chars().count() > LONG_TEXT).then_some("long"),
+    ];
+    let class = classes.into_iter().flatten().collect::<Vec<_>>().join(" ");
+    html! { td class=[Some(class).filter(|class| !class.is_empty())] data-of=(field.page_heading()) {
+        @if let CellValue::NamedPart(part, _) = value { (thumbnail(*part)) }
+        (shown(field, value, link, view))
+    } }
+}
+
+/// How a cell leads to the page of what it names.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum CellLink {
+    None,
+    /// It leads there.
+    Own,
+    /// Its whole row does.
+    Row,
+}
+
+/// The page of what a value names.
+fn page_of(value: &CellValue) -> Option<String> {
+    Some(match value {
+        CellValue::Build(build) => format!("/builds/{build}"),
+        CellValue::BuildWithPart(build, part) => format!("/builds/{build}#part-{part}"),
+        CellValue::Part(part) | CellValue::NamedPart(part, _) => format!("/parts/{part}"),
+        CellValue::Order(name) if !name.is_empty() => order_address(name),
+        _ => return None,
+    })
+}
+
+fn shown(field: &FieldDefinition, value: &CellValue, link: CellLink, view: &TimeView) -> Markup {
     let text = field.cell_text(value, view);
     let text = text.as_deref().unwrap_or(DASH);
-    match value {
-        CellValue::Build(build) if has_pages => html! { a href=(format!("/builds/{build}")) { (text) } },
-        CellValue::BuildWithPart(build, part) if has_pages => {
-            html! { a href=(format!("/builds/{build}#part-{part}")) { (text) ", marked" } }
-        }
-        CellValue::Part(part) | CellValue::NamedPart(part, _) if has_pages => {
-            html! { a href=(format!("/parts/{part}")) { (text) } }
-        }
-        CellValue::Order(name) if has_pages && !name.is_empty() => html! { a href=(order_address(name)) { (text) } },
-        CellValue::Prose(_) => prose_with_code(text),
-        CellValue::State(_) => chip(text),
-        CellValue::Time(at) => time_of(*at, view),
-        CellValue::Due(due) => due_of(due, view),
-        CellValue::Promise(promise) => promise_of(promise, view),
+    match (value, page_of(value).filter(|_| link != CellLink::None)) {
+        (_, Some(page)) => html! { a.lead[link == CellLink::Row] href=(page) { (text) } },
+        (CellValue::Prose(_), None) => prose_with_code(text),
+        (CellValue::State(_), None) => chip(text),
+        (CellValue::Time(at), None) => time_of(*at, view),
+        (CellValue::Due(due), None) => due_of(due, view),
+        (CellValue::Promise(promise), None) => promise_of(promise, view),
         _ => html! { (text) },
     }
 }
 
 /// Facts that only some want to know.
-const DETAILS: [FieldDefinition; 4] = [fields::SEARCH, fields::FILE, fields::CONTENT, fields::REFERENCE];
+const DETAILS: [FieldDefinition; 14] = [
+    fields::LOWER_BOUND,
+    fields::LAYERS,
+    fields::CLEARANCE,
+    fields::SEARCH,
+    fields::FIRED_BY,
+    fields::OPENED,
+    fields::NESTING,
+    fields::VERIFIED,
+    fields::TAKEN,
+    fields::CLAIMED,
+    fields::ORIENTATION,
+    fields::FILE,
+    fields::CONTENT,
+    fields::REFERENCE,
+];
 
-/// The facts as a description list; what only some want to know is folded.
-pub(crate) fn fact_sheet(known: Vec<SheetFact>, view: &TimeView) -> Markup {
+/// The facts as a description list; what only some want to know is folded. `elsewhere` = what the page says in another way.
+pub(crate) fn fact_sheet(mut known: Vec<SheetFact>, elsewhere: &[FieldDefinition], view: &TimeView) -> Markup {
+    known.retain(|fact| !elsewhere.iter().any(|field| field.label == fact.label));
     let is_detail = |fact: &SheetFact| DETAILS.iter().any(|field| field.label == fact.label);
     let (details, main): (Vec<_>, Vec<_>) = known.into_iter().partition(is_detail);
     html! {
@@ -94,7 +187,11 @@ pub(crate) fn fact_sheet(known: Vec<SheetFact>, view: &TimeView) -> Markup {
 pub(crate) fn fact_list(known: &[SheetFact], view: &TimeView) -> Markup {
     html! {
         @if !known.is_empty() { dl.facts { @for fact in known { div { dt { (fact.label) } dd {
-            @match fact.at { Some(at) => (time_of(at, view)), None => (fact.text) }
+            @match (fact.at, &fact.due) {
+                (Some(at), _) => (time_of(at, view)),
+                (None, Some(due)) => (due_of(due, view)),
+                (None, None) => (fact.text),
+            }
         } } } } }
     }
 }

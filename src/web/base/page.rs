@@ -57,10 +57,12 @@ pub(super) fn search_field(text: &str, label: &str) -> Markup {
 /// A page that shows an error.
 pub(super) fn error_page(status: StatusCode, text: &str) -> Markup {
     let title = status.canonical_reason().unwrap_or("Error");
+    let mut letters = text.chars();
+    let sentence: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
     let content = html! {
         h1 { (title) }
-        p #problem role="alert" { (text) "." }
-        p { a href="/" { "To the farm" } }
+        p #problem role="alert" { (sentence.trim_end_matches('.')) "." }
+        p { a.button.first href="/" { "To the farm" } }
     };
     html_page(title, "", None, &content)
 }

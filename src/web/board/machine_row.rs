@@ -14,7 +14,10 @@ use super::{
     job::{Job, JobSetting, later_job},
 };
 use crate::{
-    farm::{MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, forecast_fire, held_text, night_text},
+    farm::{
+        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, forecast_fire, held_text,
+        night_text,
+    },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
     web::{
@@ -134,7 +137,7 @@ impl MachineRowOnBoard<'_> {
             div.lane {
                 p.lane-name {
                     @if !is_only { b { (printer.printer) } " " (chip(printer.state.word())) " " }
-                    span.soft { (doing) "." }
+                    span.soft.doing { (doing) "." }
                 }
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))
@@ -181,11 +184,7 @@ impl MachineRowOnBoard<'_> {
                 @else { span { "Waiting: " b { (count(status.waiting_copies, "copy", "copies")) } " of " (count(status.waiting_parts, "part", "parts"))
                     @if let Some(due) = GivenDate::new(status.due_at, &status.due_text) { ", the first due " (due_of(&due, view)) } } }
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) }
-                @if let Some(fires) = fires {
-                    span { "Fires " b { @if fires.at <= now { "now" } @else { (time_of(UtcTimestamp(fires.at), view)) } }
-                        @if fires.at < fires.latest { " if nothing more arrives" }
-                        ": " (fires.fire_reason(self.profile, status)) }
-                }
+                @if let Some(fires) = fires { (fire_time(&fires, (self.profile, status), view)) }
                 @if let Some(held) = held_text(self.profile, status) { span { "It waits: " (held) } }
                 @if status.refused_parts > 0 {
                     a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.label) ": " (status.refused_parts) }
@@ -212,6 +211,10 @@ impl MachineRowOnBoard<'_> {
         }
     }
 
+    fn awaits_release(&self, build: BuildId) -> bool {
+        self.plan.builds.iter().any(|planned| planned.build == Some(build) && planned.awaits_release)
+    }
+
     /// How far the search for a build is.
     fn search_progress(&self, build: &NestingBuild, now: Timestamp) -> Markup {
         let limit_secs = self.profile.search.final_secs;
@@ -219,7 +222,9 @@ impl MachineRowOnBoard<'_> {
         let is_searching = build.state == BuildState::Nesting;
         html! {
             p.making { "Build " a href=(format!("/builds/{}", build.build)) { (build.build) }
-                @if is_searching { " is searched" } @else { " is proved and goes to the queue" }
+                @if is_searching { " is searched" }
+                @else if self.awaits_release(build.build) { " is proved and waits for a yes" }
+                @else { " is proved and goes to the queue" }
                 ": " (count(build.copies, "copy", "copies"))
                 @if let (true, Some(spent)) = (is_searching, spent_secs) {
                     ", " (format!("{spent:.0} of {limit_secs:.0} s"))
@@ -249,6 +254,19 @@ impl MachineRowOnBoard<'_> {
                     " " (chip(&last.state_word())) }
             }
         }
+    }
+}
+
+/// When an open build fires, and why.
+pub(crate) fn fire_time(
+    fires: &FireForecast,
+    (profile, status): (&MachineProfile, &MachineStatus),
+    view: &TimeView,
+) -> Markup {
+    html! {
+        span { "Fires " b { @if view.now().is_some_and(|now| fires.at <= now) { "now" } @else { (time_of(UtcTimestamp(fires.at), view)) } }
+            @if fires.at < fires.latest { " if nothing more arrives" }
+            ": " (fires.fire_reason(profile, status)) "." }
     }
 }
 

@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    form_answer::{FormAnswer, key_field},
+    form_answer::{FormAnswer, FormButton, key_field},
     request_user::RequestUser,
     state::DashboardState,
 };
@@ -67,6 +67,7 @@ pub(crate) async fn post_command(
         }
         _ => return Err(HandlerError::NotFound("such order".to_owned())),
     };
+    let undo = undo_of(&order);
     let command = NewCommand {
         kind: order.kind,
         machine: order.machine,
@@ -74,7 +75,18 @@ pub(crate) async fn post_command(
         argument: CommandArgument::default(),
         asked_by,
     };
-    send_commands(&web, vec![command], &back).await
+    Ok(send_commands(&web, vec![command], &back).await?.or_undo(undo))
+}
+
+/// The button that takes a command back, where another command does that.
+fn undo_of(order: &CommandForm) -> Option<FormButton> {
+    let (kind, target) = match (order.kind, order.part) {
+        (CommandKind::Pause, _) => (CommandKind::Resume, ("machine", order.machine.clone())),
+        (CommandKind::Resume, _) => (CommandKind::Pause, ("machine", order.machine.clone())),
+        (CommandKind::Cancel, Some(part)) => (CommandKind::Retry, ("part", part.to_string())),
+        _ => return None,
+    };
+    Some(FormButton::undo("/commands", &[("kind", kind.to_string()), target]))
 }
 
 /// Refuses whatever changes something where the farm takes no orders from pages and programs.
@@ -118,7 +130,7 @@ pub(crate) fn show_answers(answers: CommandAnswers, back: &str) -> FormAnswer {
         return FormAnswer::told("Not answered yet", refusals, back);
     }
     match (refusals.is_empty(), done.is_empty()) {
-        (true, _) => FormAnswer::back_to(back),
+        (true, _) => FormAnswer::seen_at(back, done),
         (false, true) => FormAnswer::refused(refusals, back),
         // The rest is done: sent again, the form is not carried out again.
         (false, false) => FormAnswer::told("Refused in part", refusals, back),

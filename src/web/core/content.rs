@@ -1,12 +1,12 @@
 //! The contents of parts, for the other nodes of the farm.
 
-use std::{io::Read, sync::Arc};
+use std::{io::Read, path::Path as FilePath, sync::Arc};
 
 use anyhow::Context;
 use axum::{
     body::{Body, Bytes},
     extract::{Path, State},
-    http::header,
+    http::{HeaderMap, HeaderValue, header},
     response::{IntoResponse, Response},
 };
 use tokio_stream::wrappers::ReceiverStream;
@@ -29,7 +29,13 @@ pub(crate) async fn get_content(
 ) -> HandlerResult<Response> {
     let found = farm::find_kept_content(&web.current_settings(), &web.ledger, &hash).await?;
     let path = found.ok_or_else(|| HandlerError::NotFound(format!("file with the BLAKE3 {hash} on this node")))?;
-    let opened = std::fs::File::open(&path).and_then(|file| Ok((file.metadata()?.len(), file)));
+    let kind = HeaderValue::from_static("application/octet-stream");
+    stream_file(&path, [(header::CONTENT_TYPE, kind)].into_iter().collect())
+}
+
+/// Answers with a file, piece by piece.
+pub(crate) fn stream_file(path: &FilePath, mut headers: HeaderMap) -> HandlerResult<Response> {
+    let opened = std::fs::File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     let (bytes, mut file) = opened.with_context(|| format!("opening {}", path.display()))?;
     let (send, chunks) = tokio::sync::mpsc::channel::<std::io::Result<Bytes>>(CHUNKS_AHEAD);
     tokio::task::spawn_blocking(move || {
@@ -47,7 +53,6 @@ pub(crate) async fn get_content(
             }
         }
     });
-    let headers =
-        [(header::CONTENT_TYPE, "application/octet-stream".to_owned()), (header::CONTENT_LENGTH, bytes.to_string())];
+    headers.insert(header::CONTENT_LENGTH, bytes.into());
     Ok((headers, Body::from_stream(ReceiverStream::new(chunks))).into_response())
 }

@@ -1,7 +1,7 @@
 //! A form of a page: the key in it, and what became of it.
 
 use axum::{
-    http::StatusCode,
+    http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Redirect, Response},
 };
 use jiff::Timestamp;
@@ -10,6 +10,9 @@ use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use super::state::DashboardState;
+
+/// How long a page that is slow to come may still say what was done, s.
+const TOLD_SECS: u32 = 20;
 
 /// The field with the key of a form. It comes first: a form with files is not read without it.
 pub(crate) fn key_field(web: &DashboardState) -> Markup {
@@ -28,26 +31,38 @@ pub(crate) struct FormAnswer {
     /// When it was answered.
     pub(crate) at: Timestamp,
     /// The button that sends it once more and has it done anyway.
-    pub(crate) anyway: Option<AnywayButton>,
+    pub(crate) anyway: Option<FormButton>,
+    /// The button that takes it back.
+    #[serde(default)]
+    pub(crate) undo: Option<FormButton>,
+    /// Whether the page `back` shows what was done, so that the sentences only stand on it for a while.
+    #[serde(default)]
+    is_seen: bool,
 }
 
-/// A button that sends a refused form once more, and says that it is meant.
+/// A button that sends a form.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct AnywayButton {
+pub(crate) struct FormButton {
     label: String,
-    /// Address and fields of the form; whoever carries it out knows them.
+    /// Address and fields of the form.
     pub(crate) action: String,
     pub(crate) fields: Vec<(String, String)>,
 }
 
-impl AnywayButton {
-    /// The button, in a form with a key of its own.
-    pub(crate) fn to_form(&self, web: &DashboardState) -> Markup {
+impl FormButton {
+    /// The button that takes back what was done, by a form with these fields.
+    pub(crate) fn undo(action: &str, fields: &[(&str, String)]) -> Self {
+        let fields = fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        Self { label: "Undo".to_owned(), action: action.to_owned(), fields }
+    }
+
+    /// The button, in a form with a key of its own. `is_anyway` = it says that what was refused is meant.
+    pub(crate) fn to_form(&self, web: &DashboardState, is_anyway: bool) -> Markup {
         html! {
             form.order method="post" action=(self.action) {
                 (key_field(web))
                 @for (name, value) in self.fields.iter().filter(|(name, _)| name != "key") { input type="hidden" name=(name) value=(value); }
-                input type="hidden" name="anyway" value="yes";
+                @if is_anyway { input type="hidden" name="anyway" value="yes"; }
                 button type="submit" { (self.label) }
             }
         }
@@ -63,7 +78,26 @@ impl FormAnswer {
     /// It is done, and this is to be said of it.
     pub(crate) fn told(title: &str, sentences: Vec<String>, back: &str) -> Self {
         let (title, back) = (title.to_owned(), back.to_owned());
-        Self { title, sentences, back, is_refused: false, at: Timestamp::now(), anyway: None }
+        Self {
+            title,
+            sentences,
+            back,
+            is_refused: false,
+            at: Timestamp::now(),
+            anyway: None,
+            undo: None,
+            is_seen: false,
+        }
+    }
+
+    /// It is done, and the page `back` shows that; these sentences stand on it for a while.
+    pub(crate) fn seen_at(back: &str, sentences: Vec<String>) -> Self {
+        Self { is_seen: true, ..Self::told("Done", sentences, back) }
+    }
+
+    /// With a button that takes back what was done.
+    pub(crate) fn or_undo(self, undo: Option<FormButton>) -> Self {
+        Self { undo: undo.filter(|_| !self.is_refused), ..self }
     }
 
     /// Nothing was done, for these reasons.
@@ -73,7 +107,7 @@ impl FormAnswer {
 
     /// With a button that has it done anyway.
     pub(crate) fn or_anyway(self, label: &str) -> Self {
-        let button = AnywayButton { label: label.to_owned(), action: String::new(), fields: Vec::new() };
+        let button = FormButton { label: label.to_owned(), action: String::new(), fields: Vec::new() };
         Self { anyway: Some(button), ..self }
     }
 
@@ -91,12 +125,21 @@ impl FormAnswer {
 
     /// Leads the browser to what is to be seen. `is_again` = the form was carried out some time before.
     pub(crate) fn lead_on(&self, number: &str, is_again: bool) -> Response {
-        let to = match (is_again, self.sentences.is_empty()) {
+        let is_on_page = self.is_seen || self.sentences.is_empty();
+        let to = match (is_again, is_on_page) {
             (false, true) => self.back.clone(),
             (false, false) => format!("/told/{number}"),
             (true, _) => format!("/told/{number}?again=true"),
         };
-        Redirect::to(&to).into_response()
+        let mut response = Redirect::to(&to).into_response();
+        if !is_again && self.is_seen && !self.sentences.is_empty() {
+            // The script of the page shows it, and takes the cookie away.
+            let cookie = format!("told={number}; Path=/; Max-Age={TOLD_SECS}; SameSite=Strict");
+            if let Ok(cookie) = HeaderValue::from_str(&cookie) {
+                response.headers_mut().append(header::SET_COOKIE, cookie);
+            }
+        }
+        response
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use anyhow::Context;
 use axum::{
     body::Bytes,
     extract::{Path, State},
@@ -10,7 +11,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
-use ledger::{BuildId, MachineStatus, PartId};
+use ledger::{BuildId, MachineStatus, PartId, PartRow, PartState};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -19,7 +20,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::CakeContents,
+    farm::{self, CakeContents},
     tables::fields,
     web::{
         base::{
@@ -28,8 +29,11 @@ use crate::{
             query::Query,
         },
         figures::pick_map::PICTURE_ALT_TEXT,
+        look::pieces::THUMBNAIL_WIDTH,
     },
 };
+
+pub(crate) use crate::web::look::pieces::themed_picture;
 
 /// Widths that pages request, pixels. Any other width is rounded up to the next of them.
 const WIDTHS: [u32; 3] = [SMALL_WIDTH, 480, 640];
@@ -37,6 +41,12 @@ const WIDTHS: [u32; 3] = [SMALL_WIDTH, 480, 640];
 const SMALL_WIDTH: u32 = 112;
 /// Width and height of the picture of a part, pixels.
 const PART_PICTURE_SIZE: (u32, u32) = (400, 300);
+/// Width of the picture of a part on its page, pixels.
+const LONE_WIDTH: u32 = 400;
+/// Stands for a picture that cannot be drawn: a dashed box.
+const NO_PICTURE: &str = include_str!("../assets/no-picture.svg");
+/// Pictures of parts in the cache; most of them are thumbnails of 3 kB.
+pub(crate) const CACHED_PARTS: usize = 600;
 /// Number of colours of parts.
 const MAX_KINDS: usize = 21;
 /// Pictures in the cache; 50 kB each at most.
@@ -50,12 +60,6 @@ pub(crate) struct PictureQuery {
     of: Option<String>,
     #[serde(default)]
     scheme: PictureScheme,
-}
-
-/// A picture of a page in the colours of the page; `source` is its address on a light page. Paper is light.
-pub(crate) fn themed_picture(source: &str, image: &Markup) -> Markup {
-    let mark = if source.contains('?') { '&' } else { '?' };
-    html! { picture { source media="screen and (prefers-color-scheme: dark)" srcset=(format!("{source}{mark}scheme=dark")); (image) } }
 }
 
 /// The picture of a build, a PNG.
@@ -80,7 +84,7 @@ pub(crate) async fn get_picture(
     };
     let png = render_cached(&web, &build, &profile, kept, draw).await?;
     if png.is_empty() {
-        return Err(HandlerError::NotFound(format!("picture of what stands in build {number}")));
+        return Ok(no_picture());
     }
     let stays = asked.of.is_some_and(|of| of == layout_version(&build));
     let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
@@ -125,10 +129,72 @@ pub(crate) async fn get_part_picture(
     };
     let png = render_cached(&web, &build, &profile, kept, draw).await?;
     if png.is_empty() {
-        return Err(HandlerError::NotFound(format!("picture of part {part} in build {number}")));
+        return Ok(no_picture());
     }
+    Ok(lasting_png(png))
+}
+
+/// A picture that never changes.
+fn lasting_png(png: Bytes) -> Response {
     let keep = "private, max-age=31536000, immutable";
-    Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
+    ([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response()
+}
+
+/// Stands for a picture that cannot be drawn: what it would show is no longer kept, or not there yet.
+fn no_picture() -> Response {
+    ([(header::CONTENT_TYPE, "image/svg+xml"), (header::CACHE_CONTROL, "private, no-cache")], NO_PICTURE)
+        .into_response()
+}
+
+/// The query of the address of the picture of a part by itself.
+#[derive(Debug, Deserialize)]
+pub(crate) struct LonePictureQuery {
+    width: Option<u32>,
+    #[serde(default)]
+    scheme: PictureScheme,
+}
+
+/// The picture of a part, as it was dropped, whatever became of it: a PNG. It never changes. Where the surface is not closed, its open
+/// edges are red.
+pub(crate) async fn get_lone_picture(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    Query(asked): Query<LonePictureQuery>,
+) -> HandlerResult<Response> {
+    let missing = || HandlerError::NotFound(format!("part {number}"));
+    let part = web.ledger.find_part(PartId(number)).await?.ok_or_else(missing)?;
+    let width = if asked.width.is_some_and(|width| width <= THUMBNAIL_WIDTH) { THUMBNAIL_WIDTH } else { LONE_WIDTH };
+    let scheme = asked.scheme;
+    let key = format!(
+        "{} {} {:?} {:?} {width} {scheme:?}",
+        part.file.content_hash, part.solid.object_index, part.terms.unit, part.measures.read_unit
+    );
+    let png = match web.caches.parts.get(&key) {
+        Some(png) => png,
+        None => {
+            let _turn = web.render_slot.clone().acquire_owned().await.context("waiting for a turn")?;
+            let mesh = farm::load_part_mesh(&web.current_settings(), &web.ledger, &part).await?;
+            let size = (width, width / 4 * 3);
+            let draw = move || mesh.map_or_else(Bytes::new, |mesh| Bytes::from(draw_part(&mesh, 0, scheme, size)));
+            let png = tokio::task::spawn_blocking(draw).await.context("drawing a part")?;
+            web.caches.parts.insert(key, png.clone());
+            png
+        }
+    };
+    Ok(if png.is_empty() { no_picture() } else { lasting_png(png) })
+}
+
+/// The picture of a part on its page.
+pub(crate) fn part_picture(part: &PartRow) -> Markup {
+    let source = format!("/parts/{}/picture", part.id);
+    let alt = match part.state {
+        PartState::Refused => "The part as it was dropped; where its surface is not closed, the edges are red",
+        _ => "The part as it was dropped",
+    };
+    themed_picture(
+        &source,
+        &html! { img.part-picture alt=(alt) width=(LONE_WIDTH) height=(LONE_WIDTH / 4 * 3) src=(source); },
+    )
 }
 
 /// The picture on a machine's card: the open build, else the build that is being nested, else the last published one.

@@ -68,6 +68,7 @@ pub(crate) struct PageCaches {
     pub(crate) scenes: RecentCache<CompressedBody>,
     pub(crate) picks: RecentCache<CachedPickMap>,
     pub(crate) pictures: RecentCache<Bytes>,
+    pub(crate) parts: RecentCache<Bytes>,
 }
 
 impl DashboardState {

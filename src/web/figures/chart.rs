@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use jiff::ToSpan;
+use jiff::{ToSpan, civil::Date};
 use ledger::HistoryRow;
 use maud::{Markup, PreEscaped, html};
 
@@ -14,8 +14,6 @@ const HEIGHT: f64 = 180.0;
 const LEFT: f64 = 44.0;
 const BOTTOM: f64 = 26.0;
 const TOP: f64 = 10.0;
-/// Weeks that a month may touch; fewer of them are not drawn wider.
-const WEEKS_OF_MONTH: usize = 5;
 /// Most lines in a chart. The style sheet gives them colours that the colour-blind can tell apart.
 const MAX_LINES: usize = 6;
 
@@ -73,8 +71,18 @@ fn line_chart(title: &str, unit: &str, lines: &ChartLines, zone: &FarmZone) -> M
     }
 }
 
+/// A chart of the build height over the time of the search.
+pub(crate) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
+    html! {
+        @if points.len() > 1 {
+            figure { figcaption { "Height while it was searched, mm over seconds" }
+                (plot_lines("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
+        }
+    }
+}
+
 /// Draws lines in a frame; `label` formats the values of the horizontal axis.
-pub(crate) fn plot_lines<'a>(
+fn plot_lines<'a>(
     title: &str,
     lines: impl Iterator<Item = &'a Vec<(f64, f64)>> + Clone,
     label: &dyn Fn(f64) -> String,
@@ -120,50 +128,65 @@ pub(crate) fn plot_lines<'a>(
     }
 }
 
-/// Bars by week, from Monday on, stacked by machine; nothing if nothing was published. `value` is what is summed.
+/// Bars by week, from Monday on, stacked by machine: all weeks of the days from the first up to before the last, also those in which
+/// nothing was published; each says which of its days it counts. Nothing if nothing was published. `value` is what is summed.
 pub(crate) fn weekly_bars(
     title: &str,
     rows: &[HistoryRow],
+    days: (Date, Date),
     zone: &FarmZone,
     value: &dyn Fn(&HistoryRow) -> Option<f64>,
 ) -> Markup {
-    let mut weeks: BTreeMap<jiff::civil::Date, BTreeMap<&str, f64>> = BTreeMap::new();
+    let monday = |day: Date| day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());
+    let mut weeks: BTreeMap<Date, BTreeMap<&str, f64>> = BTreeMap::new();
     let mut machines: BTreeMap<&str, usize> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.is_published()) {
         let (Some(at), Some(value)) = (row.published_at, value(row)) else { continue };
         let day = at.0.to_zoned(zone.time_zone().clone()).date();
-        let monday = day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());
-        *weeks.entry(monday).or_default().entry(row.machine.as_str()).or_default() += value;
+        *weeks.entry(monday(day)).or_default().entry(row.machine.as_str()).or_default() += value;
         machines.insert(row.machine.as_str(), 0);
+    }
+    if weeks.is_empty() {
+        return Markup::default();
+    }
+    let mut week = monday(days.0);
+    while week < days.1 {
+        weeks.entry(week).or_default();
+        week = week.saturating_add(7.days());
     }
     machines.values_mut().enumerate().for_each(|(place, number)| *number = place.min(MAX_LINES - 1));
     let most = next_round_number(weeks.values().map(|week| week.values().sum()).fold(1e-9, f64::max));
-    let step = (WIDTH - LEFT - 8.0) / weeks.len().max(WEEKS_OF_MONTH) as f64;
+    let step = (WIDTH - LEFT - 8.0) / weeks.len() as f64;
     let tall = HEIGHT - TOP - BOTTOM;
     html! {
-        @if !weeks.is_empty() {
-            figure {
-                figcaption { (title) @for (name, number) in &machines { " " span class=(format!("key c{number}")) { (name) } } }
-                svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
-                    @for tick in 0..=4 {
-                        @let at = TOP + tall * (1.0 - f64::from(tick) / 4.0);
-                        line.grid x1=(LEFT) x2=(WIDTH - 8.0) y1=(at) y2=(at) {}
-                        text.tick.end x=(LEFT - 6.0) y=(at + 4.0) { (short_number(most * f64::from(tick) / 4.0)) }
-                    }
-                    @for (place, (monday, week)) in weeks.iter().enumerate() {
-                        @let left = LEFT + step * place as f64;
-                        @for (name, number, low, high) in stacked(week, &machines) {
-                            rect class=(format!("bar c{number}")) x=(format!("{:.1}", left + 0.15 * step)) width=(format!("{:.1}", 0.7 * step))
-                                y=(format!("{:.1}", TOP + tall * (1.0 - high / most))) height=(format!("{:.1}", tall * (high - low) / most)) {
-                                title { (name) ", week from " (monday) ": " (short_number(high - low)) }
-                            }
+        figure {
+            figcaption { (title) @for (name, number) in &machines { " " span class=(format!("key c{number}")) { (name) } } }
+            svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
+                @for tick in 0..=4 {
+                    @let at = TOP + tall * (1.0 - f64::from(tick) / 4.0);
+                    line.grid x1=(LEFT) x2=(WIDTH - 8.0) y1=(at) y2=(at) {}
+                    text.tick.end x=(LEFT - 6.0) y=(at + 4.0) { (short_number(most * f64::from(tick) / 4.0)) }
+                }
+                @for (place, (monday, week)) in weeks.iter().enumerate() {
+                    @let left = LEFT + step * place as f64;
+                    @let label = week_label(*monday, days);
+                    @for (name, number, low, high) in stacked(week, &machines) {
+                        rect class=(format!("bar c{number}")) x=(format!("{:.1}", left + 0.15 * step)) width=(format!("{:.1}", 0.7 * step))
+                            y=(format!("{:.1}", TOP + tall * (1.0 - high / most))) height=(format!("{:.1}", tall * (high - low) / most)) {
+                            title { (name) ", " (label) ": " (short_number(high - low)) }
                         }
-                        text.tick.middle x=(format!("{:.1}", left + 0.5 * step)) y=(HEIGHT - 8.0) { (monday.strftime("%d.%m.").to_string()) }
                     }
+                    text.tick.middle x=(format!("{:.1}", left + 0.5 * step)) y=(HEIGHT - 8.0) { (label) }
                 }
             }
         }
     }
+}
+
+/// The days of a week that are among those that count: `23\u{2013}29`.
+fn week_label(monday: Date, (first, end): (Date, Date)) -> String {
+    let (from, to) = (monday.max(first), monday.saturating_add(6.days()).min(end.saturating_sub(1.days())));
+    if from >= to { from.day().to_string() } else { format!("{}\u{2013}{}", from.day(), to.day()) }
 }
 
 /// The pieces of a bar from the bottom up: machine, number of its colour, lower and upper end.

@@ -26,6 +26,7 @@ use crate::{
             request_user::RequestUser,
             state::DashboardState,
         },
+        look::pieces::sheet,
     },
 };
 
@@ -66,36 +67,46 @@ enum BuildFormAct {
     Withdraw,
 }
 
-/// The forms for a published build. `placements` are its copies, those that were printed badly included.
+/// The forms for a published build, each a button with its sheet: what a person most probably does comes first. `placements` are its
+/// copies, those that were printed badly included.
 pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
     let is_told = matches!(build.state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
     let has_counted = placements.iter().any(|placed| !placed.is_bad);
+    let tell = if is_told { "Correct what was told" } else { "Tell how it printed" };
     html! {
         @if web.orders && build.times.published_at.is_some() {
-            section.forms #told aria-label="What became of the print" {
-                @if build.state == BuildState::Published && !build.place.is_on_its_way() {
-                    (act_form(web, build.id, "printing", "It prints"))
-                }
-                @if build.place.withdrawn_at.is_none() { (outcome_form(web, build, &bad_text(build, placements), is_told)) }
-                @if has_counted {
-                    details { summary { "Print again" }
-                        p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }
-                        (act_form(web, build.id, "reprint", "Print every copy again"))
-                    }
-                }
-                @if build.state == BuildState::Published && build.place.taken_at.is_none() {
-                    details { summary { "Take it back out of the queue" }
-                        p { "Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it." }
-                        @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
-                        @else { (act_form(web, build.id, "withdraw", "Take it back")) }
-                    }
-                }
-                details { summary { "Issue once more" }
-                    p { "The same proved build is issued as a new one: the same copies in the same places. Copies that count as printed count as bad then." }
-                    (act_form(web, build.id, "requeue", "Issue this build once more"))
-                }
+            @if build.place.withdrawn_at.is_none() { (sheet("tell", tell, !is_told, &outcome_form(web, build, &bad_text(build, placements), is_told))) }
+            @if build.state == BuildState::Published && !build.place.is_on_its_way() {
+                (act_form(web, build.id, "printing", "It prints"))
             }
+            @if has_counted { (sheet("reprint", "Print again", false, &reprint_form(web, build.id))) }
+            @if build.state == BuildState::Published && build.place.taken_at.is_none() {
+                (sheet("withdraw", "Take it back out of the queue", false, &withdraw_form(web, build)))
+            }
+            (sheet("requeue", "Issue once more", false, &requeue_form(web, build.id)))
         }
+    }
+}
+
+fn reprint_form(web: &DashboardState, build: BuildId) -> Markup {
+    html! {
+        p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }
+        (act_form(web, build, "reprint", "Print every copy again"))
+    }
+}
+
+fn withdraw_form(web: &DashboardState, build: &BuildRow) -> Markup {
+    html! {
+        p { "Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it." }
+        @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
+        @else { (act_form(web, build.id, "withdraw", "Take it back")) }
+    }
+}
+
+fn requeue_form(web: &DashboardState, build: BuildId) -> Markup {
+    html! {
+        p { "The same proved build is issued as a new one: the same copies in the same places. Copies that count as printed count as bad then." }
+        (act_form(web, build, "requeue", "Issue this build once more"))
     }
 }
 
@@ -147,22 +158,23 @@ pub(crate) async fn release_form(
 }
 
 fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool) -> Markup {
-    let choices = [("complete", "complete"), ("interrupted", "interrupted: the machine stopped"), ("failed", "failed")];
+    let choices = [
+        ("complete", "complete"),
+        ("interrupted", "interrupted: the machine stopped"),
+        ("failed", "failed: nothing of it is good"),
+    ];
     html! {
-        details {
-            summary { @if is_told { "Correct what was told" } @else { "Tell how it printed" } }
-            form.tell method="post" action=(format!("/builds/{}/told", build.id)) {
-                (key_field(web))
-                @if is_told { input type="hidden" name="correct" value="yes"; }
-                label { "The print is" select name="act" {
-                    @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
-                } }
-                label { "Bad copies, as part = copies, for example 7=2, 9=1" input name="bad" value=(bad) maxlength=(MAX_NOTE); }
-                label { "Note" input name="note" maxlength=(MAX_NOTE); }
-                label.check { input type="checkbox" name="keep" value="yes"; "Do not print bad copies again" }
-                p { "Bad copies wait again with all that was asked; of a failed print all copies do." }
-                button type="submit" { @if is_told { "Correct the outcome" } @else { "Tell the outcome" } }
-            }
+        form.tell method="post" action=(format!("/builds/{}/told", build.id)) {
+            (key_field(web))
+            @if is_told { input type="hidden" name="correct" value="yes"; }
+            label { "The print is" select name="act" {
+                @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
+            } }
+            label { "Bad copies, as part = copies, for example 7=2, 9=1" input name="bad" value=(bad) maxlength=(MAX_NOTE); }
+            label { "Note" input name="note" maxlength=(MAX_NOTE); }
+            label.check { input type="checkbox" name="keep" value="yes"; "Do not print bad copies again" }
+            p { "Bad copies wait again with all that was asked; of a failed print all copies do." }
+            button type="submit" { @if is_told { "Correct the outcome" } @else { "Tell the outcome" } }
         }
     }
 }

@@ -93,6 +93,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
         form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
             data-max-bytes=(max_bytes) data-machine=(name) {
             (key_field(web))
+            label.files { (MESH_FORMATS) " files" input name="file" type="file" multiple required accept=(accepted_endings()); }
             div.pair {
                 label { "Order" input name="order" maxlength="200"; }
                 label { "Customer" input name="customer" maxlength="200"; }
@@ -103,15 +104,17 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
                 label { "Due (the end of that day, unless with a time)" input name="due" type="date"; }
                 label { "Time" input name="due_time" type="time"; }
             }
-            label { "How the parts may be turned" select name="orientation" {
-                option value="" { "as the machine allows" }
-                @for (word, text) in [("free", "free: any way"), ("upright", "upright: about the vertical"), ("axis", "axis: in right angles"), ("fixed", "fixed: as in the file")] {
-                    option value=(word) { (text) }
-                }
-            } }
-            label { "Priority, 0 to 100; 100 must be in the next build" input name="priority" type="number" min="0" max="100"; }
-            label { "Note" input name="note" maxlength="500"; }
-            label.files { (MESH_FORMATS) " files" input name="file" type="file" multiple required accept=(accepted_endings()); }
+            details {
+                summary { "Turning, priority, note" }
+                label { "How the parts may be turned" select name="orientation" {
+                    option value="" { "as the machine allows" }
+                    @for (word, text) in [("free", "free: any way"), ("upright", "upright: about the vertical"), ("axis", "axis: in right angles"), ("fixed", "fixed: as in the file")] {
+                        option value=(word) { (text) }
+                    }
+                } }
+                label { "Priority, 0 to 100; 100 must be in the next build" input name="priority" type="number" min="0" max="100"; }
+                label { "Note" input name="note" maxlength="500"; }
+            }
             p.chosen role="status" {}
             progress.sent max="100" value="0" hidden aria-label=(format!("Files that are sent to {name}")) {}
             button type="submit" { "Add to " (name) }

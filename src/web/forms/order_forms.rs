@@ -1,5 +1,5 @@
 //! The forms of the page of an order: what waits of it is changed, moved or cancelled, what was printed is printed again, and the order is
-//! closed as it is. Each line has the forms of its part.
+//! closed as it is. The forms of a line are on the page of its part.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use axum::{
 };
 use ledger::{
     CommandArgument, CommandKind, LineCopies, NewCommand, OperatorWord, OrderLine, OrderRow, OrderState, PartEdit,
-    PartRow, PartState, ReprintTarget,
+    PartState, ReprintTarget,
 };
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -19,27 +19,22 @@ use super::{
     build_forms::MAX_NOTE,
     operate_form::say_word,
     order_cancel::{CancelTarget, cancel_lines},
-    part_forms::{PartEditForm, part_forms},
+    part_forms::PartEditForm,
 };
-use crate::{
-    tables::copies_text,
-    web::{
-        base::{
-            error::{HandlerError, HandlerResult},
-            format::count,
-            query::order_address,
-        },
-        core::{
-            command::{command_button, send_commands, show_answers},
-            form_answer::{FormAnswer, key_field},
-            request_user::RequestUser,
-            state::DashboardState,
-        },
+use crate::web::{
+    base::{
+        error::{HandlerError, HandlerResult},
+        format::count,
+        query::order_address,
     },
+    core::{
+        command::{send_commands, show_answers},
+        form_answer::{FormAnswer, key_field},
+        request_user::RequestUser,
+        state::DashboardState,
+    },
+    look::pieces::sheet,
 };
-
-/// Lines whose forms are on the page of the order; those of others are on the pages of their parts.
-const MAX_FORMS: usize = 40;
 
 /// The form that moves a whole order.
 #[derive(Debug, Deserialize)]
@@ -59,19 +54,23 @@ fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
     lines.iter().filter(|line| line.state == PartState::Waiting)
 }
 
-/// The forms that concern a whole order, each folded away. `arriving` = lines that are no parts yet.
+/// The forms that concern a whole order, each a button with its sheet. `arriving` = lines that are no parts yet.
 pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[OrderLine], arriving: usize) -> Markup {
     let address = order_address(&order.name);
     let waiting = waiting_lines(lines).count() as u32;
     let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
+    let open = waiting + (read + arriving) as u32;
+    let is_printed = lines.iter().any(|line| line.copies.published() + line.copies.good > 0);
     html! {
         @if web.orders {
-            section.forms aria-label="Change the order" {
-                (edit_form(web, order, &address, waiting))
-                (move_form(web, &address, waiting))
-                (reprint_form(web, &address, lines))
+            div.buttons.acts {
+                (sheet("change", "Change the order", false, &edit_form(web, order, &address, waiting)))
+                @if waiting > 0 && web.current_settings().profiles.len() > 1 {
+                    (sheet("move", "Move to another machine", false, &move_form(web, &address, waiting)))
+                }
+                @if is_printed { (sheet("reprint", "Print again", false, &reprint_form(web, &address))) }
                 (close_form(web, order, &address, lines))
-                (cancel_form(web, &address, waiting + (read + arriving) as u32))
+                @if open > 0 { (sheet("cancel", "Cancel", false, &cancel_form(web, &address, open))) }
             }
         }
     }
@@ -79,49 +78,38 @@ pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[Order
 
 fn edit_form(web: &DashboardState, order: &OrderRow, address: &str, waiting: u32) -> Markup {
     html! {
-        details { summary { "Change the order" }
-            form.tell method="post" action=(format!("{address}/edit")) {
-                (key_field(web))
-                label { "Customer" input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
-                input type="hidden" name="was_customer" value=(order.customer);
-                @if waiting > 0 {
-                    p { "For all " (count(waiting, "waiting part", "waiting parts")) ". An empty field changes nothing." }
-                    label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
-                    label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
-                    label { "Note" input name="note" maxlength=(MAX_NOTE); }
-                }
-                button type="submit" { "Change the order" }
+        form.tell method="post" action=(format!("{address}/edit")) {
+            (key_field(web))
+            label { "Customer" input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
+            input type="hidden" name="was_customer" value=(order.customer);
+            @if waiting > 0 {
+                p { "For all " (count(waiting, "waiting part", "waiting parts")) ". An empty field changes nothing." }
+                label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
+                label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
+                label { "Note" input name="note" maxlength=(MAX_NOTE); }
             }
+            button type="submit" { "Change the order" }
         }
     }
 }
 
 fn move_form(web: &DashboardState, address: &str, waiting: u32) -> Markup {
-    let settings = web.current_settings();
     html! {
-        @if waiting > 0 && settings.profiles.len() > 1 {
-            details { summary { "Move to another machine" }
-                form.tell method="post" action=(format!("{address}/move")) {
-                    (key_field(web))
-                    label { "Machine" select name="machine" { @for name in settings.profiles.keys() { option value=(name) { (name) } } } }
-                    p { "The " (count(waiting, "waiting part", "waiting parts")) " of this order move, and are read again there." }
-                    button type="submit" { "Move the order" }
-                }
-            }
+        form.tell method="post" action=(format!("{address}/move")) {
+            (key_field(web))
+            label { "Machine" select name="machine" { @for name in web.current_settings().profiles.keys() { option value=(name) { (name) } } } }
+            p { "The " (count(waiting, "waiting part", "waiting parts")) " of this order move, and are read again there." }
+            button type="submit" { "Move the order" }
         }
     }
 }
 
-fn reprint_form(web: &DashboardState, address: &str, lines: &[OrderLine]) -> Markup {
+fn reprint_form(web: &DashboardState, address: &str) -> Markup {
     html! {
-        @if lines.iter().any(|line| line.copies.published() + line.copies.good > 0) {
-            details { summary { "Print again" }
-                p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
-                form.tell method="post" action=(format!("{address}/reprint")) {
-                    (key_field(web))
-                    button type="submit" { "Print every printed copy again" }
-                }
-            }
+        p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
+        form.tell method="post" action=(format!("{address}/reprint")) {
+            (key_field(web))
+            button type="submit" { "Print every printed copy again" }
         }
     }
 }
@@ -131,51 +119,28 @@ fn close_form(web: &DashboardState, order: &OrderRow, address: &str, lines: &[Or
     let mut sum = LineCopies::default();
     lines.iter().for_each(|line| sum.add(&line.copies));
     let is_short = order.state == OrderState::Short && !order.is_over();
-    let accept = format!("Accept {} of {}", sum.good + sum.in_builds + sum.published(), sum.wanted + sum.cancelled);
-    html! {
-        @if sum.waiting + sum.refused > 0 || is_short {
-            details { summary { (accept) }
-                p { "Closes the order as it is: what is good, printed or in a build is accepted."
-                    @if sum.waiting > 0 { " " (count(sum.waiting, "waiting copy", "waiting copies")) " will be cancelled." }
-                    @if sum.refused > 0 { " Nobody is asked any more for " (count(sum.refused, "refused copy", "refused copies")) "." } }
-                form.tell method="post" action=(format!("{address}/close")) {
-                    (key_field(web))
-                    button type="submit" { (accept) }
-                }
-            }
-        }
+    if sum.waiting + sum.refused == 0 && !is_short {
+        return Markup::default();
     }
+    let accept = format!("Accept {} of {}", sum.good + sum.in_builds + sum.published(), sum.wanted + sum.cancelled);
+    let form = html! {
+        p { "Closes the order as it is: what is good, printed or in a build is accepted."
+            @if sum.waiting > 0 { " " (count(sum.waiting, "waiting copy", "waiting copies")) " will be cancelled." }
+            @if sum.refused > 0 { " Nobody is asked any more for " (count(sum.refused, "refused copy", "refused copies")) "." } }
+        form.tell method="post" action=(format!("{address}/close")) {
+            (key_field(web))
+            button type="submit" { (accept) }
+        }
+    };
+    sheet("close", &accept, is_short, &form)
 }
 
 fn cancel_form(web: &DashboardState, address: &str, open: u32) -> Markup {
     html! {
-        @if open > 0 {
-            details { summary { "Cancel" }
-                p { (count(open, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
-                form.tell method="post" action=(format!("{address}/cancel")) {
-                    (key_field(web))
-                    button type="submit" { "Cancel what waits" }
-                }
-            }
-        }
-    }
-}
-
-/// The forms of each line: those of its part.
-pub(crate) fn line_forms(web: &DashboardState, lines: &[OrderLine], parts: &[PartRow]) -> Markup {
-    html! {
-        @if web.orders && lines.len() <= MAX_FORMS {
-            details { summary { "Change a line" }
-                @for (line, part) in lines.iter().filter_map(|line| Some((line, parts.iter().find(|part| part.id == line.part)?))) {
-                    details { summary { "Part " (line.part) ": " (line.full_name()) " " span.soft { (copies_text(&line.copies)) } }
-                        (part_forms(web, part, line.copies.published() + line.copies.good))
-                        div.buttons {
-                            @if line.state == PartState::Refused { (command_button(web, CommandKind::Retry, "Retry", &line.full_name(), "", Some(line.part))) }
-                            @if line.state == PartState::Waiting { (command_button(web, CommandKind::Cancel, "Cancel", &line.full_name(), "", Some(line.part))) }
-                        }
-                    }
-                }
-            }
+        p { (count(open, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
+        form.tell method="post" action=(format!("{address}/cancel")) {
+            (key_field(web))
+            button type="submit" { "Cancel what waits" }
         }
     }
 }

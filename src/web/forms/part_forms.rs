@@ -27,6 +27,7 @@ use crate::{
             request_user::RequestUser,
             state::DashboardState,
         },
+        look::pieces::sheet,
     },
 };
 
@@ -56,16 +57,15 @@ pub(crate) struct ReprintForm {
     anyway: Option<String>,
 }
 
-/// The forms for a part. `printed` is the number of its copies in published builds that count.
+/// The forms for a part, each a button with its sheet. `printed` is the number of its copies in published builds that count.
 pub(crate) fn part_forms(web: &DashboardState, part: &PartRow, printed: u32) -> Markup {
     let can_edit = matches!(part.state, PartState::Waiting | PartState::Batched | PartState::Built);
+    let can_move = part.state == PartState::Waiting && web.current_settings().profiles.len() > 1;
     html! {
         @if web.orders {
-            section.forms #edit aria-label="Change what was asked" {
-                @if can_edit { (edit_form(web, part)) }
-                @if part.state == PartState::Waiting { (move_form(web, part)) }
-                @if printed > 0 { (reprint_form(web, part.id, printed)) }
-            }
+            @if can_edit { (sheet("edit", "Edit", false, &edit_form(web, part))) }
+            @if can_move { (sheet("move", "Move to another machine", false, &move_form(web, part))) }
+            @if printed > 0 { (sheet("reprint", "Print again", false, &reprint_form(web, part.id, printed))) }
         }
     }
 }
@@ -89,7 +89,6 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
         false => part.wanted_copies().to_string(),
     };
     html! {
-        details { summary { "Edit" }
             form.tell method="post" action=(format!("/parts/{}/edit", part.id)) {
                 (key_field(web))
                 (number("Copies wanted in all, those in builds included", "copies", &copies, (1, MAX_COPIES)))
@@ -103,7 +102,6 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                 (field("Customer", "customer", &part.terms.customer))
                 button type="submit" { "Change" }
             }
-        }
     }
 }
 
@@ -111,30 +109,24 @@ fn move_form(web: &DashboardState, part: &PartRow) -> Markup {
     let settings = web.current_settings();
     let others: Vec<&String> = settings.profiles.keys().filter(|name| **name != part.machine).collect();
     html! {
-        @if !others.is_empty() {
-            details { summary { "Move to another machine" }
-                form.tell method="post" action="/commands" {
-                    (key_field(web))
-                    input type="hidden" name="kind" value=(CommandKind::Move);
-                    input type="hidden" name="part" value=(part.id);
-                    label { "Machine" select name="machine" { @for name in &others { option value=(name) { (name) } } } }
-                    p { "All waiting parts of its file move, and are read again there." }
-                    button type="submit" { "Move" }
-                }
-            }
+        form.tell method="post" action="/commands" {
+            (key_field(web))
+            input type="hidden" name="kind" value=(CommandKind::Move);
+            input type="hidden" name="part" value=(part.id);
+            label { "Machine" select name="machine" { @for name in &others { option value=(name) { (name) } } } }
+            p { "All waiting parts of its file move, and are read again there." }
+            button type="submit" { "Move" }
         }
     }
 }
 
 fn reprint_form(web: &DashboardState, part: PartId, printed: u32) -> Markup {
     html! {
-        details { summary { "Print again" }
-            form.tell method="post" action=(format!("/parts/{part}/reprint")) {
-                (key_field(web))
-                label { "Copies that are bad" input type="number" name="copies" value="1" min="1" max=(printed); }
-                p { "They wait again, first in line, with all that was asked. The copies of the newest build are taken first." }
-                button type="submit" { "Print again" }
-            }
+        form.tell method="post" action=(format!("/parts/{part}/reprint")) {
+            (key_field(web))
+            label { "Copies that are bad" input type="number" name="copies" value="1" min="1" max=(printed); }
+            p { "They wait again, first in line, with all that was asked. The copies of the newest build are taken first." }
+            button type="submit" { "Print again" }
         }
     }
 }

@@ -23,6 +23,7 @@ use crate::{
             query::{Query, order_address},
         },
         core::{cached_render::find_build, state::DashboardState},
+        look::pieces::sheet,
     },
 };
 
@@ -58,19 +59,18 @@ pub(crate) fn order_labels(order: &str) -> Markup {
 }
 
 fn label_form(address: &str, has_bins: bool) -> Markup {
-    html! {
-        details.forms { summary { "Labels for " @if has_bins { "bins and " } "bags" }
-            form.filters method="get" action=(address) {
-                @if has_bins { label { "For" select name="of" {
-                    option value="bins" { "bins: one for each order" }
-                    option value="bags" { "bags: one for each part" }
-                } } }
-                label { "Sheet" select name="sheet" { @for sheet in SHEETS { option value=(sheet.word()) { (sheet.words()) } } } }
-                label { "Labels used up on the first sheet" input type="number" name="used" min="0" max="29" value="0"; }
-                button type="submit" { "Open the PDF" }
-            }
+    let form = html! {
+        form.tell method="get" action=(address) {
+            @if has_bins { label { "For" select name="of" {
+                option value="bins" { "bins: one for each order" }
+                option value="bags" { "bags: one for each part" }
+            } } }
+            label { "Sheet" select name="sheet" { @for sheet in SHEETS { option value=(sheet.word()) { (sheet.words()) } } } }
+            label { "Labels used up on the first sheet" input type="number" name="used" min="0" max="29" value="0"; }
+            button type="submit" { "Open the PDF" }
         }
-    }
+    };
+    sheet("labels", if has_bins { "Labels for bins and bags" } else { "Labels for bags" }, false, &form)
 }
 
 /// The labels of a build as PDF.

@@ -45,6 +45,7 @@ impl Tone {
                 "cooling",
                 "nesting",
                 "being made",
+                "being read",
                 "reading",
                 "claimed",
                 "batched",
@@ -57,6 +58,7 @@ impl Tone {
                 "queued",
                 "in the queue",
                 "verified",
+                "proved",
                 "published",
                 "built",
                 "expecting",
@@ -87,9 +89,21 @@ impl Tone {
     }
 }
 
+/// The word of a state of the ledger as people say it; that of a fact is what people say.
+pub(crate) fn said(word: &str) -> &str {
+    match word {
+        "claimed" => "being read",
+        "batched" => "being made",
+        "built" => "in a build",
+        "verified" => "proved",
+        "published" => "in the queue",
+        word => word,
+    }
+}
+
 /// A state as people see it.
 pub(crate) fn chip(word: &str) -> Markup {
-    chip_of(Tone::of_word(word), word)
+    chip_of(Tone::of_word(word), said(word))
 }
 
 /// A text in a tone.

@@ -4,28 +4,34 @@ use std::sync::Arc;
 
 use axum::extract::{Path, State};
 use jiff::Timestamp;
-use ledger::{BuildRow, BuildState, OutcomeRow, PartRow};
+use ledger::{BuildRow, BuildState, MachineStatus, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
+use super::downloads::downloads_sheet;
 use crate::{
-    farm::{CakeCopy, build_fact, forecast_fire, load_placed_parts, read_plans},
+    farm::{BuildFact, CakeCopy, build_fact, forecast_fire, load_placed_parts, read_plans},
     settings::MachineProfile,
-    tables::{BUILD_PART_COLUMNS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts},
+    tables::{
+        BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts,
+        fields,
+    },
     web::{
         base::{
             error::HandlerResult,
             format::prose_with_code,
-            listing::{fact_sheet, table_of},
+            listing::{fact_sheet, table_of, table_of_keys},
             page::html_page,
         },
+        board::machine_row::fire_time,
         core::{
             cached_render::{find_build, layout_version},
             state::DashboardState,
             view_section::{ViewSection, ViewedPart},
         },
-        figures::chart,
+        figures::chart::height_curve,
         forms::build_forms::{build_forms, release_form, second_files, unseen_failure},
         labels::label_form::build_labels,
+        look::{chip::chip, pieces::figure},
     },
 };
 
@@ -53,34 +59,52 @@ pub(crate) async fn show_build(
     let plans = read_plans(&web.ledger, &machine, Timestamp::now()).await?;
     let fact = build_fact(&build, &plans);
     let content = html! {
-        h1 { "Build " (build.id) " on " (build.machine) ": " (fact.word) }
-        @if let Some(ends) = fact.ends_at { p { "Its parts can be unpacked about " (view.near_text(ends)) ", as far as is known." } }
+        h1 { "Build " (build.id) " on " (build.machine) " " (chip(&fact.word)) }
+        (figures(&build, &fact, copies, &profile, &view))
         (second_files(&web, &build).await?)
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
             p class=(if is_failure(&build) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
-        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
-        p.links { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" }
-            @if build.times.published_at.is_some() {
-                a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
-            } }
-        @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (build_labels(build.id.0))
-        (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &view))
+        @if let Some(fires) = fire_forecast(&web, &build, &profile, &view).await? { p { (fires) } }
         (release)
-        (build_forms(&web, &build, &placements))
-        (height_curve(&build.height_curve()))
+        div.buttons.acts #told {
+            (build_forms(&web, &build, &placements))
+            @if build.times.published_at.is_some() {
+                a.button href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
+            }
+            a.button href=(format!("/builds/{}/pick", build.id)) { "Pick map" }
+            @if copies > 0 {
+                (downloads_sheet(&build, &profile).await?)
+                (build_labels(build.id.0))
+            }
+        }
+        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
+        (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &[fields::HEIGHT, fields::DENSITY], &view))
         (outcome_list(&outcomes, &view))
         h2 { "Parts" }
-        (table_of("Parts", None, BUILD_PART_COLUMNS, &rows, &view))
+        (table_of_keys(("Parts", None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view, &|_, _| None))
+        (height_curve(&build.height_curve()))
     };
     Ok(html_page(&format!("Build {}", build.id), "", Some("start.js"), &content))
 }
 
+/// The build in numbers.
+fn figures(build: &BuildRow, fact: &BuildFact, copies: u32, profile: &MachineProfile, view: &TimeView) -> Markup {
+    let volume = fields::VOLUME_Z.with_unit(profile.space.volume_mm.z).unwrap_or_default();
+    html! {
+        ul.figures {
+            @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (figure(&height, &format!("high, of {volume}"), None)) }
+            (figure(&copies.to_string(), if copies == 1 { "copy" } else { "copies" }, None))
+            @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, "dense", None)) }
+            @if let Some(ends) = fact.ends_at { (figure(&view.near_text(ends), "to be unpacked, as far as is known", None)) }
+        }
+    }
+}
+
 /// The 3D view of a build with its parts.
 fn view_of_build(build: &BuildRow, rows: &[CountedPart], view: &TimeView) -> ViewSection {
-    let due = |counted: &CountedPart| GivenDate::of_terms(&counted.part.terms).map(|due| view.due_text(&due));
+    let due = |counted: &CountedPart| GivenDate::of_terms(&counted.part.terms).map(|due| view.near_due_text(&due));
     let part = |counted: &CountedPart| ViewedPart::of_counted(counted, due(counted).unwrap_or_default());
     ViewSection { build: build.id.0, version: view_version(build), parts: rows.iter().map(part).collect() }
 }
@@ -90,15 +114,14 @@ async fn fire_forecast(
     web: &DashboardState,
     build: &BuildRow,
     profile: &MachineProfile,
-) -> HandlerResult<Option<String>> {
+    view: &TimeView,
+) -> HandlerResult<Option<Markup>> {
     if build.state != BuildState::Open {
         return Ok(None);
     }
-    let status = web.ledger.machine_statuses().await?;
-    Ok(status
-        .iter()
-        .find(|status| status.machine == build.machine)
-        .and_then(|status| Some(forecast_fire(profile, status, Timestamp::now())?.fire_text(profile, status))))
+    let now = Timestamp::now();
+    let status = MachineStatus::of_machine(&web.ledger.machine_statuses().await?, &build.machine);
+    Ok(forecast_fire(profile, &status, now).map(|fires| fire_time(&fires, (profile, &status), view)))
 }
 
 /// A text that changes when the layout of the build changes. A proved build does not change any more.
@@ -112,16 +135,6 @@ fn view_version(build: &BuildRow) -> String {
 /// Whether the reason of a build is a failure, not a note of the operator.
 fn is_failure(build: &BuildRow) -> bool {
     build.place.withdrawn_at.is_none() && matches!(build.state, BuildState::Failed | BuildState::Interrupted)
-}
-
-/// A chart of the build height over the time of the search.
-pub(crate) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
-    html! {
-        @if points.len() > 1 {
-            figure { figcaption { "Height while it was searched, mm over seconds" }
-                (chart::plot_lines("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
-        }
-    }
 }
 
 fn outcome_list(outcomes: &[OutcomeRow], view: &TimeView) -> Markup {

@@ -31,7 +31,7 @@ use crate::{
         core::{cached_render::layout_version, state::DashboardState},
         look::{
             chip::{Tone, chip},
-            pieces::{empty, figure},
+            pieces::{empty, figure, figure_link},
             times::{due_of, time_of},
         },
     },
@@ -92,7 +92,7 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         true => "It is said below why".to_owned(),
         false => web.ledger.silence_hint().await?,
     };
-    let (runs, line) = daemon_line(read.own_node(&web), &activity, &why_silent, now);
+    let (runs, line) = daemon_line(read.own_node(&web), &activity, &why_silent, &view, now);
     let content = html! {
         div.farm-head { h1 { "Farm" } (figures(&read, &risks)) }
         @if !runs { (line) }
@@ -125,8 +125,8 @@ fn figures(read: &FarmSight, risks: &[DateRisk]) -> Markup {
         ul.figures {
             (figure(&format!("{print} of {}", printers.len()), "printers print", None))
             (figure(&waiting.to_string(), if waiting == 1 { "copy waits" } else { "copies wait" }, None))
-            (figure(&late.to_string(), "dates late", tone(late, Tone::Wrong)))
-            (figure(&(risks.len() - late).to_string(), "dates tight", tone(risks.len() - late, Tone::Tight)))
+            (figure_link(&late.to_string(), "dates late", tone(late, Tone::Wrong), "#risks"))
+            (figure_link(&(risks.len() - late).to_string(), "dates tight", tone(risks.len() - late, Tone::Tight), "#risks"))
         }
     }
 }
@@ -148,7 +148,8 @@ fn risks_section(risks: &[DateRisk], view: &TimeView) -> Markup {
     }
 }
 
-fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
+/// A date at risk, as a row that leads to its order or part.
+pub(super) fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
     let part = || risk.numbers.first().map(|part| format!("/parts/{part}")).unwrap_or_default();
     let page = if risk.order.is_empty() { part() } else { order_address(&risk.order) };
     let due = GivenDate { due_at: risk.due_at, text: risk.due_text.clone() };
@@ -195,7 +196,7 @@ async fn board(web: &DashboardState, read: &FarmSight, view: &TimeView) -> Handl
         @if rows.is_empty() { (no_machine()) }
         @else if is_new { (nothing_came(web.orders)) }
         @if !rows.is_empty() {
-            section.board aria-label="Board" {
+            section.board aria-label="Board" data-zone=[read.settings.time_zone.time_zone().iana_name()] {
                 (axis.draw())
                 @for row in &rows { (row.draw(web, &setting)) }
                 (legend())
@@ -271,7 +272,13 @@ fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
 }
 
 /// Whether the daemon runs, and its state. `activity` says what it does, according to the rows and alerts that the page shows.
-fn daemon_line(daemon: Option<&NodeRow>, activity: &str, why_silent: &str, now: Timestamp) -> (bool, Markup) {
+fn daemon_line(
+    daemon: Option<&NodeRow>,
+    activity: &str,
+    why_silent: &str,
+    view: &TimeView,
+    now: Timestamp,
+) -> (bool, Markup) {
     let line = match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
@@ -281,7 +288,7 @@ fn daemon_line(daemon: Option<&NodeRow>, activity: &str, why_silent: &str, now: 
         },
         Some(d) if d.alive => {
             let text =
-                html! { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (activity) "." };
+                html! { "The daemon runs on " (d.host) " since " (time_of(d.started_at, view)) ": " (activity) "." };
             return (true, html! { p.ok.daemon { (text) } });
         }
         Some(d) => html! {

@@ -9,12 +9,14 @@ use maud::{Markup, html};
 use crate::{
     farm::load_placed_parts,
     settings::MachineProfile,
-    tables::{BUILD_PART_COLUMNS, CountedPart, PART_COLUMNS, fields, height_in_volume},
+    tables::{
+        BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, PART_COLUMNS, PART_PAGE_KEYS, fields, height_in_volume,
+    },
     web::{
         base::{
             error::{HandlerError, HandlerResult},
             format::count,
-            listing::table_of,
+            listing::table_of_keys,
             page::html_page,
         },
         core::{command::command_button, picture::machine_picture, state::DashboardState},
@@ -52,12 +54,12 @@ pub(crate) async fn show_preview(
             (preview_sentence(profile, &status, placed))
             @if later > 0 { p { (count(later, "waiting copy stands", "waiting copies stand")) " in no layout yet. The final search tries to take them, too." } }
             div.buttons {
-                (command_button(&web, CommandKind::Flush, "Flush now", &format!("{name}: publish what waits now"), &name, None))
+                span.next-step { (command_button(&web, CommandKind::Flush, "Flush now", &format!("{name}: publish what waits now"), &name, None)) }
                 a.button href="/" { "Not now" }
             }
             (picture_html)
-            @if !inside.is_empty() { h2 { "In the layout so far" } (table_of("In the layout", None, BUILD_PART_COLUMNS, &inside, &view)) }
-            @if !outside.is_empty() { h2 { "Waiting, in no layout yet" } (table_of("Waiting", None, PART_COLUMNS, &outside, &view)) }
+            @if !inside.is_empty() { h2 { "In the layout so far" } (table_of_keys(("In the layout", None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &inside, &view, &|_, _| None)) }
+            @if !outside.is_empty() { h2 { "Waiting, in no layout yet" } (table_of_keys(("Waiting", None), PART_COLUMNS, &PART_PAGE_KEYS, &outside, &view, &|_, _| None)) }
         }
     };
     Ok(html_page(&format!("Flush {name}"), "", None, &content))

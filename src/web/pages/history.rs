@@ -15,18 +15,22 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    farm::{MachinePlan, history_fact},
     settings::FarmZone,
-    tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of, fields},
+    tables::{
+        CellValue, FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, HISTORY_PAGE_KEYS, TimeView, csv_of, fields,
+    },
     web::{
         base::{
             error::{HandlerError, HandlerResult},
             format::count,
-            listing::table_of,
+            listing::{table_of, table_of_keys},
             page::html_page,
             query::{Query, parse_field, query_string},
         },
         core::state::DashboardState,
         figures::chart,
+        look::{chip::said, pieces::empty},
     },
 };
 
@@ -147,11 +151,11 @@ pub(crate) async fn show_history(
     let content = html! {
         h1 { "History" }
         (filter_form(&filter, Timestamp::now().to_zoned(settings.time_zone.time_zone().clone()).date(), settings.profiles.keys()))
-        p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
-            a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
         (sums_table(&sums, &view))
         (chart::history_charts(&rows, &settings.time_zone))
-        (history_table(&rows, &filter, &view))
+        (history_table(&rows, &filter, &web.read_plans().await?, &view))
+        p.links { a href=(format!("/history.csv?{query}")) download { "CSV with all columns" }
+            a href=(format!("/history.json?{query}")) download { "JSON" } }
         @if let Some(next) = next {
             p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
         }
@@ -170,7 +174,7 @@ fn filter_form<'a>(filter: &HistoryFilter, today: Date, machines: impl Iterator<
             } }
             label { "Outcome" select name="state" {
                 option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (said(state)) } }
             } }
             label { "Part or order, whole name" input name="part" value=(filter.part); }
             label { "Since" input type="date" name="since" value=(filter.since); }
@@ -193,14 +197,17 @@ fn sums_table(sums: &[HeightSummary], view: &TimeView) -> Markup {
     html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums, view)) } }
 }
 
-fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, view: &TimeView) -> Markup {
+fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, plans: &[MachinePlan], view: &TimeView) -> Markup {
     let order = match filter.sort.as_str() {
         "" => "the newest first".to_owned(),
         sort => format!("sorted by {sort}"),
     };
     let caption = format!("{}, {order}", count(rows.len() as u32, "build", "builds"));
+    let told =
+        |key: &str, row: &HistoryRow| (key == "state_word").then(|| CellValue::State(history_fact(row, plans).word));
     html! {
-        @if rows.is_empty() { p { "No builds." } } @else { (table_of("Builds", Some(caption), HISTORY_COLUMNS, rows, view)) }
+        @if rows.is_empty() { (empty("No builds", &html! { "None matches what is asked for above." }, &html! { a.button href="/history" { "All builds" } })) }
+        @else { (table_of_keys(("Builds", Some(caption)), HISTORY_COLUMNS, &HISTORY_PAGE_KEYS, rows, view, &told)) }
     }
 }
 

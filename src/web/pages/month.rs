@@ -17,6 +17,7 @@ use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::farm::risk_row;
 use crate::{
     farm::{DateRisk, dates_at_risk, read_late_parts},
     settings::FarmZone,
@@ -31,6 +32,11 @@ use crate::{
         },
         core::state::DashboardState,
         figures::chart::weekly_bars,
+        look::{
+            chip::{Tone, chip},
+            pieces::{figure, figure_link},
+            times::{due_of, time_of},
+        },
     },
 };
 
@@ -162,11 +168,12 @@ pub(crate) async fn show_month(
     let content = html! {
         h1 { (month.name()) }
         (month_links(&month, &before, (after.begins_at() <= now).then_some(&after)))
+        (figures(&report))
         (output_table(&report, &if month.is_over(now) { before.name() } else { format!("as many days of {}", before.name()) }))
-        p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Hours are the \
-                  height times the machine's print_hours_per_mm. Yield: good copies of those of which somebody told how they came out." }
-        (weekly_bars("Height by week, mm", &rows, &month.zone, &|row| row.measures.height_mm))
-        (late_section(&report, &month.zone, &view, now))
+        p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Machine \
+                  time is the height times the hours that a mm takes. Yield: good copies of those of which somebody told how they came out." }
+        (weekly_bars("Height by week, mm", &rows, (month.first, month.later(1).first), &month.zone, &|row| row.measures.height_mm))
+        (late_section(&report, &view))
         (failed_section(&report.failed, &view))
         p.links {
             a href=(format!("/month.csv?at={}", month.key())) { "CSV" }
@@ -176,14 +183,32 @@ pub(crate) async fn show_month(
     Ok(html_page(&month.name(), "/month", None, &content))
 }
 
+/// The month in numbers: those of all machines.
+fn figures(report: &MonthResponse) -> Markup {
+    let late = report.late.len() + report.will_be_late.len();
+    html! {
+        @if let Some(all) = report.machines.last() {
+            ul.figures {
+                (figure(&all.builds.to_string(), if all.builds == 1 { "build" } else { "builds" }, None))
+                (figure(&all.copies.to_string(), "copies", None))
+                @if let Some(litres) = fields::PART_LITRES.with_unit(all.part_litres) { (figure(&litres, "of parts", None)) }
+                @if let Some(hours) = all.print_hours.and_then(|hours| fields::PRINT_HOURS.with_unit(hours)) { (figure(&hours, "of machine time", None)) }
+                @if let Some(share) = all.yield_share.and_then(|share| fields::YIELD.with_unit(share)) { (figure(&share, "yield", None)) }
+                (figure_link(&late.to_string(), "late", (late > 0).then_some(Tone::Wrong), "#late"))
+                (figure_link(&report.failed.len().to_string(), "failed", (!report.failed.is_empty()).then_some(Tone::Wrong), "#failed"))
+            }
+        }
+    }
+}
+
 /// The builds that failed, each with why.
 fn failed_section(failed: &[HistoryRow], view: &TimeView) -> Markup {
     html! {
-        h2 { "Failed builds" }
+        h2 #failed { "Failed builds" }
         @if failed.is_empty() { p { "None." } }
         @else { ul { @for row in failed { li {
-            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.machine) ": " b { (row.state) }
-            ", " (view.time_text(row.at))
+            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.machine) " " (chip(&row.state.to_string()))
+            ", " (time_of(row.at, view))
             @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { ", " (height) }
             @if let Some(copies) = row.measures.copies { ", " (count(copies, "copy", "copies")) }
             @if !row.result.reason.is_empty() { ": " (row.result.reason) }
@@ -226,17 +251,17 @@ fn output_table(report: &MonthResponse, before: &str) -> Markup {
     }
 }
 
-fn late_section(report: &MonthResponse, zone: &FarmZone, view: &TimeView, now: Timestamp) -> Markup {
+fn late_section(report: &MonthResponse, view: &TimeView) -> Markup {
     let late = &report.late;
     let mut orders: BTreeMap<&str, Vec<&LatePart>> = BTreeMap::new();
     for part in late {
         orders.entry(part.order_name.as_str()).or_default().push(part);
     }
     html! {
-        h2 { "Late" }
+        h2 #late { "Late" }
         @if late.is_empty() && report.will_be_late.is_empty() { p { "Nothing that was due in this month came late, or will." } }
         @if !report.will_be_late.is_empty() {
-            ul { @for risk in &report.will_be_late { li { (risk.subject_text()) " on " (risk.machine) ": " (risk.in_words(zone, now)) "." } } }
+            ul.rows { @for risk in &report.will_be_late { (risk_row(risk, view)) } }
         }
         @if !late.is_empty() {
             p { (count(late.len() as u32, "part", "parts")) " of " (count(orders.len() as u32, "order", "orders")) " came after the due date, or are not printed yet." }
@@ -244,8 +269,8 @@ fn late_section(report: &MonthResponse, zone: &FarmZone, view: &TimeView, now: T
                 @if order.is_empty() { "Without an order" } @else { a href=(order_address(order)) { (order) } }
                 ul { @for part in parts { li {
                     a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.machine)
-                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (TimeView::kept(zone).due_text(&due)) }
-                    @match part.done_at { Some(at) => { ", done " @if part.is_estimated { "about " } (view.near_text(at)) @if part.is_estimated { ", as nobody told" } } None => { ", " b { (part.state) } } }
+                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (due_of(&due, view)) }
+                    @match part.done_at { Some(at) => { ", done " @if part.is_estimated { "about " } (time_of(at, view)) @if part.is_estimated { ", as nobody told" } } None => { " " (chip(&part.state.to_string())) } }
                 } } }
             } } }
         }

@@ -15,7 +15,7 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::{count, format_age, prose_with_code},
+            format::{count, prose_with_code},
         },
         core::{
             command::command_button,
@@ -23,6 +23,7 @@ use crate::{
             state::DashboardState,
         },
         forms::build_forms::unseen_failure,
+        look::{pieces::thumbnail, times::time_of},
     },
 };
 
@@ -61,7 +62,7 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
         alert.kind == AlertKind::PrintFailed && facts.failures.iter().any(|build| build.machine == alert.machine)
     };
     let others = alerts.iter().filter(|alert| !has_entry(alert));
-    entries.extend(others.map(|alert| alert_entry(web, alert, &facts, now)));
+    entries.extend(others.map(|alert| alert_entry(web, alert, &facts)));
     entries.extend(copies_question(&facts.questions));
     let folded = entries.split_off(entries.len().min(MAX_SHOWN));
     let total = entries.len() + folded.len();
@@ -80,11 +81,11 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
 }
 
 /// An alert with its buttons.
-fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts, now: Timestamp) -> Markup {
+fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> Markup {
     let (text, whole) = (text_without_paths(web, alert), alert.alert_text());
     html! {
         div.need {
-            p { b { (text) } " " span.soft { "Since " (format_age(alert.since, now)) "." } }
+            p { b { (text) } " " span.soft { "Since " (time_of(alert.since.into(), &web.time_view())) "." } }
             (alert_buttons(web, alert, facts))
             details { summary { "What to do" }
                 p { (prose_with_code(alert.kind.remedy())) }
@@ -159,7 +160,7 @@ fn part_button(web: &DashboardState, kind: CommandKind, label: &str, part: &Part
 fn part_line(part: &PartRow, text: &str, buttons: &Markup) -> Markup {
     html! {
         div.part-line {
-            p { a href=(format!("/parts/{}", part.id)) { (part.full_name()) }
+            p { a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) }
                 @if !part.terms.order_name.is_empty() { ", order " (part.terms.order_name) }
                 @if !text.is_empty() { ": " (prose_with_code(text)) } }
             div.buttons { (buttons) }

@@ -18,7 +18,7 @@ use crate::{
     farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, copy_counts, customer_note},
     tables::{
         BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS,
-        PromisedDate, TimeView, closing_text, copies_text, fields,
+        PromisedDate, TimeView, closing_text, copies_text, fields, gathered_events,
     },
     web::{
         base::{
@@ -29,7 +29,7 @@ use crate::{
             query::{Query, customer_address, parse_field},
         },
         core::state::DashboardState,
-        forms::order_forms::{line_forms, order_forms},
+        forms::order_forms::order_forms,
         labels::label_form::order_labels,
         look::{
             chip::chip,
@@ -197,13 +197,13 @@ pub(crate) async fn show_order(
     let mut builds = builds.concat();
     builds.sort_by_key(|row| (row.build.0, row.part.0));
     let waiting: u32 = lines.iter().map(|line| line.copies.waiting).sum();
-    let parts = web.ledger.parts_of_order(&name).await?;
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let content = html! {
         h1 { "Order " (name) " " (chip(order.fact.word.word())) }
         (order_summary(&order, &view))
-        section aria-label=(fields::CUSTOMER_NOTE.label) {
+        (order_forms(&web, &order.order, &lines, order.arriving.len()))
+        section.card aria-label=(fields::CUSTOMER_NOTE.label) {
             h2 { "To send to the customer" }
             p #customer-note { (order.customer_note) }
             button type="button" data-copies="customer-note" hidden { "Copy" }
@@ -211,9 +211,7 @@ pub(crate) async fn show_order(
         h2 { "Lines" }
         (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
         @if !order.arriving.is_empty() { p { (count(order.arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
-        (order_forms(&web, &order.order, &lines, order.arriving.len()))
-        (line_forms(&web, &lines, &parts))
-        (order_labels(&name))
+        div.buttons.acts { (order_labels(&name)) }
         h2 { "Where the copies are" }
         @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }
@@ -234,7 +232,7 @@ async fn order_events(web: &DashboardState, lines: &[OrderLine]) -> HandlerResul
     events.retain(|event| !event.detail.is_empty());
     events.sort_by_key(|event| std::cmp::Reverse(event.id));
     events.truncate(MAX_EVENTS);
-    Ok(events)
+    Ok(gathered_events(events))
 }
 
 /// How the order stands.

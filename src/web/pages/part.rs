@@ -10,17 +10,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     farm::{PartQuestion, count_copies_in_layout},
-    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, PlacedCopy, TimeView, fields, part_facts},
+    tables::{
+        EVENT_COLUMNS, PART_COLUMNS, PART_PAGE_KEYS, PLACEMENT_COLUMNS, PlacedCopy, TimeView, fields, gathered_events,
+        part_facts,
+    },
     web::{
         base::{
             error::{HandlerError, HandlerResult},
             format::{count, prose_with_code},
-            listing::{fact_sheet, table_of},
+            listing::{fact_sheet, table_of, table_of_keys},
             page::html_page,
             query::{Query, order_address, parse_field, query_string},
         },
-        core::{command::command_button, state::DashboardState},
+        core::{command::command_button, picture::part_picture, state::DashboardState},
         forms::part_forms::part_forms,
+        look::chip::{chip, said},
     },
 };
 
@@ -80,7 +84,7 @@ pub(crate) async fn list_parts(
             label { "File or order begins with" input name="name" value=(filter.name); }
             label { (fields::STATE.label) select name="state" {
                 option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (said(state)) } }
             } }
             label { (fields::MACHINE.label) select name="machine" {
                 option value="" { "all" }
@@ -89,7 +93,7 @@ pub(crate) async fn list_parts(
             button type="submit" { "Show" }
         }
         @if filter.name.is_empty() && filter.state.is_empty() {
-            p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
+            p { "Parts that are read, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
         (parts_table(&parts, more, &web.time_view()))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
@@ -100,7 +104,7 @@ pub(crate) async fn list_parts(
 /// Parts as a table, of which there are more or not.
 fn parts_table(parts: &[PartRow], more: bool, view: &TimeView) -> Markup {
     let caption = count(parts.len() as u32, "part", "parts") + if more { ", the newest of more" } else { "" };
-    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of("Parts", Some(caption), PART_COLUMNS, parts, view)) } }
+    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of_keys(("Parts", Some(caption)), PART_COLUMNS, &PART_PAGE_KEYS, parts, view, &|_, _| None)) } }
 }
 
 /// The page of one part.
@@ -119,36 +123,47 @@ pub(crate) async fn show_part(
     let mut named = others(web.ledger.parts_named(&part.name).await?);
     named.retain(|other| other.file.content_hash != part.file.content_hash);
     let open = find_open_build(&web, &part).await?;
-    let (about, view) = (format!("part {number}"), web.time_view());
+    let view = web.time_view();
+    let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
-        h1 { "Part " (number) ": " (part.full_name()) }
-        @if !part.terms.order_name.is_empty() {
-            p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
-        }
+        h1 { "Part " (number) ": " (part.full_name()) " " (chip(&part.state.to_string())) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.refused.reason)) } }
         @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
         }
-        (fact_sheet(part_facts(&part, part.wanted_copies().to_string(), &view), &view))
-        div.buttons {
-            @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
-                (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))
+        (part_buttons(&web, &part, published))
+        div.part-head {
+            (part_picture(&part))
+            div {
+                @if !part.terms.order_name.is_empty() {
+                    p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
+                }
+                (fact_sheet(part_facts(&part, part.wanted_copies().to_string(), &view), &elsewhere, &view))
             }
-            @if part.state == PartState::Refused { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
-        }
-        (part_forms(&web, &part, published))
-        @if part.state == PartState::Waiting {
-            div.buttons { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
         h2 { "Where its copies are" }
         (copies_section(&part, &placed, open, &view))
         h2 { "What happened" }
-        (table_of("Events", None, EVENT_COLUMNS, &events, &view))
+        (table_of("Events", None, EVENT_COLUMNS, &gathered_events(events), &view))
         @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same, &view)) }
         @if !named.is_empty() { h2 { "Other files of this name" } (newest_table(named, &view)) }
     };
     Ok(html_page(&format!("Part {number}"), "/parts", None, &content))
+}
+
+/// What can be done with a part, what a person most probably does first.
+fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup {
+    let about = format!("part {}", part.id);
+    let command = |kind: CommandKind, label: &str| command_button(web, kind, label, &about, "", Some(part.id));
+    html! {
+        div.buttons.acts {
+            @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, "Print as it is")) }
+            @if part.state == PartState::Refused { (command(CommandKind::Retry, "Read it again")) }
+            (part_forms(web, part, published))
+            @if part.state == PartState::Waiting { (command(CommandKind::Cancel, "Cancel")) }
+        }
+    }
 }
 
 fn newest_table(mut parts: Vec<PartRow>, view: &TimeView) -> Markup {
@@ -176,7 +191,7 @@ fn copies_section(part: &PartRow, placed: &[PlacedCopy], open: Option<(BuildId, 
         @else if waiting > 0 {
             p { (count(waiting, "copy waits", "copies wait"))
                 @if let Some((build, copies)) = open {
-                    "; in the open build " a href=(format!("/builds/{build}#part-{}", part.id)) { (build) ", marked" }
+                    "; in the open build " a href=(format!("/builds/{build}#part-{}", part.id)) { (build) }
                     " so far: " (count(copies, "copy", "copies")) "."
                 } @else { ", in no build yet." }
             }

@@ -8,7 +8,6 @@ use build_file::{BuildMetadata, Viewpoint};
 use ledger::BuildRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::build::height_curve;
 use crate::{
     farm::CakeContents,
     settings::{FarmZone, MachineProfile},
@@ -22,7 +21,7 @@ use crate::{
             scene::pack_scene,
             view_section::{ViewSection, ViewedPart},
         },
-        figures::{pick_map, search_report::ReportExcerpt},
+        figures::{chart::height_curve, pick_map, search_report::ReportExcerpt},
         look::style::STYLE,
     },
 };

@@ -18,6 +18,7 @@ use crate::{
             query::{Query, customer_address, order_address, query_string},
         },
         core::state::DashboardState,
+        look::{chip::said, pieces::thumbnail},
     },
 };
 
@@ -69,7 +70,7 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
     let FoundNames { machines, orders, customers, builds, parts } = found;
     html! {
         (found_kind(orders, ("order", "orders"), more, |order| html! {
-            a href=(order_address(&order.name)) { (order.name) } " " span.soft { (order.state) }
+            a href=(order_address(&order.name)) { (order.name) } @if !order.customer.is_empty() { " " span.soft { (order.customer) } }
         }))
         (found_kind(customers, ("customer", "customers"), more, |customer| html! {
             a href=(customer_address(&customer.name)) { (customer.name) } " "
@@ -85,7 +86,7 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
 fn build_entry(build: &NamedBuildRow) -> Markup {
     html! {
         a href=(format!("/builds/{}", build.id)) { "Build " (build.id) } " "
-        span.soft { (build.machine) ", " (build.state)
+        span.soft { (build.machine) ", " (said(&build.state.to_string()))
             @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { ", " (height) }
             @if let Some(copies) = build.copies { ", " (count(copies, "copy", "copies")) } }
     }
@@ -93,8 +94,8 @@ fn build_entry(build: &NamedBuildRow) -> Markup {
 
 fn part_entry(part: &NamedPartRow) -> Markup {
     html! {
-        a href=(format!("/parts/{}", part.id)) { (part.full_name()) } " "
-        span.soft { "part " (part.id) ", " (part.state) " on " (part.machine) }
+        a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) } " "
+        span.soft { "part " (part.id) ", " (said(&part.state.to_string())) " on " (part.machine) }
         @if !part.order_name.is_empty() { " order " a href=(order_address(&part.order_name)) { (part.order_name) } }
         @if !part.note.is_empty() { " " span.soft { (part.note) } }
     }

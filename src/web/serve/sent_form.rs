@@ -156,7 +156,7 @@ async fn record_and_answer(
     record(answer).await?;
     let mut leading = answer.lead_on(number, false);
     if let Some(cookie) = response.headers().get(header::SET_COOKIE) {
-        leading.headers_mut().insert(header::SET_COOKIE, cookie.clone());
+        leading.headers_mut().append(header::SET_COOKIE, cookie.clone());
     }
     Ok(leading)
 }
@@ -177,7 +177,7 @@ pub(super) async fn show_told(
 ) -> HandlerResult<Markup> {
     let known = web.ledger.find_answered_request(client.key_name(), &number).await?;
     let answer = known.as_ref().and_then(FormAnswer::parse);
-    let FormAnswer { title, sentences, back, at, anyway, .. } =
+    let FormAnswer { title, sentences, back, at, anyway, undo, .. } =
         answer.ok_or_else(|| HandlerError::NotFound("form of that number".to_owned()))?;
     let content = html! {
         h1 { (title) }
@@ -187,7 +187,8 @@ pub(super) async fn show_told(
             }
             @for sentence in &sentences { p { (prose_with_pages(sentence)) } }
         }
-        @if let Some(button) = &anyway { (button.to_form(&web)) }
+        @if let Some(button) = &anyway { (button.to_form(&web, true)) }
+        @if let Some(button) = &undo { div #undo { (button.to_form(&web, false)) } }
         p { a href=(back) { "Back" } }
     };
     Ok(html_page(&title, "", None, &content))

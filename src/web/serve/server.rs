@@ -43,7 +43,9 @@ use crate::{
         forms::{build_forms, order_forms, part_forms},
         help::pages as help,
         labels::label_form,
-        pages::{build, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search},
+        pages::{
+            build, downloads, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search,
+        },
     },
 };
 
@@ -98,6 +100,7 @@ pub async fn serve_dashboard(
             scenes: RecentCache::new(scene::CACHED_SCENES),
             picks: RecentCache::new(pick_page::CACHED_MAPS),
             pictures: RecentCache::new(picture::CACHED_PICTURES),
+            parts: RecentCache::new(picture::CACHED_PARTS),
         },
         metrics: MetricsExporter::default(),
         render_slot: Arc::new(Semaphore::new(1)),
@@ -129,6 +132,10 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/builds/{build}/told", post(build_forms::post_told))
         .route("/builds/{build}/pick", get(pick_page::show_pick_map))
         .route("/builds/{build}/break-out", get(break_out::show_step).post(break_out::post_mark))
+        .route("/builds/{build}/file", get(downloads::get_build_file))
+        .route("/builds/{build}/report.html", get(downloads::get_report))
+        .route("/builds/{build}/pick.csv", get(downloads::get_pick_csv))
+        .route("/builds/{build}/search.json", get(downloads::get_search_report))
         .route("/builds/{build}/break-out/all", post(break_out::post_all))
         .route("/builds/{build}/break-out/undo", post(break_out::post_undo))
         .route("/builds/{build}/parts/{part}/picture", get(picture::get_part_picture))
@@ -149,6 +156,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/components", get(components::show_components))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
+        .route("/parts/{part}/picture", get(picture::get_lone_picture))
         .route("/parts/{part}/edit", post(part_forms::post_edit))
         .route("/parts/{part}/reprint", post(part_forms::post_reprint))
         .route("/search", get(search::show_found))

@@ -1,6 +1,7 @@
 // Checks of how the pages look, and of what a person can reach on them.
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
+import { get } from "node:http";
 import { join } from "node:path";
 import { drawn, open, pixels, violations } from "./browser.mjs";
 import { PAGES, SPATIAL, WIDTHS, api, base, browser, clean, farm } from "./setting.mjs";
@@ -27,6 +28,58 @@ export const checks = {
     await Promise.all([lane(), lane(), lane()]);
     assert.ok(most < 300_000, `${most} bytes`);
     return `the heaviest page without 3D is ${(most / 1000).toFixed(0)} kB`;
+  },
+
+  async "the first screen of a phone shows the first machine, and the page of the farm is small on the wire"() {
+    const page = await open(browser, base, PAGES.farm, { width: 390, hasTouch: true, isMobile: true });
+    const { top, height } = await page.locator("section.machine").first().evaluate((machine) => ({ top: machine.querySelector("h2").getBoundingClientRect().bottom, height: innerHeight }));
+    assert.ok(top < height, `its name ends at ${top} of ${height}`);
+    await page.context().close();
+    const bytes = await new Promise((told, failed) => get(base, { headers: { "accept-encoding": "gzip", accept: "text/html" } }, (answer) => {
+      let sum = 0;
+      answer.on("data", (piece) => { sum += piece.length; }).on("end", () => told(sum));
+    }).on("error", failed));
+    assert.ok(bytes <= 40_000, `${bytes} bytes`);
+    return `its name ends at ${top.toFixed(0)} of ${height} px; ${(bytes / 1000).toFixed(1)} kB`;
+  },
+
+  async "every sheet opens by a press, fits and is clean, in both themes"() {
+    let sheets = 0;
+    for (const name of ["build", "part", "order", "refused"]) for (const width of [390, 1440]) for (const scheme of ["light", "dark"]) {
+      const page = await open(browser, base, PAGES[name], { width, scheme });
+      for (const button of await page.locator("main button[popovertarget]:not(.close)").all()) {
+        const at = `${name} ${width} ${scheme} ${await button.innerText()}`;
+        await button.click();
+        const sheet = page.locator(":popover-open"), box = await sheet.boundingBox();
+        assert.ok(box && box.x >= 0 && box.x + box.width <= width + 1, at);
+        assert.deepEqual(await violations(page), [], at);
+        await sheet.getByRole("button", { name: "Close" }).click();
+        assert.equal(await sheet.count(), 0, at);
+        sheets += 1;
+      }
+      await page.context().close();
+    }
+    assert.ok(sheets >= 24, `${sheets} sheets`);
+    return `${sheets} sheets`;
+  },
+
+  async "a row of a list is a target, and leads to what it names"() {
+    const page = await open(browser, base, PAGES.orders, { width: 1440 });
+    const row = page.locator("[aria-label=Orders] tbody tr").first(), box = await row.boundingBox();
+    assert.ok(box.height >= 44, `${box.height} px`);
+    await page.mouse.click(box.x + box.width - 8, box.y + box.height / 2);
+    await page.getByRole("heading", { level: 1, name: /^Order / }).waitFor();
+    await page.context().close();
+  },
+
+  async "parts have pictures, also those that were refused"() {
+    for (const [name, many] of [["part", 1], ["refused", 1], ["order", 2]]) {
+      const page = await open(browser, base, PAGES[name]);
+      await page.evaluate(() => document.querySelectorAll("img").forEach((image) => { image.loading = "eager"; }));
+      await page.waitForFunction(() => [...document.images].every((image) => image.complete && image.naturalWidth > 0), null, { timeout: 60000 });
+      assert.ok(await page.locator("main img").count() >= many, name);
+      await page.context().close();
+    }
   },
 
   async "the first paint comes within 200 ms"() {

@@ -1,0 +1,130 @@
+//! The files of a build, to take along: the build file, its report, its pictures and its pick map.
+
+use std::{path::PathBuf, sync::Arc};
+
+use anyhow::Context;
+use axum::{
+    extract::{Path, State},
+    http::{HeaderMap, HeaderValue, header},
+    response::{Html, IntoResponse, Response},
+};
+use ledger::BuildRow;
+use maud::{Markup, html};
+
+use super::{
+    pick_page::cached_map,
+    report::{HtmlReport, ReportSource},
+};
+use crate::{
+    farm::{CakeContents, find_proved_file, load_placed_parts},
+    settings::MachineProfile,
+    tables::{PICK_COLUMNS, csv_of},
+    web::{
+        base::error::{HandlerError, HandlerResult},
+        core::{cached_render::find_build, content::stream_file, state::DashboardState},
+        look::pieces::sheet,
+    },
+};
+
+/// What the name of the report of the search ends in, as it is written beside the build file.
+const SEARCH_REPORT: &str = ".report.json";
+
+/// The files of a build that can be had now, behind a button.
+pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Markup> {
+    let files = BuildFiles::look(build, profile).await?;
+    let number = build.id;
+    let file = |address: String, name: &str, what: &str| html! { li { a.row href=(address) download { span.row-name { (name) } span.row-more { (what) } } } };
+    let content = html! {
+        ul.rows {
+            @if files.proved.is_some() { (file(format!("/builds/{number}/file"), "Build file, 3MF", "what the printer gets")) }
+            (file(format!("/builds/{number}/report.html"), "Report, HTML", "to mail: 3D view, facts and pick map in one file"))
+            (file(format!("/builds/{number}/picture"), "Picture, PNG", ""))
+            (file(format!("/builds/{number}/pick.csv"), "Pick map, CSV", "for a spreadsheet"))
+            (file(format!("/api/v1/builds/{number}/pick"), "Pick map, JSON", ""))
+            (file(format!("/api/v1/builds/{number}"), "Build, JSON", "all that is known of it"))
+            @if files.search_report.is_some() { (file(format!("/builds/{number}/search.json"), "Report of the search, JSON", "")) }
+        }
+        @if files.proved.is_none() { p.soft { "Its build file is not kept here any more: its printer took it, or it was not made yet." } }
+    };
+    Ok(sheet("files", "Files", false, &content))
+}
+
+/// Where the files of a build lie.
+struct BuildFiles {
+    /// The proved build file, in a queue or in the archive.
+    proved: Option<PathBuf>,
+    /// The report of the search, beside the build file.
+    search_report: Option<PathBuf>,
+}
+
+impl BuildFiles {
+    async fn look(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Self> {
+        let (build, profile) = (build.clone(), profile.clone());
+        let look = move || {
+            let names = build.sidecar_hashes().into_iter().map(|(name, _)| profile.visible_file(&name));
+            let search_report =
+                names.filter(|path| path.to_string_lossy().ends_with(SEARCH_REPORT)).find(|path| path.is_file());
+            Self { proved: find_proved_file(&profile, &build), search_report }
+        };
+        Ok(tokio::task::spawn_blocking(look).await.context("looking for the files of a build")?)
+    }
+}
+
+/// The headers of a file that a browser saves under this name.
+fn saved_as(name: &str, kind: &'static str) -> HeaderMap {
+    let plain: String = name.chars().filter(|c| c.is_ascii_graphic() && !matches!(c, '"' | '\\')).collect();
+    let disposition = HeaderValue::from_str(&format!("attachment; filename=\"{plain}\""));
+    let kind = (header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    disposition.ok().map(|value| (header::CONTENT_DISPOSITION, value)).into_iter().chain([kind]).collect()
+}
+
+/// The proved build file, as it lies in its queue or is kept in the archive.
+pub(crate) async fn get_build_file(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let missing = || HandlerError::NotFound(format!("build file of build {number} on this node"));
+    let file = BuildFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
+    let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
+    stream_file(&file, saved_as(&name, "model/3mf"))
+}
+
+/// The report of the search for a build, while it lies beside the build file.
+pub(crate) async fn get_search_report(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let missing = || HandlerError::NotFound(format!("report of the search for build {number} on this node"));
+    let file = BuildFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
+    stream_file(&file, saved_as(&format!("build-{number}{SEARCH_REPORT}"), "application/json"))
+}
+
+/// The report of a build as one HTML file.
+pub(crate) async fn get_report(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
+    let (settings, turn) = (web.current_settings(), web.render_slot.clone().acquire_owned().await);
+    let making = tokio::task::spawn_blocking(move || {
+        let _turn = turn;
+        let cake = CakeContents::from_ledger(&settings, &profile, &build, parts);
+        HtmlReport { cake: &cake, source: ReportSource::Ledger(&build, &profile) }.to_html()
+    });
+    let html = making.await.context("writing a report")??;
+    Ok((saved_as(&format!("build-{number}.html"), "text/html; charset=utf-8"), Html(html)).into_response())
+}
+
+/// The pick map for a spreadsheet.
+pub(crate) async fn get_pick_csv(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let map = cached_map(&web, &build, &profile).await?;
+    let text = csv_of(PICK_COLUMNS, &map.list.copies).map_err(anyhow::Error::from)?;
+    Ok((saved_as(&format!("build-{number}.parts.csv"), "text/csv; charset=utf-8"), text).into_response())
+}

@@ -12,6 +12,9 @@ use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 use super::terminal::{LinePaint, show_marks, without_marks, wrap_words};
 use crate::tables::{CellValue, FieldDefinition, TableColumn, TimeView, people_columns};
 
+/// A row that is shown as a list is not wrapped into fewer columns than this.
+const LEAST_WRAPPED: usize = 40;
+
 /// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
 pub struct TextTable {
@@ -116,7 +119,7 @@ impl TextTable {
                 None => lines.push(pair),
             }
         }
-        lines.iter().map(|line| wrap_words(line, columns, 4) + "\n").collect()
+        lines.iter().map(|line| wrap_words(line, columns.max(LEAST_WRAPPED), 4) + "\n").collect()
     }
 
     fn column_width(&self, column: usize) -> usize {

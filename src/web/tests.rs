@@ -41,7 +41,7 @@ mod form_tests;
 mod guard;
 #[path = "help_tests.rs"]
 mod help_tests;
-#[path = "label_tests.rs"]
+#[path = "labels/label_tests.rs"]
 mod label_tests;
 #[path = "order_tests.rs"]
 mod order_tests;

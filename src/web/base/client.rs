@@ -106,3 +106,14 @@ impl ClientGate {
 fn refused(status: StatusCode, text: &str) -> HandlerError {
     HandlerError::Refused(status, text.to_owned())
 }
+
+/// The value of a cookie, decoded.
+pub(crate) fn cookie_value(headers: &HeaderMap, cookie: &str) -> Option<String> {
+    let texts = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let pair = texts
+        .flat_map(|text| text.split(';'))
+        .map(str::trim)
+        .find(|pair| pair.split_once('=').is_some_and(|(name, _)| name == cookie))?;
+    let pairs: Vec<(String, String)> = serde_urlencoded::from_str(pair).ok()?;
+    pairs.into_iter().next().map(|(_, value)| value)
+}

@@ -10,7 +10,7 @@ use axum::{
 };
 
 use super::state::DashboardState;
-use crate::web::base::client::RequestClient;
+use crate::web::base::client::{RequestClient, cookie_value};
 
 /// Who gives the commands of pages when no proxy says it.
 const NOBODY: &str = "dashboard";
@@ -53,17 +53,6 @@ fn user_of_request(headers: &HeaderMap, user_header: Option<&HeaderName>, token:
 /// The name that was said on this device.
 fn name_in_cookies(headers: &HeaderMap) -> Option<String> {
     cookie_value(headers, NAME_COOKIE).map(|name| build_file::escape_invisible(&name))
-}
-
-/// The value of a cookie, decoded.
-pub(super) fn cookie_value(headers: &HeaderMap, cookie: &str) -> Option<String> {
-    let texts = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let pair = texts
-        .flat_map(|text| text.split(';'))
-        .map(str::trim)
-        .find(|pair| pair.split_once('=').is_some_and(|(name, _)| name == cookie))?;
-    let pairs: Vec<(String, String)> = serde_urlencoded::from_str(pair).ok()?;
-    pairs.into_iter().next().map(|(_, value)| value)
 }
 
 /// Has the browser keep a name for a year; an empty one is forgotten.

@@ -31,7 +31,7 @@ const SEARCH_REPORT: &str = ".report.json";
 
 /// The files of a build that can be had now, behind a button.
 pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Markup> {
-    let files = BuildFiles::look(build, profile).await?;
+    let files = DownloadableFiles::look(build, profile).await?;
     let number = build.id;
     let file = |address: String, name: &str, what: &str| html! { li { a.row href=(address) download { span.row-name { (name) } span.row-more { (what) } } } };
     let content = html! {
@@ -50,14 +50,14 @@ pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) 
 }
 
 /// Where the files of a build lie.
-struct BuildFiles {
+struct DownloadableFiles {
     /// The proved build file, in a queue or in the archive.
     proved: Option<PathBuf>,
     /// The report of the search, beside the build file.
     search_report: Option<PathBuf>,
 }
 
-impl BuildFiles {
+impl DownloadableFiles {
     async fn look(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Self> {
         let (build, profile) = (build.clone(), profile.clone());
         let look = move || {
@@ -85,7 +85,7 @@ pub(crate) async fn get_build_file(
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
     let missing = || HandlerError::NotFound(format!("build file of build {number} on this node"));
-    let file = BuildFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
+    let file = DownloadableFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
     let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
     stream_file(&file, saved_as(&name, "model/3mf"))
 }
@@ -97,7 +97,7 @@ pub(crate) async fn get_search_report(
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
     let missing = || HandlerError::NotFound(format!("report of the search for build {number} on this node"));
-    let file = BuildFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
+    let file = DownloadableFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
     stream_file(&file, saved_as(&format!("build-{number}{SEARCH_REPORT}"), "application/json"))
 }
 

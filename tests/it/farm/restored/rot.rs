@@ -99,7 +99,12 @@ fn a_staged_build_that_was_removed_while_its_name_was_taken_is_written_again() {
     let visible = staged.with_file_name(name.trim_start_matches('.').trim_end_matches(".part"));
     fs::write(&visible, "somebody else's").unwrap();
     fs::remove_dir(&record).unwrap();
-    wait_until_or("its name is taken", 30.0, || farm.log(), || farm.log().contains("is in the queue already"));
+    wait_until_or(
+        "its name is taken",
+        30.0,
+        || farm.log(),
+        || farm.log().contains("has the name of the build: take it out"),
+    );
     fs::remove_file(&staged).unwrap();
     std::thread::sleep(std::time::Duration::from_secs(3));
     assert!(build_in(&farm, BuildState::Published).is_none(), "somebody else's file is no build of ours");

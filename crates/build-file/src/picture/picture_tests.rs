@@ -210,7 +210,8 @@ fn a_flat_face_has_one_colour_however_far_it_reaches() {
         let mut many = std::collections::HashMap::new();
         picture.pixels.iter().for_each(|pixel| *many.entry(*pixel).or_insert(0) += 1);
         let is_body = |rgb: &[u8; 3]| !is_grey(Vec3::from_array(rgb.map(f32::from)));
-        many.into_iter().filter(|(rgb, count)| *count > 60 && is_body(rgb)).count()
+        // Edges are drawn smoothly: a few pixels have colours between those of two faces.
+        many.into_iter().filter(|(rgb, count)| *count > 300 && is_body(rgb)).count()
     };
     assert_eq!(colours(decode(&draw_part(&mesh, 0, PictureScheme::Light, (320, 240)))), 3, "three faces are seen");
     let bodies = [at(&mesh, 0, 5.0, 10.0, 0.0)];

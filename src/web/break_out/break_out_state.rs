@@ -9,7 +9,7 @@ use crate::{
     web::{
         base::error::{HandlerError, HandlerResult},
         core::{cached_render::find_build, state::DashboardState},
-        figures::pick_map::CachedPickMap,
+        figures::pick_map::{CachedPickMap, bin_orders},
         pages::pick_page::cached_map,
     },
 };
@@ -59,9 +59,8 @@ impl BreakOutState {
             None => CopyState::Open,
         };
         let states = map.list.copies.iter().map(state).collect();
-        let mut bins: Vec<String> = map.list.copies.iter().map(|copy| copy.order.clone()).collect();
-        bins.sort();
-        bins.dedup();
+        let bins = bin_orders(map.list.copies.iter().map(|copy| copy.order.as_str()));
+        let bins = bins.into_iter().map(str::to_owned).collect();
         Ok(Self { build, map, states, bins })
     }
 

@@ -1,6 +1,9 @@
 //! The pick map of a cake: which copies come out, in which order. It is designed for paper; the pick page serves it.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use glam::DVec2;
 use ledger::RemovalStep;
@@ -35,6 +38,11 @@ pub(crate) struct CachedPickMap {
     pub(crate) sheets: Markup,
     pub(crate) list: Arc<PickList>,
     pub(crate) shapes: Arc<PickShapes>,
+}
+
+/// The orders of the bins of a build, one bin each, in the order of their numbers; "" = parts without an order.
+pub(crate) fn bin_orders<'c>(orders: impl Iterator<Item = &'c str>) -> Vec<&'c str> {
+    orders.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// What an eye needs to find a copy.

@@ -1,12 +1,13 @@
 //! What stands on the labels of a build and of an order.
 
-use std::collections::BTreeMap;
-
 use axum::http::HeaderMap;
 use ledger::{OrderLine, PartRow};
 
 use super::label_pdf::Label;
-use crate::web::base::{format::count, query::order_address};
+use crate::web::{
+    base::{format::count, query::order_address},
+    figures::pick_map::bin_orders,
+};
 
 /// Where links on paper lead: the address by which the browser came here.
 #[derive(Debug, Clone)]
@@ -43,11 +44,8 @@ impl Bag {
 
     /// The copies of a line of an order.
     pub(super) fn of_line(order: &str, line: &OrderLine) -> Self {
-        let part = match line.object_name.is_empty() {
-            true => line.name.clone(),
-            false => format!("{} ({})", line.name, line.object_name),
-        };
-        Self { order: order.to_owned(), customer: line.customer.clone(), part, copies: line.copies.wanted }
+        let (customer, part) = (line.customer.clone(), line.full_name());
+        Self { order: order.to_owned(), customer, part, copies: line.copies.wanted }
     }
 
     fn order_words(&self) -> String {
@@ -67,11 +65,8 @@ pub(super) fn bag_labels(bags: &[Bag], build: Option<i64>, root: &LinkRoot) -> V
 
 /// A label for each bin: the copies of one order in a build. Their numbers are those of the break-out.
 pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label> {
-    let mut bins: BTreeMap<&str, Vec<&Bag>> = BTreeMap::new();
-    for bag in bags {
-        bins.entry(&bag.order).or_default().push(bag);
-    }
-    let label = |(number, (order, bags)): (usize, (&&str, &Vec<&Bag>))| {
+    let label = |(number, order): (usize, &str)| {
+        let bags: Vec<&Bag> = bags.iter().filter(|bag| bag.order == order).collect();
         let customer = bags.iter().map(|bag| bag.customer.as_str()).find(|customer| !customer.is_empty());
         let parts = match bags[..] {
             [only] => only.part.clone(),
@@ -84,7 +79,7 @@ pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label
             address: root.of_order(order),
         }
     };
-    bins.iter().enumerate().map(label).collect()
+    bin_orders(bags.iter().map(|bag| bag.order.as_str())).into_iter().enumerate().map(label).collect()
 }
 
 fn copies_of_build(copies: u32, build: Option<i64>) -> String {

@@ -162,7 +162,7 @@ pub fn pick_map_and_history_lose_nothing_on_paper() {
     }
     labels_are_whole(&dashboard, &names, &order);
     let history = page_html(&dashboard, "/history");
-    let rows = rows_of_page(&history, |table| table.contains("Bound, mm"));
+    let rows = rows_of_page(&history, |table| table.contains("Used, %"));
     assert_eq!(rows.len(), 1, "{history}");
     let pdf = print_page(&dashboard, "/history", "history.pdf");
     assert_nothing_is_cut(&pdf);

@@ -108,7 +108,7 @@ fn step_content(
 fn all_elsewhere(state: &BreakOutState, elsewhere: &BTreeMap<usize, String>) -> Markup {
     html! {
         section.card.step aria-label="On other screens" {
-            h2 { "The last " (count(elsewhere.len() as u32, "copy is on another screen", "copies are on other screens")) }
+            h2 { "The last " @match elsewhere.len() { 1 => "copy is on another screen", many => { (many) " copies are on other screens" } } }
             ul { @for (&at, user) in elsewhere {
                 @let copy = &state.map.list.copies[at];
                 li { a href=(state.address_of(at)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) } ", " (name_of_user(user)) }

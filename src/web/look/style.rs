@@ -30,3 +30,18 @@ pub(crate) fn page_style(font: &str) -> String {
     }
     style
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_brace_of_the_style_sheet_is_closed_and_none_is_left_over() {
+        let mut open = 0_i32;
+        for (at, sign) in page_style("font").char_indices() {
+            open += i32::from(sign == '{') - i32::from(sign == '}');
+            assert!(open >= 0, "a brace is left over before: {}", &page_style("font")[at..][..80]);
+        }
+        assert_eq!(open, 0);
+    }
+}

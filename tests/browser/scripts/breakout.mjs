@@ -50,7 +50,7 @@ const line = () => `${said.good} good, ${said.bad} bad, ${said.missing} not foun
 for (const page of [ann, ben]) await page.getByText(line()).waitFor({ timeout: 10000 });
 console.log(`ok: ${farm.presses} presses of two people in ${((performance.now() - began) / 1000).toFixed(0)} s, no copy shown to both, counts right: ${line()}`);
 
-// What the other did is seen within a second of when whoever said it sees it; a busy machine takes longer now and then.
+// What the other did is seen within a second of when whoever said it sees it, in the median of five.
 const waits = [];
 for (let turn = 0; turn < 5; turn += 1) {
   await press(ann, ben, 0);
@@ -58,7 +58,7 @@ for (let turn = 0; turn < 5; turn += 1) {
   await ben.getByText(line()).waitFor({ timeout: 10000 });
   waits.push(Math.round(performance.now() - from));
 }
-assert.ok(Math.min(...waits) < 1000, `the other's press was seen after ${waits} ms`);
+assert.ok(waits.toSorted((a, b) => a - b)[2] < 1000, `the other's press was seen after ${waits} ms`);
 console.log(`ok: the other's press is seen within ${waits} ms`);
 
 // A copy that is tapped in the plan is shown, and said to be chosen.

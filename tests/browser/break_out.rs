@@ -7,7 +7,6 @@ use ledger::PartState;
 
 use crate::{
     pages::{BrowserDashboard, MACHINE, browser, tools},
-    quiet,
     support::stl,
 };
 
@@ -20,7 +19,7 @@ const PARTS: (usize, usize) = (12, 20);
 const PRESSES: usize = 200;
 
 pub fn two_devices_break_out_a_build_and_no_copy_is_shown_to_both() {
-    let (chromium, _quiet) = (browser(), quiet::run_alone());
+    let chromium = browser();
     let dashboard = BrowserDashboard::start();
     dashboard.farm.write_profile(MACHINE, PROFILE);
     dashboard.farm.reload();

@@ -53,12 +53,12 @@ fn pages_in_a_browser() -> Vec<Trial> {
             missing(),
             tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
         ),
-        trial(
+        beside_others(
             "break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both",
             missing(),
             break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both,
         ),
-        trial(
+        beside_others(
             "paper::pick_map_and_history_lose_nothing_on_paper",
             missing().or_else(paper::missing),
             paper::pick_map_and_history_lose_nothing_on_paper,

@@ -10,7 +10,6 @@ use ledger::PartState;
 
 use crate::{
     pages::{BrowserDashboard, MACHINE, browser},
-    quiet,
     support::stl,
 };
 
@@ -133,7 +132,6 @@ fn labels_are_whole(dashboard: &BrowserDashboard, names: &[String], order: &str)
 }
 
 pub fn pick_map_and_history_lose_nothing_on_paper() {
-    let _quiet = quiet::run_alone();
     let dashboard = BrowserDashboard::start();
     dashboard.farm.write_profile(MACHINE, PROFILE);
     dashboard.farm.reload();

@@ -31,10 +31,11 @@ export async function open(browser, base, path, { width = 1280, scheme = "light"
   return page;
 }
 
-/** Violations that axe-core finds, a line each. */
-export async function violations(page) {
-  await page.evaluate(axe);
-  const found = await page.evaluate(() => globalThis.axe.run());
+/** Violations that axe-core finds, a line each: in a part of the page, or by some of its rules, if asked. */
+export async function violations(page, { within = "html", rules } = {}) {
+  if (!await page.evaluate(() => "axe" in globalThis)) await page.evaluate(axe);
+  const runOnly = rules && { type: "rule", values: rules };
+  const found = await page.evaluate(([within, runOnly]) => globalThis.axe.run(within, runOnly ? { runOnly } : {}), [within, runOnly]);
   return found.violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => n.target.join(" ")).join("; ")}`);
 }
 

@@ -181,12 +181,16 @@ fn every_refusal_of_a_foreign_file_says_what_to_do() {
     let scratch = ScratchFile::new();
     let zip = |name: &str| package(&[(name, &b"solid x"[..])], CompressionMethod::Stored);
     let obj = "# Blender\nmtllib a.mtl\no Cube\nv 1.0 1.0 -1.0\nv 1 -1 -1\nf 1 2 3\n";
+    let curved = "v 1 1 -1\ncstype bspline\nsurf 0 1 0 1 1 2 3 4\n";
     let torn = &binary_stl()[..200];
     for (bytes, name, what, remedy) in [
         (&b""[..], "a.stl", "empty", "Copy it once more"),
         (torn, "a.stl", "truncated", "Copy the whole file"),
-        (obj.as_bytes(), "a.obj", "OBJ", "as STL or 3MF"),
-        (obj.as_bytes(), "a.stl", "OBJ", "as STL or 3MF"),
+        (obj.as_bytes(), "a.obj", "names corner `3`, and 2 come before it", "STL or 3MF"),
+        (obj.as_bytes(), "a.stl", "not valid OBJ: line 6", "STL or 3MF"),
+        (curved.as_bytes(), "a.obj", "free-form surface (line 3)", "triangles only"),
+        (&b"newmtl steel\nKd 1 1 1\n"[..], "a.mtl", "colours", "Delete it"),
+        (&b"ply\nformat ascii 1.0\nend_header\n"[..], "a.ply", "no face", "STL or 3MF"),
         (&b"ISO-10303-21;\nHEADER;"[..], "a.step", "STEP", "as STL or 3MF"),
         (&b"%PDF-1.4 x"[..], "a.pdf", "PDF", "no shape to print"),
         (&zip("a.stl"), "a.zip", "ZIP archive", "Unpack it"),

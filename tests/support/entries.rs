@@ -22,9 +22,11 @@ use nester::OrientationLimits;
 pub type FuzzTarget = (&'static str, fn(&[u8]));
 
 /// All fuzz targets.
-pub const TARGETS: [FuzzTarget; 9] = [
+pub const TARGETS: [FuzzTarget; 11] = [
     ("stl_binary", stl_binary),
     ("stl_ascii", stl_ascii),
+    ("obj", obj),
+    ("ply", ply),
     ("threemf_zip", threemf_zip),
     ("threemf_xml", threemf_xml),
     ("ticket_toml", ticket_toml),
@@ -92,6 +94,16 @@ pub fn stl_binary(bytes: &[u8]) {
     framed.extend((bytes.len() as u32 / 50).to_le_bytes());
     framed.extend(bytes);
     let _ = with_file(&framed, |file| read_part(file, "a.stl"));
+}
+
+/// Reads the bytes as text of an OBJ file.
+pub fn obj(bytes: &[u8]) {
+    let _ = with_file(bytes, |file| read_part(file, "a.obj"));
+}
+
+/// Reads the bytes as they follow the first line of a PLY file.
+pub fn ply(bytes: &[u8]) {
+    let _ = with_file(&[b"ply\n".as_slice(), bytes].concat(), |file| read_part(file, "a.ply"));
 }
 
 /// Reads the bytes as text that begins with `solid`.

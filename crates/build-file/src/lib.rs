@@ -1,9 +1,10 @@
 #![doc = include_str!("../README.md")]
-// Bytes <-> meshes: STL and 3MF in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
+// Bytes <-> meshes: STL, 3MF, OBJ and PLY in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
 
 mod build;
 mod common;
 mod picture;
+mod polygons;
 mod read;
 mod stl;
 #[cfg(test)]

@@ -104,7 +104,10 @@ mod tests {
 
     #[test]
     fn only_names_of_single_parts_have_other_formats() {
-        assert_eq!(names_in_formats("x.v2.Stl"), ["x.v2.stl", "x.v2.STL", "x.v2.3mf", "x.v2.3MF"]);
+        assert_eq!(
+            names_in_formats("x.v2.Stl"),
+            ["x.v2.stl", "x.v2.STL", "x.v2.3mf", "x.v2.3MF", "x.v2.obj", "x.v2.OBJ", "x.v2.ply", "x.v2.PLY"]
+        );
         assert!(names_in_formats("kit.camspec").is_empty() && names_in_formats("x").is_empty());
     }
 }

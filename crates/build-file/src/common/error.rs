@@ -13,7 +13,7 @@ pub enum FileReadError {
     /// The disk failed, not the file: another try may succeed.
     #[error("cannot read the file")]
     Io(#[from] io::Error),
-    /// Neither STL nor 3MF.
+    /// None of the formats that are read.
     #[error("is no {MESH_FORMATS} file: {what}")]
     Unknown {
         /// What the file looks like.
@@ -27,7 +27,7 @@ pub enum FileReadError {
     /// A rule of the file format is broken; names the place.
     #[error("is not valid {format}: {reason}")]
     Invalid {
-        /// `STL` or `3MF`.
+        /// As people call it: `STL`, `3MF`.
         format: &'static str,
         /// What is wrong and where.
         reason: String,

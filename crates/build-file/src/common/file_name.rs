@@ -1,11 +1,11 @@
 //! Names of files: the endings of those that hold parts, and the name of a build file, `<utc>_<machine>_<build-id>.build.3mf`.
 
 /// Endings of files that hold one part, or a plate of one customer, in lower case.
-pub const MESH_ENDINGS: [&str; 2] = ["stl", "3mf"];
+pub const MESH_ENDINGS: [&str; 4] = ["stl", "3mf", "obj", "ply"];
 /// The ending of a package of models with what is asked of each.
 pub(crate) const CAMSPEC_ENDING: &str = "camspec";
 
-/// What people are told to drop.
+/// What people are told to export from a CAD program.
 macro_rules! mesh_formats {
     () => {
         "STL or 3MF"
@@ -13,7 +13,7 @@ macro_rules! mesh_formats {
 }
 pub(crate) use mesh_formats;
 /// What people are told to drop: the formats of [`MESH_ENDINGS`] in words.
-pub const MESH_FORMATS: &str = mesh_formats!();
+pub const MESH_FORMATS: &str = "STL, 3MF, OBJ or PLY";
 
 /// The endings of all files that hold parts, in lower case.
 pub fn part_endings() -> impl Iterator<Item = &'static str> {

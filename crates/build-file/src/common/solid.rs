@@ -96,9 +96,11 @@ fn described_solid(name: String, mesh: Mesh, copies: u32, unit: LengthUnit) -> P
     }
 }
 
-/// The triangles of an STL file while it is read: welded and checked one by one.
+/// The triangles of a file without a list of corners that they share, while it is read: welded and checked one by one.
 #[derive(Debug)]
-pub(crate) struct StlSurface {
+pub(crate) struct WeldedSurface {
+    /// The format of the file, as people call it.
+    format: &'static str,
     builder: MeshBuilder,
     unit: LengthUnit,
     scale: f64,
@@ -108,10 +110,11 @@ pub(crate) struct StlSurface {
     pub(crate) zero_facets: ZeroFacets,
 }
 
-impl StlSurface {
+impl WeldedSurface {
     /// An empty surface with room for so many triangles, whose coordinates are in a unit.
-    pub(crate) fn new(unit: LengthUnit, triangles: usize) -> Self {
+    pub(crate) fn new(format: &'static str, unit: LengthUnit, triangles: usize) -> Self {
         Self {
+            format,
             builder: MeshBuilder::with_capacity(triangles),
             unit,
             scale: unit.mm_per_unit(),
@@ -135,10 +138,8 @@ impl StlSurface {
         let (far, unit) = (self.far, self.unit);
         let made = self.builder.into_mesh();
         if let Err(MeshError::NotFinite { vertex }) = made {
-            return Err(FileReadError::invalid_stl(format!(
-                "triangle {} has a coordinate that is not a finite number",
-                vertex / 3 + 1
-            )));
+            let reason = format!("triangle {} has a coordinate that is not a finite number", vertex / 3 + 1);
+            return Err(FileReadError::Invalid { format: self.format, reason });
         }
         if let Some(vertex) = far {
             return Err(far_error(&name, vertex));

@@ -8,6 +8,7 @@ use std::{
 use super::sniff::{FileFormat, HEAD_BYTES, detect_format};
 use crate::{
     common::{file_name::is_part_name, unfinished::ends_in_zero},
+    polygons::ply_read::least_ply_bytes,
     stl::stl_read::{STL_FACET_BYTES, STL_HEAD_BYTES, binary_len, claimed_count},
     threemf::package::{MAX_END, end_record},
 };
@@ -16,7 +17,8 @@ use crate::{
 const TEXT_TAIL: u64 = 1 << 16;
 
 /// Whether the file has the end that its format promises: a binary STL is 84 + 50 n bytes or longer, and its last triangle
-/// is not all zeros; an ASCII STL has its `endsolid`, and no zeros behind it; a 3MF its end-of-central-directory record.
+/// is not all zeros; an ASCII STL has its `endsolid`, and no zeros behind it; a 3MF its end-of-central-directory record; an OBJ ends with
+/// its last line; a PLY is no shorter than its head says.
 /// Returns `true` for any other file, since reading will refuse it. Only the head and the tail are read. A file with a
 /// wrong length field never has its end, so the caller must limit the wait.
 pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
@@ -37,11 +39,13 @@ pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
             Some(end) if len >= end => Ok(!is_zero_facet(opened, end)?),
             _ => Ok(false),
         },
+        FileFormat::Obj => Ok(matches!(read_tail(opened, len, 1)?[..], [b'\n' | b'\r'])),
+        FileFormat::Ply => Ok(len >= least_ply_bytes(opened)?),
         FileFormat::Other(_) => Ok(true),
     }
 }
 
-/// Whether a file may hold a part: STL or 3MF by its bytes, or by its name while there are no bytes yet.
+/// Whether a file may hold a part: by its bytes, or by its name while there are no bytes yet.
 pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
@@ -49,18 +53,19 @@ pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
     Ok(is_barely_begun(&head, name) || !matches!(detect_format(&head, len, name), FileFormat::Other(_)))
 }
 
-/// Whether more may be written behind the end that a file has now, because its format tells no length: an ASCII STL.
+/// Whether more may be written behind the end that a file has now, because its format tells no length: an ASCII STL, an OBJ.
 pub fn may_grow(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
     opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
-    Ok(detect_format(&head, len, name) == FileFormat::TextStl)
+    Ok(matches!(detect_format(&head, len, name), FileFormat::TextStl | FileFormat::Obj))
 }
 
-/// Whether the file has too few bytes, or is allocated but not yet written: it may still become an STL or 3MF.
+/// Whether the file has too few bytes, or is allocated but not yet written: it may still become a part.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
     let prefix = |of: &[u8]| of.starts_with(&head.to_ascii_lowercase());
-    is_part_name(name) && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
+    is_part_name(name)
+        && (head.iter().all(|&b| b == 0) || [&b"solid"[..], b"pk\x03\x04", b"ply\n"].into_iter().any(prefix))
 }
 
 /// Whether the facet before this end of a binary STL was never written.

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     FileReadError, LengthUnit, PartFileContents, ReadLimits,
     common::{camspec::is_camspec_name, unfinished::blame_unwritten_blocks},
+    polygons::{obj_read::read_obj, ply_read::read_ply},
     stl::stl_read::{StlContents, read_ascii, read_binary},
     threemf::threemf_read::{self, AskedUnit},
 };
@@ -49,16 +50,19 @@ fn read_file(
     let mut head = Vec::new();
     (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
     let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
-    let stl_unit = unit.map_or(default_unit, AskedUnit::unit);
+    // The unit of a format that states none.
+    let plain_unit = unit.map_or(default_unit, AskedUnit::unit);
     let read = match detect_format(&head, len, name) {
         FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
         FileFormat::Camspec => return read_camspec(file, unit, limits),
         FileFormat::TextStl => {
-            read_ascii(File::open(file)?, stl_unit, limits).and_then(|read| stl_contents(read, stem))
+            read_ascii(File::open(file)?, plain_unit, limits).and_then(|read| stl_contents(read, stem))
         }
         FileFormat::BinaryStl => {
-            read_binary(opened, (&head, len), stl_unit, limits).and_then(|read| stl_contents(read, stem))
+            read_binary(opened, (&head, len), plain_unit, limits).and_then(|read| stl_contents(read, stem))
         }
+        FileFormat::Obj => read_obj(File::open(file)?, stem, plain_unit, limits),
+        FileFormat::Ply => read_ply(File::open(file)?, stem, plain_unit, limits),
         FileFormat::Other(ForeignFormat { what, remedy }) => Err(FileReadError::Unknown { what, remedy }),
     };
     let contents = read.map_err(|error| blame_unwritten_blocks(error, file))?;
@@ -72,7 +76,7 @@ fn read_file(
     Ok(contents)
 }
 
-/// Reads a CAMSPEC package. Its models are STL or 3MF files.
+/// Reads a CAMSPEC package. Its models are files of any other format.
 fn read_camspec(file: &Path, unit: Option<AskedUnit>, limits: &ReadLimits) -> Result<PartFileContents, FileReadError> {
     camspec_read::read_camspec_parts(file, limits, &mut |model, name, line| {
         if is_camspec_name(name) {

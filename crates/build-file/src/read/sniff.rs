@@ -20,6 +20,8 @@ pub(crate) enum FileFormat {
     Camspec,
     TextStl,
     BinaryStl,
+    Obj,
+    Ply,
     /// A format that is not supported.
     Other(ForeignFormat),
 }
@@ -67,8 +69,14 @@ pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {
                 .unwrap_or_else(|| foreign_format(format!("it is a ZIP package named `.{named}`"), UNPACK_REMEDY)),
         };
     }
+    if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") {
+        return FileFormat::Ply;
+    }
     if let Some(foreign) = foreign_by_bytes(head) {
         return foreign;
+    }
+    if looks_like_obj(skip_leading_noise(head)) {
+        return FileFormat::Obj;
     }
     if claims_binary_facets(head) {
         return FileFormat::BinaryStl;
@@ -79,6 +87,10 @@ pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {
     match extension.as_str() {
         "stl" if is_text(head) && head.len() > 84 => foreign_format("it is text without `solid`", EXPORT_REMEDY),
         "stl" => FileFormat::BinaryStl,
+        // Its first lines may be words for colours alone.
+        "obj" if is_text(without_zeros(head)) => FileFormat::Obj,
+        "obj" => foreign_format("it is no text, as an OBJ file is", EXPORT_REMEDY),
+        "ply" => foreign_format("it does not begin with the line `ply`", EXPORT_REMEDY),
         // A package may begin after other bytes; the reader finds its directory at the end or reports that it is
         // missing.
         "3mf" => FileFormat::Package,
@@ -95,7 +107,7 @@ fn foreign_format(what: impl Into<String>, remedy: &'static str) -> FileFormat {
 
 /// Unsupported formats, recognised by their first bytes.
 fn foreign_by_bytes(head: &[u8]) -> Option<FileFormat> {
-    let known: [(&[u8], &str, &'static str); 12] = [
+    let known: [(&[u8], &str, &'static str); 11] = [
         (
             b"version https://git-lfs",
             "it is a Git LFS pointer, not the file itself",
@@ -103,7 +115,6 @@ fn foreign_by_bytes(head: &[u8]) -> Option<FileFormat> {
         ),
         (b"\xff\xfe", "it is UTF-16 text", PLAIN_TEXT_REMEDY),
         (b"\xfe\xff", "it is UTF-16 text", PLAIN_TEXT_REMEDY),
-        (b"ply", "it is a PLY file", EXPORT_REMEDY),
         (b"OFF", "it is an OFF file", EXPORT_REMEDY),
         (b"\x00\x05\x16\x07", "it is an AppleDouble side file of macOS", "Drop the file that it belongs to."),
         (b"ISO-10303-21", "it is a STEP file", EXPORT_REMEDY),
@@ -115,17 +126,17 @@ fn foreign_by_bytes(head: &[u8]) -> Option<FileFormat> {
     ];
     let start = skip_leading_noise(head);
     let by_bytes = known.iter().find(|(bytes, ..)| start.starts_with(bytes));
-    let by_bytes = by_bytes.map(|(_, what, remedy)| foreign_format(*what, remedy));
-    by_bytes.or_else(|| looks_like_obj(start).then(|| foreign_format("it is an OBJ file", EXPORT_REMEDY)))
+    by_bytes.map(|(_, what, remedy)| foreign_format(*what, remedy))
 }
 
 /// Unsupported formats, recognised by their names.
 fn foreign_by_name(extension: &str) -> Option<FileFormat> {
     let (what, remedy) = match extension {
         "rar" | "7z" | "gz" | "tar" | "tgz" => ("it is an archive", UNPACK_REMEDY),
-        "step" | "stp" | "iges" | "igs" | "sldprt" | "sldasm" | "ipt" | "f3d" | "x_t" | "catpart" | "obj" => {
+        "step" | "stp" | "iges" | "igs" | "sldprt" | "sldasm" | "ipt" | "f3d" | "x_t" | "catpart" => {
             ("it is a file of a CAD program", EXPORT_REMEDY)
         }
+        "mtl" => ("it holds the colours of an OBJ file", "Delete it: the OBJ file is read without colours."),
         "gcode" | "sla" | "cli" => ("it is a file for a printer, not a part", EXPORT_REMEDY),
         "doc" | "docx" | "xls" | "xlsx" | "txt" | "md" | "csv" => ("it holds text, not a shape", NO_SHAPE_REMEDY),
         _ => return None,
@@ -146,6 +157,11 @@ fn looks_like_obj(start: &[u8]) -> bool {
 pub(super) fn starts_like_text_stl(head: &[u8]) -> bool {
     let start = skip_leading_noise(head);
     start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid")
+}
+
+/// The head without the zeros of blocks that are not written yet.
+fn without_zeros(head: &[u8]) -> &[u8] {
+    &head[..head.iter().rposition(|&byte| byte != 0).map_or(0, |at| at + 1)]
 }
 
 /// Whether the head is text: no control characters but white space.

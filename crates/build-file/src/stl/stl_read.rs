@@ -12,7 +12,7 @@ use super::stl_text::{TextStlContents, read_text_stl};
 use crate::{
     FileReadError, LengthUnit, ReadLimits,
     common::{
-        solid::StlSurface,
+        solid::WeldedSurface,
         unfinished::{ends_in_zero, unfinished_copy},
     },
     format_count,
@@ -31,7 +31,7 @@ const FACETS_PER_READ: usize = 2000;
 /// The surface of a file, and warnings for people.
 #[derive(Debug)]
 pub(crate) struct StlContents {
-    pub(crate) surface: StlSurface,
+    pub(crate) surface: WeldedSurface,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn read_ascii(mut file: File, unit: LengthUnit, limits: &ReadLimits) 
     if mark[..got] != *b"\xef\xbb\xbf" {
         file.seek(SeekFrom::Start(0))?;
     }
-    let mut surface = StlSurface::new(unit, 0);
+    let mut surface = WeldedSurface::new("STL", unit, 0);
     let input = BufReader::with_capacity(1 << 16, file);
     let TextStlContents { facets, solids, ended } =
         read_text_stl(input, limits, &mut |corners| surface.add_triangle(corners))?;
@@ -103,7 +103,7 @@ pub(crate) fn read_binary(
         ));
     }
     file.seek(SeekFrom::Start(STL_HEAD_BYTES))?;
-    let mut surface = StlSurface::new(unit, count as usize);
+    let mut surface = WeldedSurface::new("STL", unit, count as usize);
     let mut bytes = vec![0; FACETS_PER_READ * STL_FACET_BYTES as usize];
     let mut left = (wanted - STL_HEAD_BYTES) as usize;
     while left > 0 {

@@ -7,6 +7,8 @@ pub(super) mod camspec_tests;
 #[cfg(test)]
 pub(super) mod item_contact_tests;
 #[cfg(test)]
+pub(super) mod polygon_tests;
+#[cfg(test)]
 pub(super) mod slicer_project_tests;
 #[cfg(test)]
 pub(super) mod test_package;

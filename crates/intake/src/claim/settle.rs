@@ -43,12 +43,6 @@ pub struct SettleRules {
     pub orphan_secs: f64,
 }
 
-impl Default for SettleRules {
-    fn default() -> Self {
-        Self { settle_secs: 5.0, unfinished_secs: 600.0, orphan_secs: 3600.0 }
-    }
-}
-
 impl SettleRules {
     /// Seconds after which a ticket or row without a file in its folder is taken for one that is late.
     pub fn late_secs(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{BufReader, ErrorKind, Read, Seek, SeekFrom},
+    io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom},
 };
 
 use glam::DVec3;
@@ -17,7 +17,7 @@ use crate::{FileReadError, LengthUnit, PartFileContents, ReadLimits, escape_invi
 /// A longer head is none.
 const MAX_HEAD_BYTES: u64 = 1 << 16;
 /// A longer line is no line of a PLY file.
-const MAX_LINE_BYTES: usize = 1 << 20;
+const MAX_LINE_BYTES: u64 = 1 << 20;
 /// Names of the list of a face.
 const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
@@ -90,19 +90,16 @@ pub(crate) fn read_ply(
     limits: &ReadLimits,
 ) -> Result<PartFileContents, FileReadError> {
     let header = read_head(&mut file)?.1;
-    if header.encoding == Encoding::Ascii {
-        check_lines(&mut file)?;
-    }
     check_counts(&header, file.metadata()?.len(), limits)?;
     let mut input = read_head(&mut file)?.0;
     let (mut corners, mut faces): (Vec<PlyCorner>, Vec<PlyFace>) = (Vec::new(), Vec::new());
     for element in header.elements.values() {
         let read = match element.name.as_str() {
-            "vertex" => Parser::new().read_payload_for_element(&mut input, element, &header).map(|read| corners = read),
-            "face" => Parser::new().read_payload_for_element(&mut input, element, &header).map(|read| faces = read),
-            _ => Parser::<PlyOther>::new().read_payload_for_element(&mut input, element, &header).map(drop),
+            "vertex" => read_element(&mut input, element, &header).map(|read| corners = read),
+            "face" => read_element(&mut input, element, &header).map(|read| faces = read),
+            _ => read_element::<PlyOther>(&mut input, element, &header).map(drop),
         };
-        read.map_err(told)?;
+        read?;
     }
     let mut surface = PolygonSurface::new("PLY", unit, limits);
     let mut face = Vec::new();
@@ -205,34 +202,48 @@ fn check_counts(header: &Header, len: u64, limits: &ReadLimits) -> Result<(), Fi
     }
 }
 
-/// Refuses a text with a line that would fill the memory.
-fn check_lines(file: &mut File) -> Result<(), FileReadError> {
-    file.seek(SeekFrom::Start(0))?;
-    let (mut bytes, mut run) = (vec![0; 1 << 16], 0);
-    loop {
-        let got = file.read(&mut bytes)?;
-        if got == 0 {
-            return Ok(());
+/// Reads all entries of an element. A text may have empty lines, and no line that would fill the memory.
+fn read_element<E: PropertyAccess>(
+    input: &mut Reader<BufReader<&mut File>>,
+    element: &ElementDef,
+    header: &Header,
+) -> Result<Vec<E>, FileReadError> {
+    let parser = Parser::new();
+    if header.encoding != Encoding::Ascii {
+        return parser.read_payload_for_element(input, element, header).map_err(told);
+    }
+    let (mut entries, mut line) = (Vec::new(), Vec::new());
+    while entries.len() < element.count {
+        line.clear();
+        input.get_mut().take(MAX_LINE_BYTES).read_until(b'\n', &mut line)?;
+        let (count, all, name) = (entries.len(), element.count, escape_invisible(&element.name));
+        let entry = || format!("entry {} of element {name:?}", count + 1);
+        if line.is_empty() {
+            return Err(FileReadError::Truncated(format!("it has {count} of {all} entries of element {name:?}")));
         }
-        for byte in &bytes[..got] {
-            run = if matches!(byte, b'\n' | b'\r') { 0 } else { run + 1 };
-            if run > MAX_LINE_BYTES {
-                return Err(invalid(format!("a line is longer than {MAX_LINE_BYTES} bytes")));
-            }
+        if line.len() as u64 >= MAX_LINE_BYTES {
+            return Err(invalid(format!("the line of {} is longer than {MAX_LINE_BYTES} bytes", entry())));
+        }
+        if !line.trim_ascii().is_empty() {
+            let read = parser.read_ascii_element(&String::from_utf8_lossy(&line), element);
+            entries.push(read.map_err(|error| invalid(format!("{}: {}", entry(), first_line(&error))))?);
         }
     }
+    Ok(entries)
 }
 
 fn invalid(reason: String) -> FileReadError {
     FileReadError::Invalid { format: "PLY", reason }
 }
 
-/// What the library says, in one line.
 fn told(error: ParseError) -> FileReadError {
-    let text = error.to_string();
-    let line = escape_invisible(text.lines().next().unwrap_or_default());
     match error.kind() {
-        ErrorKind::UnexpectedEof => FileReadError::Truncated(line),
-        _ => invalid(line),
+        ErrorKind::UnexpectedEof => FileReadError::Truncated(first_line(&error)),
+        _ => invalid(first_line(&error)),
     }
+}
+
+/// What the library says, in one line.
+fn first_line(error: &ParseError) -> String {
+    escape_invisible(error.to_string().lines().next().unwrap_or_default())
 }

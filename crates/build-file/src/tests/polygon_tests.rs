@@ -114,8 +114,8 @@ fn an_obj_file_that_cannot_be_read_says_where() {
     ] {
         assert!(said(text).contains(what), "{what}: {}", said(text));
     }
-    let u = "v 0 0 0\nv 6 0 0\nv 6 6 0\nv 4 6 0\nv 4 2 0\nv 2 2 0\nv 2 6 0\nv 0 6 0\nf 1 2 3 4 5 6 7 8\n";
-    assert!(said(u).contains("face 1 has 8 corners, and no corner sees all of it"), "{}", said(u));
+    let eight = "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 4 0\nf 1 2 3 4\n";
+    assert!(said(eight).contains("face 1 has 4 corners, and they enclose no area"), "{}", said(eight));
     let many = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &"f 1 2 3\n".repeat(50_001);
     assert!(matches!(read(many.as_bytes(), "a.obj"), Err(FileReadError::TooLarge { key: "max_triangles", .. })));
 }
@@ -170,6 +170,11 @@ fn a_ply_file_is_read_as_text_and_in_both_orders_of_bytes() {
         for number in ["float", "double"] {
             let bytes = ply(encoding, number);
             is_the_box(&read(&bytes, "box.ply").unwrap());
+            if encoding == "ascii" {
+                let text = String::from_utf8(bytes.clone()).unwrap();
+                is_the_box(&read(text.replace("end_header\n", "end_header\n\n").as_bytes(), "box.ply").unwrap());
+                is_the_box(&read(text.replace('\n', "\r\n").as_bytes(), "box.ply").unwrap());
+            }
             assert!(ends(&bytes, "box.ply"), "{encoding}");
             for cut in [1, 3, 100, 270, bytes.len() / 2] {
                 assert!(!ends(&bytes[..cut], "box.ply"), "{encoding} {number} {cut}");
@@ -202,9 +207,14 @@ fn a_ply_file_that_cannot_be_read_says_why_and_takes_no_memory_for_what_it_claim
         (head("999999999999", "1") + corners, "too many triangles"),
         (head("3", "1").replace("vertex_indices", "corners") + corners + "3 0 1 2\n", "no list `vertex_indices`"),
         ("ply\nformat ascii 1.0\nelement vertex 3\n".to_owned(), "before its `end_header`"),
+        (head("3", "1") + "0 0 0\n\u{fffd} 0 0\n0 1 0\n3 0 1 2\n", "entry 2 of element \"vertex\""),
         ("ply\nrubbish\nend_header\n".to_owned(), "not valid PLY"),
-        (head("3", "1") + &" ".repeat((1 << 20) + 1), "a line is longer"),
+        (head("3", "1") + &" ".repeat((1 << 20) + 1), "the line of entry 1 of element \"vertex\" is longer"),
     ] {
         assert!(said(&text).contains(what), "{what}: {}", said(&text));
     }
+    let latin = [head("3", "1").as_bytes(), b"0 0 0\n\xe4 0 0\n0 1 0\n3 0 1 2\n"].concat();
+    assert!(matches!(read(&latin, "box.ply"), Err(FileReadError::Invalid { .. })), "no failure of the disk");
+    let latin = [b"ply\nformat ascii 1.0\ncomment \xe4\n", &head("3", "1").as_bytes()[21..]].concat();
+    assert!(matches!(read(&latin, "box.ply"), Err(FileReadError::Invalid { .. })));
 }

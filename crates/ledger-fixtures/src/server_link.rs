@@ -5,7 +5,10 @@ use std::{
     net::Shutdown,
     os::unix::net::{UnixListener, UnixStream},
     path::{Path, PathBuf},
-    sync::{Arc, Mutex},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
     time::Duration,
 };
 
@@ -24,6 +27,8 @@ pub enum LinkState {
     Slow(Duration),
     /// Connections stay, and nothing comes through.
     Silent,
+    /// Nothing comes through the connections that are open, ever; new ones are clear.
+    Forgotten,
     /// Connections break, and new ones are refused.
     Broken,
 }
@@ -37,6 +42,8 @@ pub struct ServerLink {
 struct SharedLink {
     state: Mutex<LinkState>,
     streams: Mutex<Vec<UnixStream>>,
+    /// So many streams are of connections that are forgotten.
+    forgotten: AtomicUsize,
     server: PathBuf,
 }
 
@@ -45,8 +52,8 @@ impl ServerLink {
     pub fn to_server(server: &Path) -> Self {
         let folder = TempDir::new().unwrap();
         let listener = UnixListener::bind(folder.path().join(SOCKET)).unwrap();
-        let (state, streams) = (Mutex::new(LinkState::Clear), Mutex::default());
-        let shared = Arc::new(SharedLink { state, streams, server: server.join(SOCKET) });
+        let (state, streams, forgotten) = (Mutex::new(LinkState::Clear), Mutex::default(), AtomicUsize::default());
+        let shared = Arc::new(SharedLink { state, streams, forgotten, server: server.join(SOCKET) });
         let accepting = shared.clone();
         std::thread::spawn(move || {
             for client in listener.incoming().flatten() {
@@ -64,7 +71,11 @@ impl ServerLink {
     /// Changes how the link is.
     pub fn set(&self, state: LinkState) {
         *self.shared.state.lock().unwrap() = state;
+        if state == LinkState::Forgotten {
+            self.shared.forgotten.store(self.shared.streams.lock().unwrap().len(), Ordering::Relaxed);
+        }
         if state == LinkState::Broken {
+            self.shared.forgotten.store(0, Ordering::Relaxed);
             for stream in self.shared.streams.lock().unwrap().drain(..) {
                 // It may have ended.
                 let _ = stream.shutdown(Shutdown::Both);
@@ -84,14 +95,16 @@ impl SharedLink {
             return;
         }
         let Ok(server) = UnixStream::connect(&self.server) else { return };
+        let mut streams = self.streams.lock().unwrap();
         for (from, to) in [(&client, &server), (&server, &client)] {
             let (from, to, link) = (from.try_clone().unwrap(), to.try_clone().unwrap(), self.clone());
-            std::thread::spawn(move || link.pass_on(from, to));
+            let number = streams.len();
+            std::thread::spawn(move || link.pass_on(number, from, to));
         }
-        self.streams.lock().unwrap().extend([client, server]);
+        streams.extend([client, server]);
     }
 
-    fn pass_on(&self, mut from: UnixStream, mut to: UnixStream) {
+    fn pass_on(&self, number: usize, mut from: UnixStream, mut to: UnixStream) {
         let mut portion = [0; 65_536];
         while let Ok(count @ 1..) = from.read(&mut portion) {
             if let LinkState::Slow(delay) = self.state() {
@@ -99,6 +112,9 @@ impl SharedLink {
             }
             while self.state() == LinkState::Silent {
                 std::thread::sleep(LOOK_AGAIN);
+            }
+            if number < self.forgotten.load(Ordering::Relaxed) {
+                return; // both ends stay open
             }
             if to.write_all(&portion[..count]).is_err() {
                 break;

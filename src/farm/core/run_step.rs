@@ -13,7 +13,8 @@ impl Farm {
 
     /// Runs a step. A step that fails is logged, waits, and is retried.
     pub(crate) async fn run_step(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
-        if self.schedule.step_backoff.is_waiting(&what.to_owned()) {
+        // While the ledger cannot be reached, each step would wait for it in vain.
+        if self.schedule.step_backoff.is_waiting(&what.to_owned()) || self.ledger.is_out_of_reach() {
             return;
         }
         let done = step(self).await;

@@ -93,6 +93,10 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
                 }
             },
             Some(event) = farm.jobs.next_event() => {
+                // What does not answer is told before the end of a job waits for it, too.
+                if farm.ledger.is_out_of_reach() {
+                    may_act(farm);
+                }
                 let Some(read) = show_life(&ledger, signals, handle_events(farm, event)).await else { return };
                 only_read = read;
             }
@@ -109,19 +113,19 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) {
     }
 }
 
-/// Does work of the loop. As long as it only waits for another process to let go of the ledger, the service manager is told that the
-/// daemon lives, and by whom the ledger is held. `None` = the daemon is told to stop meanwhile: the work is cut short as by a crash, before
-/// it has changed anything.
+/// Does work of the loop. As long as it only waits for another process to let go of the ledger, or for the server of the ledger to answer,
+/// the service manager is told that the daemon lives, and what it waits for. `None` = the daemon is told to stop meanwhile: the work is
+/// cut short as by a crash, before it has changed anything.
 async fn show_life<T>(ledger: &Ledger, signals: &mut SignalListener, work: impl Future<Output = T>) -> Option<T> {
     tokio::pin!(work);
     loop {
         tokio::select! {
             done = &mut work => return Some(done),
-            () = signals.wait_for_stop(), if ledger.waited_for_lock().is_some() => return None,
+            () = signals.wait_for_stop(), if ledger.waits_for().is_some() => return None,
             () = tokio::time::sleep(TICK_INTERVAL) => {
-                if let Some(holder) = ledger.waited_for_lock() {
+                if let Some(what) = ledger.waits_for() {
                     systemd::notify_watchdog();
-                    systemd::notify_status(&format!("waits until {holder} has changed the ledger"));
+                    systemd::notify_status(&format!("waits until {what}"));
                 }
             }
         }
@@ -252,6 +256,10 @@ async fn handle_events(farm: &mut Farm, first: LoopEvent<Farm>) -> bool {
     let mut only_read = first.is_end_of::<PartReadJob>();
     job_events::handle_event(farm, first).await;
     for _ in 0..MAX_EVENTS_PER_TICK {
+        // The next tick tells that the ledger cannot be reached.
+        if farm.ledger.is_out_of_reach() {
+            break;
+        }
         let Some(event) = farm.jobs.try_next_event() else { break };
         only_read &= event.is_end_of::<PartReadJob>();
         job_events::handle_event(farm, event).await;

@@ -80,8 +80,9 @@ impl LedgerChange {
                     health::note_changes(file, counted);
                 }
             }
-            SqlTransaction::Postgres(transaction) => {
-                transaction.commit().await.map_err(crate::ServerError::mark_unreachable)?;
+            SqlTransaction::Postgres(transaction, limit) => {
+                let committed = sql::answered_within(limit, transaction.commit()).await;
+                committed.map_err(crate::ServerError::mark_unreachable)?;
                 if let ChangeOrigin::Server(Some(counted)) = self.origin {
                     counted.confirm();
                 }

@@ -13,7 +13,7 @@ use crate::{
     ServingRight, SharedFarm, UtcTimestamp,
     base::{
         error::Result,
-        sql::{SqlExecutor, SqlTransaction},
+        sql::{SqlExecutor, SqlTransaction, answered_within},
     },
 };
 use jiff::Timestamp;
@@ -151,6 +151,19 @@ impl Ledger {
         self.sqlite().and_then(SqliteStore::waited_for_lock)
     }
 
+    /// Whether the server of the ledger does not answer, as far as the daemon that serves it knows.
+    pub fn is_out_of_reach(&self) -> bool {
+        self.sqlite().is_none() && matches!(self.service_state(), ServiceState::Unsure { .. })
+    }
+
+    /// What the daemon waits for at this moment: "until" this. `None` = it does not wait.
+    pub fn waits_for(&self) -> Option<String> {
+        match self.is_out_of_reach() {
+            true => Some("the server of the ledger answers".to_owned()),
+            false => self.waited_for_lock().map(|holder| format!("{holder} has changed the ledger")),
+        }
+    }
+
     /// Fails unless the daemon that opened this may act on what the ledger says.
     ///
     /// `Unreachable`, `RepairDue`, `TakenOver` or `Behind`.
@@ -233,7 +246,9 @@ impl Ledger {
     pub(crate) async fn revoke_lapsed(&self, db: &mut SqlTransaction, node: &str) -> Result<Option<String>> {
         match db {
             SqlTransaction::Sqlite(_) => Ok(None),
-            SqlTransaction::Postgres(transaction) => postgres::revoke_lapsed(transaction, node).await,
+            SqlTransaction::Postgres(transaction, limit) => {
+                answered_within(*limit, postgres::revoke_lapsed(transaction, node)).await
+            }
         }
     }
 
@@ -339,7 +354,7 @@ impl Ledger {
             LedgerStore::Sqlite(store) => (SqlTransaction::Sqlite(store.begin_change().await?), store.change_origin()),
             LedgerStore::Postgres(store) => {
                 let (transaction, counted) = store.begin_change().await?;
-                (SqlTransaction::Postgres(transaction), super::change::ChangeOrigin::Server(counted))
+                (transaction, super::change::ChangeOrigin::Server(counted))
             }
         };
         Ok(LedgerChange::new(transaction, self.now(), origin, self.commands.clone()))
@@ -349,7 +364,7 @@ impl Ledger {
     pub(crate) async fn begin_snapshot(&self) -> Result<SqlTransaction> {
         Ok(match &self.store {
             LedgerStore::Sqlite(store) => SqlTransaction::Sqlite(store.begin_snapshot().await?),
-            LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_snapshot().await?),
+            LedgerStore::Postgres(store) => store.begin_snapshot().await?,
         })
     }
 }

@@ -6,4 +6,5 @@ pub mod machines_move;
 pub mod nodes_on_postgres;
 pub mod on_postgres;
 pub mod share;
+pub mod silent_link;
 pub mod test_node;

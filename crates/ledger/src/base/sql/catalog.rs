@@ -13,7 +13,7 @@ pub async fn table_columns(db: &mut SqlTransaction, table: &str) -> Result<Vec<S
 pub async fn column_types(db: &mut SqlTransaction, table: &str) -> Result<Vec<(String, ColumnHolds)>> {
     let text = match db {
         SqlTransaction::Sqlite(_) => "SELECT name, type FROM pragma_table_info($1) ORDER BY cid",
-        SqlTransaction::Postgres(_) => {
+        SqlTransaction::Postgres(..) => {
             "SELECT CAST(column_name AS TEXT), CAST(data_type AS TEXT) FROM information_schema.columns \
              WHERE table_schema = current_schema() AND table_name = $1 ORDER BY ordinal_position"
         }
@@ -34,7 +34,7 @@ pub async fn last_number(db: &mut SqlTransaction, table: &str) -> Result<i64> {
         SqlTransaction::Sqlite(_) => {
             query_scalar("SELECT coalesce(max(seq), 0) FROM sqlite_sequence WHERE name = $1").bind(table)
         }
-        SqlTransaction::Postgres(_) => {
+        SqlTransaction::Postgres(..) => {
             let text =
                 format!("SELECT CASE WHEN is_called THEN last_value ELSE last_value - 1 END FROM {table}_id_seq");
             query_scalar(sqlx::AssertSqlSafe(text))
@@ -51,7 +51,7 @@ pub async fn set_last_number(db: &mut SqlTransaction, table: &str, last: i64) ->
             let insert = query("INSERT INTO sqlite_sequence (name, seq) VALUES ($1, $2)").bind(table).bind(last);
             insert.execute(db).await?;
         }
-        SqlTransaction::Postgres(_) => {
+        SqlTransaction::Postgres(..) => {
             let set = query("SELECT setval(pg_get_serial_sequence($1, 'id'), greatest($2, 1), $2 > 0)");
             set.bind(table).bind(last).execute(db).await?;
         }
@@ -69,7 +69,7 @@ pub async fn skip_numbers(db: &mut SqlTransaction, table: &str, gap: u32) -> Res
                 insert.execute(db).await?;
             }
         }
-        SqlTransaction::Postgres(_) => {
+        SqlTransaction::Postgres(..) => {
             let skip =
                 "SELECT setval(pg_get_serial_sequence($1, 'id'), nextval(pg_get_serial_sequence($1, 'id')) + $2)";
             query(skip).bind(table).bind(gap).execute(db).await?;
@@ -82,7 +82,7 @@ pub async fn skip_numbers(db: &mut SqlTransaction, table: &str, gap: u32) -> Res
 pub async fn number_from_highest(db: &mut SqlTransaction, table: &str) -> Result<()> {
     match (db, table) {
         (SqlTransaction::Sqlite(_), _) => {}
-        (db @ SqlTransaction::Postgres(_), table) => {
+        (db @ SqlTransaction::Postgres(..), table) => {
             let highest = format!(
                 "SELECT setval(s.name, greatest((SELECT max(id) FROM {table}), nextval(s.name) - 1, 1)) \
                  FROM (SELECT pg_get_serial_sequence($1, 'id') AS name) AS s"

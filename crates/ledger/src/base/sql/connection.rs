@@ -1,5 +1,7 @@
 //! Connections to one of the two databases.
 
+use std::{io, time::Duration};
+
 use sqlx::{PgConnection, PgPool, Postgres};
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, Transaction};
 
@@ -10,13 +12,28 @@ use crate::{ServerError, base::error::Result};
 pub enum SqlTransaction {
     /// Of SQLite.
     Sqlite(Transaction<'static, Sqlite>),
-    /// Of PostgreSQL.
-    Postgres(Transaction<'static, Postgres>),
+    /// Of PostgreSQL, and within what time each of its statements is answered.
+    Postgres(Transaction<'static, Postgres>, Duration),
 }
 
 /// Limits of a transaction that reads or writes all rows: a backup, a copy, a check, a migration. Others have shorter ones.
 const OF_WHOLE_LEDGER: &str =
     "SET LOCAL statement_timeout = '6h'; SET LOCAL idle_in_transaction_session_timeout = '10min'";
+
+/// The same for whoever waits for the answer.
+const WHOLE_LEDGER_ANSWERED: Duration = Duration::from_secs(6 * 3600 + 60);
+
+/// Waits for the answer of a server. A link that has fallen silent tells neither side: the network drops packets, or a firewall has
+/// forgotten the connection. Then the work ends with an error after `limit`.
+pub async fn answered_within<T, E: From<sqlx::Error>>(
+    limit: Duration,
+    work: impl Future<Output = Result<T, E>>,
+) -> Result<T, E> {
+    tokio::time::timeout(limit, work).await.unwrap_or_else(|_| {
+        let silent = io::Error::new(io::ErrorKind::TimedOut, format!("no answer within {} s", limit.as_secs()));
+        Err(ServerError::mark_unreachable(sqlx::Error::Io(silent)).into())
+    })
+}
 
 /// Has a transaction last as long as a transfer of all rows takes.
 pub async fn allow_whole_ledger(db: &mut PgConnection) -> Result<()> {
@@ -29,7 +46,11 @@ impl SqlTransaction {
     pub async fn allow_whole_ledger(&mut self) -> Result<()> {
         match self {
             Self::Sqlite(_) => Ok(()),
-            Self::Postgres(transaction) => allow_whole_ledger(transaction).await,
+            Self::Postgres(transaction, limit) => {
+                answered_within(*limit, allow_whole_ledger(transaction)).await?;
+                *limit = WHOLE_LEDGER_ANSWERED;
+                Ok(())
+            }
         }
     }
 }
@@ -40,17 +61,17 @@ pub enum SqlExecutor<'c> {
     SqlitePool(&'c SqlitePool),
     /// In a transaction of SQLite.
     Sqlite(&'c mut SqliteConnection),
-    /// On any connection of these to PostgreSQL.
-    PostgresPool(&'c PgPool),
-    /// In a transaction of PostgreSQL.
-    Postgres(&'c mut PgConnection),
+    /// On any connection of these to PostgreSQL, answered within this time.
+    PostgresPool(&'c PgPool, Duration),
+    /// In a transaction of PostgreSQL, answered within this time.
+    Postgres(&'c mut PgConnection, Duration),
 }
 
 impl<'c> From<&'c mut SqlTransaction> for SqlExecutor<'c> {
     fn from(transaction: &'c mut SqlTransaction) -> Self {
         match transaction {
             SqlTransaction::Sqlite(transaction) => Self::Sqlite(transaction),
-            SqlTransaction::Postgres(transaction) => Self::Postgres(transaction),
+            SqlTransaction::Postgres(transaction, limit) => Self::Postgres(transaction, *limit),
         }
     }
 }

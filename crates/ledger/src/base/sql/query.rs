@@ -10,7 +10,10 @@ use tokio_stream::StreamExt;
 
 use crate::ServerError;
 
-use super::{BindValue, ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlExecutor, SqlRow, SqlValue};
+use super::{
+    BindValue, ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlExecutor, SqlRow, SqlValue,
+    answered_within,
+};
 
 /// A statement that returns no rows.
 pub struct SqlQuery {
@@ -67,12 +70,12 @@ impl SqlQuery {
         match on.into() {
             SqlExecutor::SqlitePool(pool) => Ok(with_values(self).execute(pool).await?.rows_affected()),
             SqlExecutor::Sqlite(db) => Ok(with_values(self).execute(db).await?.rows_affected()),
-            SqlExecutor::PostgresPool(pool) => {
-                let done = with_values(self).execute(pool).await;
+            SqlExecutor::PostgresPool(pool, limit) => {
+                let done = answered_within(limit, with_values(self).execute(pool)).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
             }
-            SqlExecutor::Postgres(db) => {
-                let done = with_values(self).execute(db).await;
+            SqlExecutor::Postgres(db, limit) => {
+                let done = answered_within(limit, with_values(self).execute(db)).await;
                 Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
             }
         }
@@ -83,12 +86,14 @@ impl SqlQuery {
         match on {
             SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(self), SqlRow::Sqlite, take).await,
             SqlExecutor::Sqlite(db) => take_rows(db, with_values(self), SqlRow::Sqlite, take).await,
-            SqlExecutor::PostgresPool(pool) => {
-                let done = take_rows(pool, with_values(self), SqlRow::Postgres, take).await;
+            SqlExecutor::PostgresPool(pool, limit) => {
+                let rows = take_rows(pool, with_values(self), SqlRow::Postgres, take);
+                let done = answered_within(limit, rows).await;
                 done.map_err(ServerError::mark_unreachable)
             }
-            SqlExecutor::Postgres(db) => {
-                let done = take_rows(db, with_values(self), SqlRow::Postgres, take).await;
+            SqlExecutor::Postgres(db, limit) => {
+                let rows = take_rows(db, with_values(self), SqlRow::Postgres, take);
+                let done = answered_within(limit, rows).await;
                 done.map_err(ServerError::mark_unreachable)
             }
         }

@@ -16,7 +16,10 @@ use super::{
     repair_due,
     schema::SCHEMA,
 };
-use crate::{LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, base::error::Result};
+use crate::{
+    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight,
+    base::{error::Result, sql::answered_within},
+};
 
 /// A renewal without an answer for this long is tried again.
 const RENEWAL_TIMEOUT: Duration = Duration::from_secs(5);
@@ -118,12 +121,13 @@ impl HeldLease {
     pub async fn release(&self) {
         self.renewals.abort();
         if let (true, ServingRight::Node(node)) = (self.shared.watch().is_behind(), &self.shared.node.right)
-            && let Err(error) = repair_due::mark(&self.shared.pool, node, false).await
+            && let Err(error) = self.shared.mark_repair_due(node, false).await
         {
             tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
         }
         let end = sqlx::query("UPDATE lease SET until = clock_timestamp() WHERE name = $1 AND epoch = $2");
-        let ended = end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(&self.shared.pool).await;
+        let end = end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(&self.shared.pool);
+        let ended = answered_within(RENEWAL_TIMEOUT, end).await;
         if let Err(error) = ended {
             tracing::warn!("The right to serve the ledger could not be given back, and lapses: {error}.");
         }
@@ -190,6 +194,11 @@ impl LeaseShared {
         Ok(record.map(|(epoch, changes)| LeaseRecord { epoch, changes }))
     }
 
+    /// Tells the other nodes that the ledger has lost changes of this one, or of all.
+    async fn mark_repair_due(&self, node: &str, with_others: bool) -> Result<()> {
+        answered_within(RENEWAL_TIMEOUT, repair_due::mark(&self.pool, node, with_others)).await
+    }
+
     /// Renews the lease. Returns whether it is still the own one.
     async fn renew(&self) -> Result<bool> {
         let (sent_at, before) = (since_boot(), self.watch());
@@ -203,16 +212,14 @@ impl LeaseShared {
             let found = self.read_record(&mut *db).await?;
             Ok::<_, LedgerError>((found, self.ensure_no_repair_due(&mut db).await))
         };
-        let found = tokio::time::timeout(RENEWAL_TIMEOUT, renewal).await;
-        let (found, no_repair_due) =
-            found.map_err(|_| ServerError::Unreachable("it did not answer in time".to_owned()))??;
+        let (found, no_repair_due) = answered_within(RENEWAL_TIMEOUT, renewal).await?;
         if !self.compare(found, before.committed()) {
             return Ok(false);
         }
         self.change_watch(|watch| watch.renew(sent_at, usable(self.node.lease)));
         if let (Err(_), ServingRight::Node(node)) = (&no_repair_due, &self.node.right) {
             // It runs, and knows that nothing of its own is lost.
-            repair_due::record_repair(&self.pool, node).await?;
+            answered_within(RENEWAL_TIMEOUT, repair_due::record_repair(&self.pool, node)).await?;
         }
         no_repair_due.map(|()| true)
     }
@@ -240,7 +247,7 @@ async fn keep_renewing(shared: Arc<LeaseShared>) {
         // Until a person ends this process: the next standby may not have the mark.
         let mut is_first = true;
         loop {
-            let marked = repair_due::mark(&shared.pool, node, is_first).await;
+            let marked = shared.mark_repair_due(node, is_first).await;
             is_first &= marked.is_err();
             if let Err(error) = &marked {
                 tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");

@@ -11,10 +11,13 @@ use sqlx::{
     migrate::{MigrateError, Migrator},
 };
 
-use super::change_lock::begin_locked;
+use super::{change_lock::begin_locked, time_limits::ConnectionUser};
 use crate::{
     LedgerError, ServerError,
-    base::{error::Result, sql::allow_whole_ledger},
+    base::{
+        error::Result,
+        sql::{allow_whole_ledger, answered_within},
+    },
     store::schema,
 };
 
@@ -182,16 +185,19 @@ impl ServerSchema {
 
     /// Fails unless this binary can use the ledger: its schema is the binary's own, or has only additions to it.
     pub(super) async fn ensure_usable(&self, pool: &PgPool, label: &str) -> Result<()> {
-        let mut db = pool.acquire().await.map_err(ServerError::mark_unreachable)?;
-        let found = newest_version(&mut db).await?;
-        if found > self.newest {
-            let range = sqlx::query_scalar("SELECT usable_from FROM schema_range");
-            let usable_from: i64 = range.fetch_one(&mut *db).await.map_err(ServerError::mark_unreachable)?;
-            if usable_from <= self.newest {
-                return Ok(());
+        let compare = async {
+            let mut db = pool.acquire().await.map_err(ServerError::mark_unreachable)?;
+            let found = newest_version(&mut db).await?;
+            if found > self.newest {
+                let range = sqlx::query_scalar("SELECT usable_from FROM schema_range");
+                let usable_from: i64 = range.fetch_one(&mut *db).await.map_err(ServerError::mark_unreachable)?;
+                if usable_from <= self.newest {
+                    return Ok(());
+                }
             }
-        }
-        schema::compare_versions(label.into(), found, self.newest)
+            schema::compare_versions(label.into(), found, self.newest)
+        };
+        answered_within(ConnectionUser::Command.answered_within(), compare).await
     }
 
     /// Fails unless the schema is exactly that of this binary.

@@ -51,6 +51,45 @@ async fn a_node_that_is_cut_off_in_a_change_keeps_the_others_from_theirs_for_sec
 }
 
 #[tokio::test]
+async fn what_is_asked_of_a_server_that_has_fallen_silent_ends_with_an_error_and_the_ledger_goes_on() {
+    let server = crate::postgres_cluster::shared();
+    let database = server.make_database(None).await;
+    let link = ServerLink::to_server(server.folder());
+    let address = LedgerAddress::parse(&PostgresCluster::url_in(link.folder(), &database), None);
+    let daemon = Ledger::open_to_serve(&address, &node("print1")).await.unwrap();
+    let is_told = |ended: LedgerError| matches!(ended, LedgerError::Server(ServerError::Unreachable(_)));
+    // A statement, a commit, and as many reads as there are connections left.
+    let mut asked = daemon.begin_change().await.unwrap();
+    let mut reads = Vec::new();
+    for _ in 0..7 {
+        reads.push(daemon.begin_snapshot().await.unwrap());
+    }
+    link.set(LinkState::Forgotten);
+    let began = Instant::now();
+    let all = async {
+        assert!(is_told(asked.write_event(EventKind::Paused, "fuse-1", None, None, "").await.unwrap_err()));
+        for mut read in reads {
+            let ended = sql::query_scalar::<i64>("SELECT count(*) FROM part").fetch_one(&mut read);
+            // One is enough to know; the others are dropped as they are.
+            if began.elapsed() < Duration::from_secs(21) {
+                assert!(is_told(ended.await.unwrap_err().into()));
+            }
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(60), all).await.expect("nobody is told");
+    drop(asked);
+    assert!(!matches!(daemon.service_state(), ServiceState::TakenOver), "{:?}", daemon.service_state());
+    let began = Instant::now();
+    while let Err(error) = daemon.write_event(EventKind::Paused, "fuse-1", None, None, "").await {
+        assert!(began.elapsed() < Duration::from_secs(25), "{error}");
+    }
+    let change = daemon.begin_change().await.unwrap();
+    link.set(LinkState::Forgotten);
+    let commit = tokio::time::timeout(Duration::from_secs(30), change.commit()).await;
+    assert!(is_told(commit.expect("a commit waits for ever").unwrap_err()));
+}
+
+#[tokio::test]
 async fn each_connection_has_limits_and_a_transfer_of_all_rows_has_its_own() {
     let address = fresh_address().await;
     let daemon = Ledger::open_to_serve(&address, &node("print1")).await.unwrap();
@@ -62,6 +101,7 @@ async fn each_connection_has_limits_and_a_transfer_of_all_rows_has_its_own() {
     let mut change = daemon.begin_change().await.unwrap();
     assert_eq!(setting(change.db(), "application_name").await, "print1");
     assert_eq!(setting(change.db(), "idle_in_transaction_session_timeout").await, "10s");
+    assert_eq!(setting(change.db(), "statement_timeout").await, "15s");
     drop(change);
     let mut snapshot = person.begin_snapshot().await.unwrap();
     assert!(setting(&mut snapshot, "application_name").await.starts_with("a command on "));

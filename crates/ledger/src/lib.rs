@@ -42,9 +42,10 @@ pub use rows::build_row::{
 pub use rows::part_measures::{PartMeasures, PartTimes};
 pub use rows::part_row::{
     ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRefusal, PartRow, PartTerms,
-    RecordedPart, RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use rows::precedence::compare_precedence;
+pub use rows::recorded_part::{RecordedAs, RecordedPart};
 pub use service::event::EventRow;
 pub use service::experience::PublishedExperience;
 pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};

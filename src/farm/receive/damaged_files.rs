@@ -102,21 +102,17 @@ pub(crate) async fn continue_without_faulty_part(
     hold_faulty_part(&mut desk.shared, desk.machines, desk.meshes, fault).await
 }
 
-/// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.
-pub(super) async fn take_as_replacement(
+/// A claimed file was recorded as the replacement of a damaged one: it is no new order, and its original is released.
+pub(super) async fn go_on_with_replacement(
     desk: &mut Receiving<'_>,
     machine: &str,
-    claim: &ClaimedPart,
-    stored: &StoredFile,
-) -> Result<bool> {
-    let Some(part) = desk.shared.ledger.take_replacement(&claim.id, machine, &stored.hash).await? else {
-        return Ok(false);
-    };
+    (claim, stored): (&ClaimedPart, &StoredFile),
+    part: PartId,
+) -> Result<()> {
     let name = claim.display_name();
     info!(part.id = %part, machine, "{name} was dropped again: part {part} goes on with it; it is not another order.");
     claim_completion::release_replacement(desk, machine, claim, stored);
-    update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await?;
-    Ok(true)
+    update_damaged_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts).await
 }
 
 /// Checks whether somebody has put a damaged file back, or another node has it.

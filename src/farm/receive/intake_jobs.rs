@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use build_file::{MESH_FORMATS, format_count};
 use intake::TicketError;
 use jobs::BackgroundJob;
-use ledger::{PartId, PartRow, PartState, RecordedPart, RefusalCause};
+use ledger::{PartId, PartRow, PartState, RecordedAs, RecordedPart, RefusalCause};
 use tracing::{debug, info};
 
 use super::{
@@ -68,20 +68,13 @@ impl BackgroundJob<Farm> for PartReadJob {
 }
 
 /// Writes the rows of all drops of a scan in one transaction, which costs as much as one row. Empty = each is written by
-/// itself: there is one alone, it failed (failures are reported then), or one may replace a damaged file and be no order.
+/// itself: there is one alone, or it failed (failures are reported then).
 pub(super) async fn record_all(desk: &Receiving<'_>, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
     if drops.len() < 2 || !desk.machines.contains_key(name) {
         return Vec::new();
     }
-    let record = async {
-        let asked_for = desk.shared.ledger.damaged_parts().await?;
-        if drops.iter().any(|drop| asked_for.iter().any(|part| part.file.content_hash == drop.stored.hash)) {
-            return Ok(Vec::new());
-        }
-        let drops: Vec<_> = drops.iter().map(ClaimedDrop::row_to_record).collect();
-        desk.shared.ledger.record_drops(&drops).await
-    };
-    record.await.unwrap_or_else(|failure| {
+    let rows: Vec<_> = drops.iter().map(ClaimedDrop::row_to_record).collect();
+    desk.shared.ledger.record_drops(&rows).await.unwrap_or_else(|failure| {
         debug!("The rows of a scan are written one by one: {failure}.");
         Vec::new()
     })
@@ -99,24 +92,29 @@ pub(super) async fn record_claimed_file(
         return Ok(());
     }
     let ClaimedDrop { claim, stored, part_spec, row } = drop;
-    if part_spec.is_ok() && damaged_files::take_as_replacement(desk, name, claim, stored).await? {
-        return Ok(());
-    }
     let recorded = match recorded {
         Some(recorded) => recorded,
         None => {
             desk.shared.ledger.record_drops(&[drop.row_to_record()]).await?.pop().context("a drop was not recorded")?
         }
     };
-    if recorded.is_new {
+    if recorded.outcome == RecordedAs::Replacement {
+        return damaged_files::go_on_with_replacement(desk, name, (claim, stored), recorded.id).await;
+    }
+    if recorded.is_new() {
         desk.reading.counted_reads.insert(recorded.id);
+    }
+    let note = ClaimNote::new(desk.shared.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
+    if recorded.outcome == RecordedAs::New && part_spec.is_ok() {
+        // It is as it was recorded, and is read next.
+        desk.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
+        return Ok(());
     }
     let part = desk.shared.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
     if part.file.content_hash != stored.hash {
         claim_completion::give_back_claim(desk, name, claim, stored);
         return Ok(());
     }
-    let note = ClaimNote::new(desk.shared.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
     desk.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
     match (part.state, part_spec) {
         (PartState::Claimed, Err(error)) => {

@@ -52,8 +52,8 @@ const LAST_CHANGES_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum number of events between two ticks, so that commands and signals are handled in between.
 const MAX_EVENTS_PER_TICK: usize = 64;
 /// While files are read one after the other, the other steps run only at this interval: each of them queries the
-/// ledger, and together they cost more than a small file.
-const TICK_INTERVAL_WHILE_READING: Duration = Duration::from_millis(100);
+/// ledger, and together they cost more than many small files.
+const TICK_INTERVAL_WHILE_READING: Duration = Duration::from_millis(250);
 
 /// Runs the daemon until it is told to stop.
 pub async fn run(load: Load, outside: ServiceBridge, judged: JudgedFiles) -> Result<()> {

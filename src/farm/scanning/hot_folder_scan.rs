@@ -21,7 +21,7 @@ pub struct ClaimedDrop {
 }
 
 impl ClaimedDrop {
-    /// The row to record, and whether it may be a revision: only where it is known what is wanted.
+    /// The row to record, and whether it is known what is wanted.
     pub(crate) fn row_to_record(&self) -> (&NewPartRow, bool) {
         (&self.row, self.part_spec.is_ok())
     }

@@ -3,7 +3,7 @@
 use super::part_size::is_same_size;
 use crate::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
+    RecordedAs, RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
@@ -13,20 +13,24 @@ impl Ledger {
     pub async fn record_claim(&self, part: &NewPartRow) -> Result<RecordedPart> {
         let mut change = self.begin_change().await?;
         let recorded = record_new_part(&mut change, part).await?;
-        if recorded.is_new {
+        if recorded.is_new() {
             change.commit().await?;
         }
         Ok(recorded)
     }
 
-    /// Records the claims of many drops in one change, all or none, each with whether it may be a revision. Claims that are already
-    /// recorded stay unchanged.
+    /// Records the claims of many drops in one change, all or none, each with whether it is known what is wanted: then it may be a
+    /// revision, or the file of a part that was asked for again. Claims that are already recorded stay unchanged.
     pub async fn record_drops(&self, drops: &[(&NewPartRow, bool)]) -> Result<Vec<RecordedPart>> {
         let mut change = self.begin_change().await?;
         let mut recorded = Vec::with_capacity(drops.len());
-        for (part, may_revise) in drops {
+        for (part, is_clear) in drops {
+            if *is_clear && let Some(id) = change.take_replacement(part, self.node()).await? {
+                recorded.push(RecordedPart { id, outcome: RecordedAs::Replacement });
+                continue;
+            }
             let new = record_new_part(&mut change, part).await?;
-            if new.is_new && *may_revise {
+            if new.is_new() && *is_clear {
                 change.replace_refused_parts(new.id).await?;
                 change.replace_revised_parts(new.id, part).await?;
             }
@@ -79,13 +83,16 @@ impl Ledger {
         for (part, solid) in parts {
             let copies = taken_over.unwrap_or(solid.copies);
             write_solid_facts(&mut change, &part, solid, copies).await?;
-            change.move_part(part.id, PartState::Waiting, None, "").await?;
+            change.move_known_part(&part, PartState::Waiting, None, "").await?;
+            let is_first = part.measures.triangles.is_none();
             // A part that is read again keeps its copies, which were counted when it was read first.
-            if part.measures.triangles.is_none() {
+            if is_first {
                 change.note_wanted_change(i64::from(copies)).await?;
             }
-            // A part that was taken back may have all its copies in builds by now.
-            change.end_waiting(part.id, None).await?;
+            // They may all be in builds by now, or not be wanted any more.
+            if !is_first || copies == 0 || part.wanted_copies() < part.owed.copies {
+                change.end_waiting(part.id, None).await?;
+            }
             waiting.push(part.id);
         }
         if waiting.is_empty() {
@@ -207,7 +214,7 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
     let Some(id) = insert_claim(change, part).await? else {
         let known = sql::query_scalar("SELECT id FROM part WHERE claim = $1 AND object_index = 0");
         let id = known.bind(&part.claim).fetch_one(change.db()).await?;
-        return Ok(RecordedPart { id, is_new: false });
+        return Ok(RecordedPart { id, outcome: RecordedAs::Known });
     };
     if let Some(ticket) = &part.ticket {
         let now = change.now;
@@ -225,8 +232,9 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
     }
     if line.is_some_and(|line| line.is_cancelled) {
         change.refuse_part(id, RefusalCause::Cancelled, "Its line was cancelled before it was taken.").await?;
+        return Ok(RecordedPart { id, outcome: RecordedAs::NewAndCancelled });
     }
-    Ok(RecordedPart { id, is_new: true })
+    Ok(RecordedPart { id, outcome: RecordedAs::New })
 }
 
 /// Inserts the row of a claim. `None` if the claim is already recorded.
@@ -289,6 +297,9 @@ async fn find_or_insert_solid(
     file: &PartRow,
     solid: &SolidFacts,
 ) -> Result<Option<PartRow>> {
+    if file.solid.object_index == solid.object_index {
+        return Ok(Some(file.clone()));
+    }
     let known: Option<PartRow> = sql::select_as("FROM part WHERE claim = $1 AND object_index = $2")
         .bind(&file.file.claim)
         .bind(solid.object_index)

@@ -4,3 +4,4 @@ pub(super) mod build_row;
 pub(super) mod part_measures;
 pub(super) mod part_row;
 pub(super) mod precedence;
+pub(super) mod recorded_part;

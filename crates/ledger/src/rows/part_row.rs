@@ -131,15 +131,6 @@ pub enum TicketSource {
 
 own_word!(TicketSource);
 
-/// Result of recording a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RecordedPart {
-    /// The part.
-    pub id: PartId,
-    /// Whether the claim was new. `false` = it was recorded before.
-    pub is_new: bool,
-}
-
 /// Data of one solid of a file, found by reading the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolidFacts {

@@ -143,8 +143,20 @@ impl LedgerChange {
 
     /// Moves a part to another state. `detail` is stored in the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
-        let machine = self.set_part_state(id, next, None, "").await?;
-        self.write_event(next, &machine, Some(id), build, detail).await
+        let part = self.require_part(id).await?;
+        self.move_known_part(&part, next, build, detail).await
+    }
+
+    /// Same as [`LedgerChange::move_part`] for a row that was read in this change.
+    pub async fn move_known_part(
+        &mut self,
+        part: &PartRow,
+        next: PartState,
+        build: Option<BuildId>,
+        detail: &str,
+    ) -> Result<()> {
+        self.set_part_state(part, next, None, "").await?;
+        self.write_event(next, &part.machine, Some(part.id), build, detail).await
     }
 
     /// What kept these parts out of a build is gone: those that wait do so from now on, and a due build gathers after them.
@@ -165,25 +177,25 @@ impl LedgerChange {
             RefusalCause::Cancelled if self.is_order_closed(id).await? => self.waiting_count(id).await?,
             _ => 0,
         };
-        let machine = self.set_part_state(id, PartState::Refused, Some(cause), reason).await?;
+        let part = self.require_part(id).await?;
+        self.set_part_state(&part, PartState::Refused, Some(cause), reason).await?;
         self.change_cancelled(id, i64::from(unwanted)).await?;
         self.count_decision(id).await?;
-        self.write_refusal_event(&machine, Some(id), cause, reason).await?;
+        self.write_refusal_event(&part.machine, Some(id), cause, reason).await?;
         if unwanted > 0 {
             self.note_wanted_change(-i64::from(unwanted)).await?;
         }
         self.update_orders_of([id]).await
     }
 
-    /// Sets the state of a part. Returns its machine.
+    /// Sets the state of a part.
     async fn set_part_state(
         &mut self,
-        id: PartId,
+        part: &PartRow,
         next: PartState,
         cause: Option<RefusalCause>,
         reason: &str,
-    ) -> Result<String> {
-        let part = self.require_part(id).await?;
+    ) -> Result<()> {
         let next = part.state.move_to(next)?;
         let now = self.now;
         sql::query("UPDATE part SET state = $1, state_at = $2, refusal = $3, reason = $4 WHERE id = $5")
@@ -191,10 +203,10 @@ impl LedgerChange {
             .bind(now)
             .bind(cause)
             .bind(reason)
-            .bind(id)
+            .bind(part.id)
             .execute(self.db())
             .await?;
-        Ok(part.machine)
+        Ok(())
     }
 
     /// Moves a build to another state. `detail` is the reason of a failure and is stored in the event. Returns its

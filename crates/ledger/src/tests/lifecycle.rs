@@ -11,7 +11,7 @@ async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
     let part = NewPartRow { ticket: Some(ticket), warnings: vec!["odd\nname".into()], ..new_part("a", 3) };
     let first = ledger.record_claim(&part).await.unwrap();
     let again = ledger.record_claim(&part).await.unwrap();
-    assert_eq!((first.is_new, again.is_new), (true, false));
+    assert_eq!((first.is_new(), again.is_new()), (true, false));
     assert_eq!(first.id, again.id);
     let tickets: i64 =
         sql::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader().unwrap()).await.unwrap();

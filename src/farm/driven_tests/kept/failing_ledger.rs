@@ -1,6 +1,6 @@
 //! A ledger that cannot be changed for a while, as on a full disk.
 
-use ledger::{Ledger, NightState, PartState};
+use ledger::{CommandKind, Ledger, NightState, PartState};
 
 use crate::farm::{
     AlertKind,
@@ -139,6 +139,54 @@ fn a_ticket_whose_part_could_not_be_recorded_yet_is_no_ticket_without_a_part() {
     assert!(!farm.folder("error").join("bracket.stl.toml").exists());
 }
 
+#[test]
+fn files_that_took_the_place_of_damaged_ones_are_no_orders_when_their_claims_are_found_again_together() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let parts = [("a_x2.stl", block(20.0, 15.0, 10.0)), ("b_x3.stl", block(30.0, 20.0, 5.0))];
+    parts.iter().for_each(|(name, mesh)| farm.drop_part(name, mesh));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.stop();
+    let stored =
+        read_files(&farm.root().join("state/store")).into_iter().filter(|(file, _)| file.extension().is_none());
+    stored.for_each(|(file, _)| std::fs::remove_file(file).unwrap());
+    farm.start();
+    farm.pass_until("both files are asked for", |farm| {
+        farm.ask(async |ledger| ledger.damaged_parts().await.unwrap()).len() == 2
+    });
+    // As a crash leaves it before the originals are removed: what was claimed is there, and what became of it is in the ledger.
+    let refused = RefusedChanges::of(&farm, "INSERT ON replacement");
+    parts.iter().for_each(|(name, mesh)| farm.drop_part(name, mesh));
+    farm.pass_secs(5.0);
+    let claims = read_files(&farm.folder("inbox").join(".claimed"));
+    assert_eq!(claims.len(), 2, "{claims:?}");
+    refused.allow(&farm);
+    farm.pass_until("both are taken in their place", |farm| !farm.has_alert(AlertKind::FileDamaged));
+    farm.pass_secs(2.0);
+    farm.stop();
+    for (file, bytes) in claims {
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(file, bytes).unwrap();
+    }
+    farm.start();
+    farm.pass_until("the claims are gone", |farm| read_files(&farm.folder("inbox").join(".claimed")).is_empty());
+    farm.order_and_wait(CommandKind::Flush, None);
+    farm.wait_for_queued(1);
+    farm.pass_secs(2.0);
+    assert_eq!(printed_copies(&farm), 5, "neither was an order");
+    farm.assert_nothing_lost_or_doubled();
+}
+
+/// All files in a folder and below it, with their bytes.
+fn read_files(folder: &std::path::Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+    let files = intake::files_below(folder).unwrap_or_default();
+    files.into_iter().map(|file| (file.clone(), std::fs::read(file).unwrap())).collect()
+}
+
+/// Copies in all files of the queue.
+fn printed_copies(farm: &HandDrivenFarm) -> usize {
+    farm.queued().iter().map(|file| build_file::read_build(file, &Default::default()).unwrap().len()).sum()
+}
+
 async fn count_events(ledger: &Ledger, kind: &str) -> i64 {
     let pool = sqlx::SqlitePool::connect(&format!("sqlite://{}", ledger.file().unwrap().display())).await.unwrap();
     let count = sqlx::query_scalar("SELECT count(*) FROM event WHERE kind = ?").bind(kind).fetch_one(&pool).await;
@@ -236,11 +284,7 @@ fn live_with_refusals(offset: i64) -> u32 {
         ticks -= 1;
         ticks == 0
     });
-    let copies = |farm: &HandDrivenFarm| {
-        let files = farm.queued();
-        files.iter().map(|file| build_file::read_build(file, &Default::default()).unwrap().len()).sum::<usize>()
-    };
-    assert_eq!((farm.queued().len(), copies(&farm)), (2, 3 + 2 + 1 + 1), "change {offset} of {EVERY} refused");
+    assert_eq!((farm.queued().len(), printed_copies(&farm)), (2, 3 + 2 + 1 + 1), "change {offset} of {EVERY} refused");
     assert_eq!(farm.parts(PartState::Refused).len(), 2);
     assert_eq!(
         farm.ask(async |ledger| count_events(ledger, "refused").await),

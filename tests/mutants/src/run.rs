@@ -13,9 +13,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
-use crate::mutate::Mutator;
+use crate::{chosen::Chosen, mutate::Mutator};
 
 /// A mutant that makes a test last longer than this, and than many times its usual time, is noticed.
 const LONGEST: Duration = Duration::from_secs(60);
@@ -55,6 +55,63 @@ pub fn build(tree: &Path, package: &str) -> Result<Built> {
         Some(program) if output.status.success() => Ok(Built::Program(program)),
         _ => Ok(Built::Refused(refused)),
     }
+}
+
+/// Builds the tests of all libraries. Returns the test program of each package.
+pub fn build_all(tree: &Path) -> Result<BTreeMap<String, PathBuf>> {
+    let mut cargo = Command::new("cargo");
+    cargo.args(["test", "--no-run", "--lib", "--message-format=json-render-diagnostics"]).current_dir(tree);
+    let output = cargo.stderr(Stdio::inherit()).output().context("starting cargo")?;
+    ensure!(output.status.success(), "the tree does not compile");
+    let mut programs = BTreeMap::new();
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        let Ok(message) = serde_json::from_str::<serde_json::Value>(line) else { continue };
+        if let (Some(name), Some(program)) = (message["target"]["name"].as_str(), message["executable"].as_str())
+            && message["profile"]["test"] == true
+        {
+            programs.insert(name.replace('_', "-"), PathBuf::from(program));
+        }
+    }
+    Ok(programs)
+}
+
+/// Tries the chosen mutants, and prints one line for each.
+pub fn try_chosen(tree: &Path, programs: &BTreeMap<String, PathBuf>, all: &[Chosen], only: &[String]) -> Result<()> {
+    let program = |package: &String| programs.get(package).with_context(|| format!("no package {package}"));
+    let mut usual: BTreeMap<&(String, Vec<String>), Duration> = BTreeMap::new();
+    let asked: Vec<(u32, &Chosen)> = (1..)
+        .zip(all)
+        .filter(|(_, mutant)| only.is_empty() || only.iter().any(|word| mutant.what.contains(word)))
+        .collect();
+    for (_, mutant) in &asked {
+        let (package, names) = &mutant.tests;
+        if usual.contains_key(&mutant.tests) {
+            continue;
+        }
+        let began = Instant::now();
+        let output = Command::new(program(package)?).args(names).current_dir(root_of(tree, package)).output()?;
+        let told = String::from_utf8_lossy(&output.stdout);
+        ensure!(!told.contains("running 0 tests"), "no test of {package} is named {names:?}");
+        ensure!(output.status.success(), "without a mutant, tests of {package} named {names:?} fail: {told}");
+        usual.insert(&mutant.tests, began.elapsed());
+    }
+    let mut survivors = 0;
+    for (number, mutant) in &asked {
+        let (package, names) = &mutant.tests;
+        let mut test = Command::new(program(package)?);
+        test.args(names).current_dir(root_of(tree, package));
+        test.env("NESTD_MUTANT", number.to_string()).env("RUST_BACKTRACE", "0");
+        let mut child = test.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+        let survives = wait(&mut child, LONGEST + 10 * usual[&mutant.tests]);
+        survivors += u32::from(survives);
+        println!("{} {}: {}", if survives { "survives" } else { "killed  " }, mutant.file, mutant.what);
+    }
+    println!("{} chosen mutants, {survivors} survive", asked.len());
+    Ok(())
+}
+
+fn root_of(tree: &Path, package: &str) -> PathBuf {
+    if package == "nestd" { tree.to_owned() } else { tree.join("crates").join(package) }
 }
 
 fn has_feature(tree: &Path, name: &str) -> bool {

@@ -133,13 +133,13 @@ fn of_two_lists_under_other_names_none_counts_until_one_is_left() {
 
 #[test]
 fn a_spreadsheet_holds_the_parts_beside_it() {
-    for name in ["order.xlsx", "Bestellung.XLS", "BOM.ods", "list.numbers"] {
+    for name in ["order.xlsb", "Bestellung.XLS", "BOM.ods", "list.numbers"] {
         let farm = TestInbox::new();
         farm.drop_file("z.stl", "solid");
         farm.drop_file(name, "PK");
         let waits = waits(&farm, HELD);
         assert!(waits[1].starts_with(&format!("z.stl stands beside {name}, a spreadsheet")), "{waits:?}");
-        assert!(waits[1].ends_with("save it as CSV under the name order.csv"), "{waits:?}");
+        assert!(waits[1].ends_with("save it as XLSX or CSV"), "{waits:?}");
         assert_eq!(taken(&farm, HELD), []);
         let late = taken(&farm, OVER);
         assert!(late.len() == 1 && late[0].1.is_err(), "{late:?}");
@@ -158,12 +158,30 @@ fn a_spreadsheet_beside_a_list_is_refused_and_the_list_counts() {
 }
 
 #[test]
-fn a_part_below_a_folder_with_a_spreadsheet_is_asked_about() {
+fn a_workbook_alone_is_the_list_and_two_of_them_hold_the_parts() {
     let farm = TestInbox::new();
-    farm.drop_file("order-9/Bestellung.xlsx", "PK");
-    farm.drop_file("order-9/stl/a.stl", "solid");
-    let spec = farm.claim().read_part_spec().unwrap();
-    assert!(spec.warnings.iter().any(|warning| build_file::is_copies_question(warning)), "{spec:?}");
+    farm.drop_file("a.stl", "solid");
+    farm.drop_file("Bestellung.XLSX", "PK\u{3}\u{4} cut off");
+    let why = "a.stl stands beside Bestellung.XLSX, which is not understood: as a package it is damaged";
+    assert!(waits(&farm, HELD).iter().any(|wait| wait.starts_with(why)), "{:?}", waits(&farm, HELD));
+    farm.drop_file("b.xlsm", "PK");
+    assert!(
+        waits(&farm, HELD).iter().any(|wait| wait.contains("put all rows into one list")),
+        "{:?}",
+        waits(&farm, HELD)
+    );
+    assert_eq!(taken(&farm, HELD), []);
+}
+
+#[test]
+fn a_part_below_a_folder_with_a_list_that_cannot_be_read_is_asked_about() {
+    for name in ["Bestellung.ods", "Bestellung.xlsx", "order.csv"] {
+        let farm = TestInbox::new();
+        farm.drop_file(&format!("order-9/{name}"), "PK");
+        farm.drop_file("order-9/stl/a.stl", "solid");
+        let spec = farm.claim().read_part_spec().unwrap();
+        assert!(spec.warnings.iter().any(|warning| build_file::is_copies_question(warning)), "{name}: {spec:?}");
+    }
 }
 
 #[test]

@@ -23,7 +23,10 @@ use crate::{
     names::{name::is_part_name, name_match::fold_name},
 };
 
-const SPREADSHEETS: [&str; 6] = ["xlsx", "xlsm", "xlsb", "xls", "ods", "numbers"];
+/// Workbooks that are read.
+const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
+/// Spreadsheets that are not.
+const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 /// Texts of other programs that may say how many are wanted of the parts beside them.
 const FOREIGN_TEXTS: [&str; 5] = ["json", "toml", "yaml", "yml", "xml"];
 /// Start of the name of a text file that is taken for an order list.
@@ -38,6 +41,8 @@ pub(crate) enum ListFormat {
     OrderCsv,
     /// Another list that nestd can read.
     OtherText,
+    /// A workbook. It counts where no text does: people save their list as text, and leave the workbook beside it.
+    Workbook,
     /// A spreadsheet or another program's list, which nestd does not read.
     Foreign,
     /// A link, a folder or another thing in place of a list.
@@ -53,6 +58,7 @@ pub(crate) fn list_format(path: &Path) -> Option<ListFormat> {
     match without_hidden_txt(path).as_ref() {
         path if has_extension(path, &["csv", "tsv"]) => Some(ListFormat::OtherText),
         path if has_extension(path, &["txt"]) && has_list_start(path) => Some(ListFormat::OtherText),
+        path if has_extension(path, &WORKBOOKS) => Some(ListFormat::Workbook),
         path if has_extension(path, &SPREADSHEETS) => Some(ListFormat::Foreign),
         _ => None,
     }
@@ -107,17 +113,17 @@ impl<'a> FolderLists<'a> {
     fn choose_list(lists: &[(ListFormat, &'a InboxEntry)]) -> Self {
         let of = |wanted| lists.iter().filter(move |(format, _)| *format == wanted).map(|&(_, one)| one);
         let mut orders = of(ListFormat::OrderCsv);
-        let others: Vec<&InboxEntry> = of(ListFormat::OtherText).collect();
+        let mut others: Vec<&InboxEntry> = of(ListFormat::OtherText).collect();
+        let mut beside: Vec<&InboxEntry> = of(ListFormat::Workbook).collect();
+        let mut orders = orders.by_ref().peekable();
+        if orders.peek().is_none() && others.is_empty() {
+            std::mem::swap(&mut others, &mut beside);
+        }
+        beside.extend(of(ListFormat::Foreign));
         let mut chosen = match (orders.next(), &others[..]) {
-            (None, &[only]) => {
-                Self { list: Some(only), rivals: Vec::new(), surplus: of(ListFormat::Foreign).collect() }
-            }
-            (None, _) => Self {
-                list: None,
-                rivals: others.into_iter().chain(of(ListFormat::Foreign)).collect(),
-                surplus: Vec::new(),
-            },
-            (list, _) => Self { list, rivals: others, surplus: orders.chain(of(ListFormat::Foreign)).collect() },
+            (None, &[only]) => Self { list: Some(only), rivals: Vec::new(), surplus: beside },
+            (None, _) => Self { list: None, rivals: others.into_iter().chain(beside).collect(), surplus: Vec::new() },
+            (list, _) => Self { list, rivals: others, surplus: orders.chain(beside).collect() },
         };
         // Beside a list that counts, a hidden one is what a program has left.
         let has_list = chosen.list.is_some();
@@ -136,7 +142,7 @@ impl<'a> FolderLists<'a> {
         match (texts.is_empty(), of(ListFormat::Foreign).next()) {
             (true, None) => None,
             (true, Some(foreign)) => Some(format!(
-                "{}, {}, which nestd does not read: save it as CSV under the name {LIST_NAME}",
+                "{}, {}, which nestd does not read: save it as XLSX or CSV",
                 shown_name(foreign),
                 foreign_kind(foreign)
             )),
@@ -160,8 +166,7 @@ pub(crate) fn rival_refusal(rival: &InboxEntry, reason: &str) -> String {
             format!("{} {why}. Drop it together with the parts that were refused because of it.", shown_name(rival))
         }
         None if is_foreign(rival) => format!(
-            "This is {}, which nestd does not read. Save it as CSV under the name {LIST_NAME}, and drop that \
-             together with the parts.",
+            "This is {}, which nestd does not read. Save it as XLSX or CSV, and drop that together with the parts.",
             foreign_kind(rival)
         ),
         None => format!(
@@ -173,16 +178,20 @@ pub(crate) fn rival_refusal(rival: &InboxEntry, reason: &str) -> String {
 
 /// Why a list that changes nothing is refused, in whole sentences.
 pub(crate) fn surplus_refusal(surplus: &InboxEntry, list: Option<&InboxEntry>) -> String {
-    match is_foreign(surplus) {
-        true => format!(
+    let shown_list = || list.map_or_else(|| LIST_NAME.to_owned(), shown_name);
+    match entry_list_format(surplus) {
+        Some(ListFormat::Workbook) => format!(
+            "This is a workbook beside the list {}, which the parts go by. Nothing needs to be done, unless the workbook says \
+             something else: then drop one of the two.",
+            shown_list()
+        ),
+        Some(ListFormat::Foreign) => format!(
             "This is {}, which nestd does not read; the parts beside it go by {}. Nothing needs to be done, unless \
              it says something else: then save it as CSV under that name.",
             foreign_kind(surplus),
-            list.map_or_else(|| LIST_NAME.to_owned(), shown_name)
+            shown_list()
         ),
-        false => {
-            "This folder has another order.csv, in other upper or lower case. Put all rows into one list.".to_owned()
-        }
+        _ => "This folder has another order.csv, in other upper or lower case. Put all rows into one list.".to_owned(),
     }
 }
 

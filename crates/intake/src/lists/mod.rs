@@ -12,3 +12,4 @@ pub(super) mod row_state;
 pub(super) mod served_rows;
 pub(super) mod sidecars;
 pub(super) mod ticket;
+pub(super) mod workbook;

@@ -1,6 +1,6 @@
 //! Order lists: an `order.csv` (or the only list of its folder) gives copies, due date, priority and more for the files of its own folder. It accepts
-//! lists as people write them: in any code page, with any delimiter, with headers in their own words or without a
-//! header.
+//! lists as people write them: as text in any code page, with any delimiter, or as a workbook; with headers in their own words or
+//! without a header.
 
 use std::ffi::OsStr;
 
@@ -10,6 +10,7 @@ use super::{
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
     list_extras::ExtraRows,
+    workbook::{is_workbook, sheet_texts},
 };
 use crate::{
     Ticket, display_name,
@@ -62,6 +63,9 @@ impl OrderList {
             let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
             return Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
         }
+        if is_workbook(bytes) {
+            return Self::from_workbook(bytes);
+        }
         let mut best = None;
         for reading in decode_candidates(bytes) {
             let list = Self { page: reading.page, ..Self::from_text(&reading.text) };
@@ -71,6 +75,19 @@ impl OrderList {
             }
         }
         best.map_or_else(|| Self::from_text(""), |(_, list)| list)
+    }
+
+    /// The first sheet that has the columns of a list; where none has, what is wrong with the first.
+    fn from_workbook(bytes: &[u8]) -> Self {
+        let lists = |texts: Vec<String>| texts.iter().map(|text| Self::from_text(text)).collect::<Vec<_>>();
+        let broken = |why| Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
+        let mut lists = match sheet_texts(bytes).map(lists) {
+            Ok(lists) if lists.is_empty() => return broken("its sheets are empty".to_owned()),
+            Ok(lists) => lists,
+            Err(why) => return broken(why),
+        };
+        let chosen = lists.iter().position(|list| list.content.is_ok()).unwrap_or(0);
+        lists.swap_remove(chosen)
     }
 
     /// Parses the single row of [`OrderListRow::text`].

@@ -22,7 +22,7 @@ use crate::{
 /// How the name of a file begins that has not arrived as a whole.
 const UNFINISHED_PREFIX: &str = ".nestd-upload-";
 /// Endings of files that say something about other files.
-const SIDECAR_ENDINGS: [&str; 5] = ["csv", "tsv", "txt", "toml", "json"];
+const SIDECAR_ENDINGS: [&str; 7] = ["csv", "tsv", "xlsx", "xlsm", "txt", "toml", "json"];
 /// A name is tried with numbers up to this.
 const MAX_NUMBER: u32 = 1000;
 /// Room in a name for a number and the ending of a ticket, bytes.

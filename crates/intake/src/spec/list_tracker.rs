@@ -221,23 +221,23 @@ impl OrderListTracker {
         rivals.may_cover_part(part.ctime_ns, rules.incomplete_secs).then(|| rivals.reason.clone())
     }
 
-    /// A list is for the files of its own folder. If one above a part names it all the same, it is asked how many copies
-    /// are meant, unless its ticket or name says it.
+    /// A list is for the files of its own folder. If one above a part names it all the same, or cannot be read, it is asked how
+    /// many copies are meant, unless its ticket or name says it.
     fn question_of_list_above(&mut self, inbox: &Path, part: &InboxEntry) -> Option<ListLookup> {
         let above = part.path.ancestors().skip(2).take_while(|folder| folder.starts_with(inbox));
         let lists: Vec<InboxEntry> = above.filter_map(|folder| self.lists.get(folder)).cloned().collect();
-        let names_part = |list: &InboxEntry| {
+        let concerns_part = |list: &InboxEntry| {
             let folder = list.path.parent()?;
             let relative = part.path.strip_prefix(folder).ok()?.to_str()?.to_owned();
             let may_be_bare = folder != inbox;
-            let rows = self.load_list(inbox, list).ok()?.list.rows().ok()?;
+            let Ok(rows) = self.load_list(inbox, list).ok()?.list.rows() else {
+                return may_be_bare.then(|| format!("{} in a folder above is not understood", shown_name(list)));
+            };
             let is_named = rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare));
-            is_named.then(|| shown_name(list))
+            let why = "in a folder above names it, but a list is for the files of its own folder";
+            is_named.then(|| format!("{} {why}", shown_name(list)))
         };
-        let why = match lists.iter().find_map(names_part) {
-            Some(list) => format!("{list} in a folder above names it, but a list is for the files of its own folder"),
-            None => self.sheet_above(inbox, part)?,
-        };
+        let why = lists.iter().find_map(concerns_part).or_else(|| self.sheet_above(inbox, part))?;
         Some(ListLookup { question: Some(why), ..ListLookup::default() })
     }
 

@@ -151,7 +151,7 @@ fn a_list_of_another_program_holds_the_parts_beside_it() {
     farm.pass_until("it is refused after the part", |_| reason.exists());
     let refused = farm.parts(PartState::Refused).into_iter().filter(|part| part.name == "a.stl").count();
     assert_eq!((refused, farm.parts(PartState::Waiting).len()), (4, 0));
-    assert!(fs::read_to_string(reason).unwrap().contains("Save it as CSV under the name order.csv"));
+    assert!(fs::read_to_string(reason).unwrap().contains("Save it as XLSX or CSV"));
 }
 
 #[test]

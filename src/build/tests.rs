@@ -176,3 +176,25 @@ fn copies_that_are_too_close_or_there_twice_or_fill_a_layer_are_not_proved() {
     asked.machine.layer_cap.area_mm2 = 250.0;
     assert!(proved(&asked, &asked).is_ok());
 }
+
+/// Two copies of the cube, one above the other.
+fn stacked(gap_mm: f64) -> SolvedBuild {
+    let mut build = two_cubes(0.0, 5);
+    build.placed[1].pose.translation.z += 10.0 + gap_mm;
+    build
+}
+
+#[test]
+fn copies_that_come_too_close_when_one_is_raised_or_closer_than_a_part_asks_are_not_proved() {
+    let mut asked = stacked(5.0);
+    asked.machine.clearance_z_extra_mm = 2.0;
+    assert!(proved(&asked, &asked).is_ok());
+    let refused = proved(&asked, &stacked(4.95)).unwrap_err();
+    assert!(refused.contains("mm apart instead of 3 mm"), "{refused}");
+    asked.machine.clearance_z_extra_mm = 0.0;
+    assert!(proved(&asked, &stacked(3.0)).is_ok());
+    asked.parts[0].clearance_mm = Some(5.0);
+    assert!(proved(&asked, &asked).is_ok());
+    let refused = proved(&asked, &stacked(4.95)).unwrap_err();
+    assert!(refused.contains("mm apart instead of 5 mm"), "{refused}");
+}

@@ -98,7 +98,9 @@ mod tests {
             is_recorded: false,
             is_misfit: false,
         };
-        assert_eq!(decide_publishing(&down), PublishDecision::Wait, "it waits for its printer");
+        for waits in [down, PublishFacts { awaits_release: false, ..down }] {
+            assert_eq!(decide_publishing(&waits), PublishDecision::Wait, "it waits for its printer");
+        }
         let better = PublishFacts { has_better_printer: true, ..down };
         assert_eq!(decide_publishing(&better), PublishDecision::MakeForAnother);
         assert_eq!(decide_publishing(&PublishFacts { is_recorded: true, ..better }), PublishDecision::Rename);

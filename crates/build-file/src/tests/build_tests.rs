@@ -187,6 +187,27 @@ fn a_second_reader_agrees_and_notices_a_swap() {
 }
 
 #[test]
+fn a_second_reader_notices_what_is_a_little_off_and_a_mesh_of_the_same_bounds() {
+    with_file(&bytes(&sample(InstanceSharing::Shared, Arrangement::Items)), |file| {
+        let limits = ReadLimits::for_testing();
+        let placed = read_build(file, &limits).unwrap();
+        for (off_mm, agrees) in [(5e-7, true), (2e-6, false), (0.1, false), (1.0, false)] {
+            let mut moved = placed.clone();
+            moved[1].pose.translation.y += off_mm;
+            assert_eq!(cross_check(file, &moved, &limits).is_ok(), agrees, "{off_mm} mm");
+        }
+        let (mut divided, mesh) = (placed.clone(), &placed[1].mesh);
+        let (mut corners, mut triangles) = (mesh.vertices().to_vec(), mesh.triangles().to_vec());
+        let Some([a, b, c]) = triangles.pop() else { panic!("it has triangles") };
+        let middle = corners.len() as u32;
+        corners.push((corners[a as usize] + corners[b as usize]) / 2.0);
+        triangles.extend([[a, middle, c], [middle, b, c]]);
+        divided[1].mesh = Arc::new(Mesh::new(corners, triangles).unwrap());
+        assert!(cross_check(file, &divided, &limits).is_err(), "a triangle more");
+    });
+}
+
+#[test]
 fn a_build_dropped_again_gives_its_parts_with_copies() {
     with_file(&bytes(&sample(InstanceSharing::Shared, Arrangement::Items)), |file| {
         let contents = read_part_file(file, "again.3mf", None, LengthUnit::Inch, &ReadLimits::for_testing()).unwrap();

@@ -62,6 +62,35 @@ fn the_tolerance_is_a_millionth_and_no_more() {
 }
 
 #[test]
+fn the_clearance_holds_at_every_raise_up_to_the_extra_and_no_further() {
+    let brick = block(10.0, 10.0, 10.0);
+    let above = |z: f64, extra_mm: f64| {
+        let lower = PlacedSolid {
+            pose: Pose::new(DQuat::from_rotation_x(FRAC_PI_2), DVec3::Y * 10.0),
+            ..body(&brick, 0.0, 0.0, 0.0)
+        };
+        prove_with_z_extra(&[lower, body(&brick, 0.0, 0.0, z)], ROOM, extra_mm)
+    };
+    // 3 mm are wanted, and 2 mm more for a raise.
+    assert!(above(15.0, 2.0).is_proved() && above(15.0 - 5e-7, 2.0).is_proved());
+    let close = above(15.0 - 2e-6, 2.0);
+    let [pair] = close.too_close[..] else { panic!("{close:?}") };
+    assert!((pair.distance_mm - 3.0).abs() < 1e-5 && pair.wanted_mm == 3.0);
+    assert!(above(13.0, 0.0).is_proved() && !above(14.95, 2.0).is_proved());
+    // So far apart that they would not be neighbours without the raise.
+    assert!(above(33.0, 20.0).is_proved() && !above(32.5, 20.0).is_proved());
+}
+
+#[test]
+fn a_keep_out_box_is_kept_free_within_the_tolerance() {
+    let brick = block(10.0, 10.0, 10.0);
+    let zone = Bounds { min: DVec3::splat(20.0), max: DVec3::splat(40.0) };
+    let at = |x: f64| prove_with_keep_out(&[body(&brick, x, 25.0, 25.0)], ROOM, 0.0, &[zone]).intruding;
+    assert_eq!((at(10.0), at(10.0 + 5e-7), at(40.0)), (vec![], vec![], vec![]));
+    assert_eq!((at(10.0 + 2e-6), at(10.05), at(40.0 - 2e-6)), (vec![(0, 0)], vec![(0, 0)], vec![(0, 0)]));
+}
+
+#[test]
 fn the_greater_clearance_of_two_bodies_holds() {
     let brick = block(10.0, 10.0, 10.0);
     let wide = PlacedSolid { clearance_mm: 5.0, ..body(&brick, 14.0, 0.0, 0.0) };

@@ -134,6 +134,27 @@ fn a_quote_inserts_into_a_copy_of_the_open_build_and_takes_nothing() {
 }
 
 #[test]
+fn a_quote_holds_back_time_for_a_second_print_and_the_ticket_gets_so_much_less_than_was_promised() {
+    // Hours until the earliest date, the one that is kept, and that of the ticket.
+    let quoted = |profile: &str, promised: Option<i64>| {
+        let farm = HandDrivenFarm::open(profile);
+        let quote = quote(&farm, &block(20.0, 20.0, 20.0), 1, promised);
+        [quote.earliest_at, quote.kept_at, quote.ticket_due_at].map(|at| hours_until(&farm, at))
+    };
+    let [earliest, kept, ticket] = quoted(PROFILE, None);
+    // In a new farm, a copy is good with 93 %. To print it once more takes two hours.
+    let held = kept - earliest;
+    assert!(held > 2.0 && held < 6.0 && ticket == earliest, "{earliest} {kept} {ticket}");
+    let [_, _, ticket] = quoted(PROFILE, Some(100));
+    assert!((ticket - (100.0 - held)).abs() < 0.05, "{ticket}");
+    let [earliest, _, ticket] = quoted(PROFILE, Some(1));
+    assert_eq!(ticket, earliest, "what was promised is not possible");
+    // What is printed again gathers once more, too.
+    let [earliest, kept, _] = quoted(&PROFILE.replace("gather_secs = 0", "gather_secs = \"5h\""), None);
+    assert!((kept - earliest - held - 5.0).abs() < 0.05, "{earliest} {kept}");
+}
+
+#[test]
 fn parts_are_quoted_as_their_tickets_ask_and_large_files_only_so_many_at_a_time() {
     let farm = HandDrivenFarm::open(PROFILE);
     let (profile, path) = (farm.profiles()[MACHINE].clone(), farm.root().join("asked.stl"));

@@ -60,18 +60,21 @@ pub fn build(tree: &Path, package: &str) -> Result<Built> {
 /// Builds the tests of all libraries. Returns the test program of each package.
 pub fn build_all(tree: &Path) -> Result<BTreeMap<String, PathBuf>> {
     let mut cargo = Command::new("cargo");
-    cargo.args(["test", "--no-run", "--lib", "--message-format=json-render-diagnostics"]).current_dir(tree);
-    let output = cargo.stderr(Stdio::inherit()).output().context("starting cargo")?;
-    ensure!(output.status.success(), "the tree does not compile");
+    cargo.args(["test", "--no-run", "--lib", "--message-format=json"]).current_dir(tree);
+    let output = cargo.stderr(Stdio::null()).output().context("starting cargo")?;
     let mut programs = BTreeMap::new();
     for line in String::from_utf8_lossy(&output.stdout).lines() {
         let Ok(message) = serde_json::from_str::<serde_json::Value>(line) else { continue };
+        if message["message"]["level"] == "error" {
+            eprintln!("{}", message["message"]["rendered"].as_str().unwrap_or_default());
+        }
         if let (Some(name), Some(program)) = (message["target"]["name"].as_str(), message["executable"].as_str())
             && message["profile"]["test"] == true
         {
             programs.insert(name.replace('_', "-"), PathBuf::from(program));
         }
     }
+    ensure!(output.status.success(), "the tree does not compile");
     Ok(programs)
 }
 

@@ -3,6 +3,9 @@
 //!
 //! All assets are embedded in the binary, and no page loads anything from another host.
 
+#[macro_use]
+mod look;
+
 mod base;
 mod board;
 mod break_out;
@@ -12,7 +15,6 @@ mod figures;
 mod forms;
 mod help;
 mod labels;
-mod look;
 mod pages;
 mod serve;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! most.
 
 use jiff::Timestamp;
+use language::say;
 use serde::{Deserialize, Serialize};
 
 /// A kind of alert. Each is shown with its remedy in `nestd status`, in `STATUS.txt` and in the journal;
@@ -89,31 +90,16 @@ pub enum AlertKind {
     StepFails,
 }
 
-/// What to do about a damaged stored file.
-const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the missing one, not as another \
-     order. Without it, `nestd cancel PART` ends the part. A file that differs from what was dropped lies in damaged/ of the \
-     state folder: then check its disk. An original in no archive is past archive_days, or somebody removed it.";
-/// What to do about a connection that all wait for.
-const END_CONNECTION: &str = "The database ends a connection that does nothing within 10 s, and nestd goes on by itself; nothing is lost meanwhile. \
-     Where this stays, look at the server of that connection; `SELECT pg_terminate_backend(..)` in the database, with the number of the \
-     server process, ends it, and nothing is lost by that.";
-/// What to do about a folder that cannot be read.
-const LET_IT_BE_READ: &str = "The reason names the folder. Let nestd's user read and enter it, or move what is in it into the hot folder itself, \
-     on the same file system; the files stay where they are until then. A recycle bin is emptied, or moved elsewhere.";
-/// What to do about a missing ledger.
-const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
-     `nestd restore --empty` creates a new ledger from the folders.";
-
 impl AlertKind {
     /// What is wrong with the ledger, if the farm halts because of it.
-    pub(crate) fn ledger_fault(self) -> Option<&'static str> {
-        match self {
-            Self::LedgerDamaged => Some("is damaged"),
-            Self::LedgerBehind => Some("has lost changes"),
-            Self::LedgerReplaced => Some("was removed, replaced or overwritten"),
-            Self::LedgerTakenOver => Some("is served by another nestd in place of this one"),
-            _ => None,
-        }
+    pub(crate) fn ledger_fault(self) -> Option<String> {
+        Some(match self {
+            Self::LedgerDamaged => say!("ledger-is-damaged"),
+            Self::LedgerBehind => say!("ledger-has-lost"),
+            Self::LedgerReplaced => say!("ledger-was-replaced"),
+            Self::LedgerTakenOver => say!("ledger-is-taken-over"),
+            _ => return None,
+        })
     }
 
     /// Whether the ledger cannot be reached or changed, until that is over by itself.
@@ -171,183 +157,99 @@ impl AlertKind {
     ];
 
     /// What is wrong in general; the detail of the alert follows it.
-    pub fn headline(self) -> &'static str {
+    pub fn headline(self) -> String {
         match self {
-            Self::LedgerDamaged => "The ledger is damaged: nestd takes and publishes nothing",
-            Self::LedgerBehind => {
-                "The ledger is older than the folders: nestd takes and prints nothing, so that no part is printed twice"
-            }
-            Self::LedgerLost => "The ledger is gone: nestd does not start, for it would forget all that it has taken",
-            Self::LedgerReplaced => {
-                "The ledger was removed, replaced or overwritten while nestd ran: nestd takes and publishes nothing"
-            }
-            Self::LedgerLocked => {
-                "Another process keeps the ledger from being changed: nestd takes and publishes nothing until it lets go"
-            }
-            Self::LedgerUnreachable => {
-                "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
-            }
-            Self::ChangesWait => "All changes of the ledger wait for one connection, and so does nestd",
-            Self::RepairDue => {
-                "The ledger has lost the last changes of other nodes: nestd takes and publishes nothing until they are repaired"
-            }
-            Self::LedgerTakenOver => "Another nestd is this node now: this one takes and publishes nothing more",
-            Self::ConfigurationWrong => "The changed configuration was refused; the previous one stays in force",
-            Self::HotFolderAway => "The hot folder is unavailable",
-            Self::QueueAway => "The queue folder cannot be used",
-            Self::ArchiveAway => "The archive cannot be used",
-            Self::ErrorFolderAway => "The error folder cannot be used",
-            Self::HeldByOther => "Another nestd serves the folders: this one takes and prints nothing there",
-            Self::OtherNode => "Another node of the farm serves the machine: this one takes and prints nothing there",
-            Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
-            Self::FoldersMissing => "The folders cannot be made",
-            Self::TakingFails => "Files cannot be taken out of the hot folder",
-            Self::FolderUnseen => "Something in the hot folder is not looked at, and nothing of it is printed",
-            Self::ReadingFails => "A file that was taken cannot be read",
-            Self::FileDamaged => "The file of a part is damaged or no longer kept, and must be dropped again",
-            Self::EndingFails => "A file that was taken cannot be put where it belongs",
-            Self::NestingFails => "A build cannot be made now",
-            Self::BuildFailed => "A build failed, and its machine is paused",
-            Self::PrintFailed => "A print failed, and nobody has seen to it",
-            Self::ReleaseDue => "A proved build waits for a yes before it is published",
-            Self::Question => "Parts wait for a yes before they are printed",
-            Self::PublishingFails => "A proved build cannot be published",
-            Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
-            Self::QueueAltered => "A file in a queue folder must not be printed as it is",
-            Self::NotTakenBack => "A build whose copies were to be printed again could not be taken out of the queue",
-            Self::MachineGone => "Parts wait for a machine that is not configured",
-            Self::Incomplete => "Parts, tickets and order lists do not fit together, and wait",
-            Self::Refused => "Refused files lie in the error folder",
-            Self::Stray => "Files lie beside the hot folders, where nobody prints them",
-            Self::DashboardDown => "The dashboard is not served; the farm works without it",
-            Self::MessagesFail => "Messages cannot be delivered; the farm works without them",
-            Self::StepFails => "A step keeps failing",
+            Self::LedgerDamaged => say!("alert-ledger-damaged-headline"),
+            Self::LedgerBehind => say!("alert-ledger-behind-headline"),
+            Self::LedgerLost => say!("alert-ledger-lost-headline"),
+            Self::LedgerReplaced => say!("alert-ledger-replaced-headline"),
+            Self::LedgerLocked => say!("alert-ledger-locked-headline"),
+            Self::LedgerUnreachable => say!("alert-ledger-unreachable-headline"),
+            Self::ChangesWait => say!("alert-changes-wait-headline"),
+            Self::RepairDue => say!("alert-repair-due-headline"),
+            Self::LedgerTakenOver => say!("alert-ledger-taken-over-headline"),
+            Self::ConfigurationWrong => say!("alert-configuration-wrong-headline"),
+            Self::HotFolderAway => say!("alert-hot-folder-away-headline"),
+            Self::QueueAway => say!("alert-queue-away-headline"),
+            Self::ArchiveAway => say!("alert-archive-away-headline"),
+            Self::ErrorFolderAway => say!("alert-error-folder-away-headline"),
+            Self::HeldByOther => say!("alert-held-by-other-headline"),
+            Self::OtherNode => say!("alert-other-node-headline"),
+            Self::ForeignClaims => say!("alert-foreign-claims-headline"),
+            Self::FoldersMissing => say!("alert-folders-missing-headline"),
+            Self::TakingFails => say!("alert-taking-fails-headline"),
+            Self::FolderUnseen => say!("alert-folder-unseen-headline"),
+            Self::ReadingFails => say!("alert-reading-fails-headline"),
+            Self::FileDamaged => say!("alert-file-damaged-headline"),
+            Self::EndingFails => say!("alert-ending-fails-headline"),
+            Self::NestingFails => say!("alert-nesting-fails-headline"),
+            Self::BuildFailed => say!("alert-build-failed-headline"),
+            Self::PrintFailed => say!("alert-print-failed-headline"),
+            Self::ReleaseDue => say!("alert-release-due-headline"),
+            Self::Question => say!("alert-question-headline"),
+            Self::PublishingFails => say!("alert-publishing-fails-headline"),
+            Self::QueueReplaced => say!("alert-queue-replaced-headline"),
+            Self::QueueAltered => say!("alert-queue-altered-headline"),
+            Self::NotTakenBack => say!("alert-not-taken-back-headline"),
+            Self::MachineGone => say!("alert-machine-gone-headline"),
+            Self::Incomplete => say!("alert-incomplete-headline"),
+            Self::Refused => say!("alert-refused-headline"),
+            Self::Stray => say!("alert-stray-headline"),
+            Self::DashboardDown => say!("alert-dashboard-down-headline"),
+            Self::MessagesFail => say!("alert-messages-fail-headline"),
+            Self::StepFails => say!("alert-step-fails-headline"),
         }
     }
 
     /// What to do about it.
-    pub fn remedy(self) -> &'static str {
+    pub fn remedy(self) -> String {
         match self {
-            Self::LedgerDamaged => {
-                "Stop nestd, keep the ledger's files, check the disk, and put the newest backup back with `nestd restore FILE`."
-            }
-            Self::LedgerBehind => {
-                "Stop nestd, run `nestd check --deep --repair`, which records in the ledger what the folders \
-                 hold, act on what it reports, and start nestd."
-            }
-            Self::LedgerLost => PUT_BACK,
-            Self::LedgerReplaced => {
-                "Stop nestd. Put the copy back that nestd saved, or else the newest backup, with `nestd restore FILE`, and start \
-                 nestd; another ledger that is there now is kept aside."
-            }
-            Self::LedgerLocked => {
-                "Wait until that process has finished its change, or end it; nestd then goes on by itself. Nothing is lost meanwhile. A start waits \
-                 for it, too."
-            }
-            Self::LedgerUnreachable => {
-                "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
-            }
-            Self::ChangesWait => END_CONNECTION,
-            Self::RepairDue => {
-                "On each node that is named, stop nestd, run `nestd check --deep --repair`, and start nestd; this one then goes on by \
-                 itself. Where a node is gone for good, take its machines over with `nestd adopt MACHINE`."
-            }
-            Self::LedgerTakenOver => {
-                "Another process has this node's name, or its machines were adopted. Where that was meant, start this nestd again: it \
-                 goes on with the machines that are left to it. Two servers need two names: node.name."
-            }
-            Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
-            Self::HotFolderAway => {
-                "Mount it again, and let nestd's user read, write and enter it; `nestd check` says more. If it was replaced on \
-                 purpose, accept the folder that is there now: touch its .nestd-owner."
-            }
-            Self::QueueAway => {
-                "Mount it again, and let nestd's user write into it; `nestd check` says more. Builds wait until then. If it was \
-                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
-            }
-            Self::ArchiveAway => {
-                "Mount it again, and let nestd's user write into it. No build is made or published until then. If it was replaced \
-                 on purpose, accept the folder that is there now: touch its .nestd-owner."
-            }
-            Self::ErrorFolderAway => {
-                "Mount it again, and let nestd's user write into it. What is refused stays where it is until then. If it was \
-                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
-            }
-            Self::HeldByOther => {
-                "Stop one of the two, or give each folders of its own. When the other one has ended, this one goes on by itself \
-                 within half a minute, after it has compared the folders with its ledger."
-            }
-            Self::OtherNode => {
-                "Remove the machine's file from profiles/ here or on that node, and reload both. If that node is gone for good, take its \
-                 machine over with `nestd adopt MACHINE`."
-            }
-            Self::ForeignClaims => {
-                "If that nestd is still in use, start it: it takes them itself. If it is gone for good, or another one \
-                 takes its place, take them over with `nestd adopt MACHINE`."
-            }
-            Self::FoldersMissing => "Mount or make the folder above them, and let nestd's user write there.",
-            Self::TakingFails => {
-                "Free some room where the disk is full, and let nestd's user write into hot folder and state folder. The files \
-                 stay where they are until then."
-            }
-            Self::FolderUnseen => LET_IT_BE_READ,
-            Self::ReadingFails => "Check the disk of the state folder, and free some room where it is full.",
-            Self::FileDamaged => DROP_AGAIN,
+            Self::LedgerDamaged => say!("alert-ledger-damaged-remedy"),
+            Self::LedgerBehind => say!("alert-ledger-behind-remedy"),
+            Self::LedgerLost => say!("alert-ledger-lost-remedy"),
+            Self::LedgerReplaced => say!("alert-ledger-replaced-remedy"),
+            Self::LedgerLocked => say!("alert-ledger-locked-remedy"),
+            Self::LedgerUnreachable => say!("alert-ledger-unreachable-remedy"),
+            Self::ChangesWait => say!("alert-changes-wait-remedy"),
+            Self::RepairDue => say!("alert-repair-due-remedy"),
+            Self::LedgerTakenOver => say!("alert-ledger-taken-over-remedy"),
+            Self::ConfigurationWrong => say!("alert-configuration-wrong-remedy"),
+            Self::HotFolderAway => say!("alert-hot-folder-away-remedy"),
+            Self::QueueAway => say!("alert-queue-away-remedy"),
+            Self::ArchiveAway => say!("alert-archive-away-remedy"),
+            Self::ErrorFolderAway => say!("alert-error-folder-away-remedy"),
+            Self::HeldByOther => say!("alert-held-by-other-remedy"),
+            Self::OtherNode => say!("alert-other-node-remedy"),
+            Self::ForeignClaims => say!("alert-foreign-claims-remedy"),
+            Self::FoldersMissing => say!("alert-folders-missing-remedy"),
+            Self::TakingFails => say!("alert-taking-fails-remedy"),
+            Self::FolderUnseen => say!("alert-folder-unseen-remedy"),
+            Self::ReadingFails => say!("alert-reading-fails-remedy"),
+            Self::FileDamaged => say!("alert-file-damaged-remedy"),
             _ => self.remedy_for_builds_and_receivers(),
         }
     }
 
     /// [`AlertKind::remedy`] of alerts on builds and on receivers of messages.
-    fn remedy_for_builds_and_receivers(self) -> &'static str {
+    fn remedy_for_builds_and_receivers(self) -> String {
         match self {
-            Self::EndingFails => {
-                "Free some room where the disk is full, and let nestd's user write into the error folder."
-            }
-            Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
-            Self::BuildFailed => {
-                "See the reason, mend it, then `nestd resume MACHINE`: its parts wait, but for those that were refused since. A part that is \
-                 the reason goes with `nestd cancel PART`."
-            }
-            Self::PrintFailed => {
-                "Its copies wait again, unless that was declined: `nestd show BUILD` names them. When the machine is ready, \
-                 `nestd dismiss BUILD` ends this."
-            }
-            Self::ReleaseDue => {
-                "`nestd release BUILD` publishes it; `nestd release BUILD --preview` shows first what is in it, what waits \
-                 beside it and what would be late. `approve` in the machine's file says which builds wait."
-            }
-            Self::Question => {
-                "Print them as they are with `nestd confirm PART`, or take them out with `nestd cancel PART`. Where their size is \
-                 wrong, `nestd edit PART --unit UNIT` has them read again."
-            }
-            Self::PublishingFails => {
-                "Free some room where the disk is full, and let nestd's user write into the queue folder."
-            }
-            Self::QueueReplaced => {
-                "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/administrator.md says \
-                 how to settle the build."
-            }
-            Self::QueueAltered => "Do what is said of each file before somebody prints it.",
-            Self::NotTakenBack => "Look whether it was printed, or is, and tell that (`nestd outcome`): it ends this.",
-            Self::MachineGone => {
-                "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
-                 them. Lines that a program ordered are cancelled with DELETE (docs/integrator.md)."
-            }
-            Self::Incomplete => {
-                "Add the rows or files that are missing, but none that is in a build, and leave one list in each folder; what is \
-                 left is refused, each with its reason: lists and parts after `incomplete_secs`, tickets without a part after `orphan_ticket_secs`."
-            }
-            Self::Refused => {
-                "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \
-                 remove both from there, or run `nestd dismiss MACHINE`: they stay there, without an alert."
-            }
-            Self::Stray => "Move them into the folder of the machine that they are for.",
-            Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
-            Self::MessagesFail => {
-                "Mend what the reason names (`[notify]` in the configuration); `nestd notify --test` tries it. \
-                 Messages not older than `keep_secs` are delivered then."
-            }
-            _ => "See the reason; `nestd check` looks for its cause.",
+            Self::EndingFails => say!("alert-ending-fails-remedy"),
+            Self::NestingFails => say!("alert-nesting-fails-remedy"),
+            Self::BuildFailed => say!("alert-build-failed-remedy"),
+            Self::PrintFailed => say!("alert-print-failed-remedy"),
+            Self::ReleaseDue => say!("alert-release-due-remedy"),
+            Self::Question => say!("alert-question-remedy"),
+            Self::PublishingFails => say!("alert-publishing-fails-remedy"),
+            Self::QueueReplaced => say!("alert-queue-replaced-remedy"),
+            Self::QueueAltered => say!("alert-queue-altered-remedy"),
+            Self::NotTakenBack => say!("alert-not-taken-back-remedy"),
+            Self::MachineGone => say!("alert-machine-gone-remedy"),
+            Self::Incomplete => say!("alert-incomplete-remedy"),
+            Self::Refused => say!("alert-refused-remedy"),
+            Self::Stray => say!("alert-stray-remedy"),
+            Self::DashboardDown => say!("alert-dashboard-down-remedy"),
+            Self::MessagesFail => say!("alert-messages-fail-remedy"),
+            _ => say!("alert-step-fails-remedy"),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use jobs::JobRunner;
+use language::say;
 use ledger::Ledger;
 
 use super::{
@@ -28,7 +29,7 @@ pub(crate) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 /// The status line of a farm that has halted, if one of its alerts makes it halt.
 pub fn halt_summary(alerts: &[FarmAlert]) -> Option<String> {
     let mut of_farm = alerts.iter().filter(|alert| alert.machine.is_empty());
-    Some(format!("halted: the ledger {}", of_farm.find_map(|alert| alert.kind.ledger_fault())?))
+    Some(say!("halted", fault = of_farm.find_map(|alert| alert.kind.ledger_fault())?))
 }
 
 /// The running farm.

@@ -1,7 +1,7 @@
 //! The forecast of when the next build of a machine fires: on the pages, in `STATUS.txt` and in `nestd status`.
 
-use build_file::format_count;
 use jiff::Timestamp;
+use language::say;
 use ledger::MachineStatus;
 
 use super::{
@@ -28,36 +28,36 @@ impl FireForecast {
         let zone = &profile.time_zone;
         let (at, latest, why) =
             (zone.format_minute(self.at), zone.format_minute(self.latest), self.fire_reason(profile, row));
+        let content = contents_text(row);
         match self.at < self.latest {
-            true => format!(
-                "when full, or at {at} if nothing more arrives ({latest} at the latest){}: {why}",
-                contents_text(row)
-            ),
-            false => format!("when full, at the latest {latest}{}: {why}", contents_text(row)),
+            true => say!("fires-when-full-or", at = at, latest = latest, content = content, why = why),
+            false => say!("fires-when-full", latest = latest, content = content, why = why),
         }
     }
 
     /// The reason in words.
     pub fn fire_reason(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
         match self.by {
-            FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
-            FireTrigger::Due => format!("deadline of {}", row.due_of),
+            FireTrigger::Due if row.due_of.is_empty() => say!("fires-due"),
+            FireTrigger::Due => say!("fires-due-of", name = &row.due_of),
             FireTrigger::At => {
                 let at = self.at.to_zoned(profile.time_zone.time_zone().clone());
-                format!("at {}", at.strftime("%H:%M %Z"))
+                say!("fires-at", time = at.strftime("%H:%M %Z").to_string())
             }
-            _ => "waited long enough".to_owned(),
+            _ => say!("fires-waited"),
         }
     }
 }
 
-/// What would be in the build now: `, with 12 copies, 83.0 mm high`.
+/// What would be in the build now: `with 12 copies, 83.0 mm high`.
 fn contents_text(row: &MachineStatus) -> String {
-    let text = |copies: u32| format!(", with {}", format_count(copies, "copy", "copies"));
     match row.open.as_ref().and_then(|open| Some((open.copies?, open.height_mm?))) {
-        Some((copies, height_mm)) if copies > 0 => format!("{}, {height_mm:.1} mm high", text(copies)),
+        Some((copies, height_mm)) if copies > 0 => {
+            let height = language::decimal(format!("{height_mm:.1}"));
+            say!("with-copies-high", copies = copies, height = height)
+        }
         // Its layout is not searched yet.
-        _ => text(row.waiting_copies),
+        _ => say!("with-copies", copies = row.waiting_copies),
     }
 }
 

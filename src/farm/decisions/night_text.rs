@@ -1,21 +1,24 @@
 //! What the search that lowers an open build while it waits has cost and gained, in words.
 
+use language::say;
 use ledger::{NightState, OpenBuildForecast};
 
 /// `1.24 mm lower after 350 CPU s since the last arrival, goes on`; `None` = it is switched off, or has not begun.
 pub fn night_text(open: &OpenBuildForecast) -> Option<String> {
     let state = match open.night? {
-        NightState::GoesOn => "goes on",
-        NightState::StandsStill => "rests: more time gains too little",
-        NightState::UsedUp => "rests: its time is used up",
-        NightState::GivenUp => "given up",
+        NightState::GoesOn => say!("night-goes-on"),
+        NightState::StandsStill => say!("night-stands-still"),
+        NightState::UsedUp => say!("night-used-up"),
+        NightState::GivenUp => say!("night-given-up"),
     };
-    Some(format!("{} since the last arrival, {state}", night_gain_text(open)?))
+    Some(say!("night-since-arrival", gain = night_gain_text(open)?, state = state))
 }
 
 /// `1.24 mm lower after 350 CPU s`; `None` = it is switched off, or has not begun.
 pub fn night_gain_text(open: &OpenBuildForecast) -> Option<String> {
-    Some(format!("{:.2} mm lower after {:.0} CPU s", open.night_gain_mm?, open.night_cpu_secs?))
+    let gain = language::decimal(format!("{:.2}", open.night_gain_mm?));
+    let secs = format!("{:.0}", open.night_cpu_secs?);
+    Some(say!("night-gain", gain = gain, secs = secs))
 }
 
 #[cfg(test)]

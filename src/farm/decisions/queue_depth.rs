@@ -1,5 +1,6 @@
 //! Whether another build may be made for the printers of a machine. This is a function of facts.
 
+use language::say;
 use ledger::{BuildsAhead, MachineStatus};
 
 use crate::settings::MachineProfile;
@@ -29,13 +30,7 @@ pub fn has_machine_room(profile: &MachineProfile, ahead: &[BuildsAhead]) -> bool
 /// That the open build of a machine waits for room in the queue; `None` = it does not.
 pub fn held_text(profile: &MachineProfile, row: &MachineStatus) -> Option<String> {
     let is_held = row.waiting_parts > 0 && row.paused.is_none() && !has_machine_room(profile, &row.ahead);
-    is_held.then(|| {
-        let depth = profile.printing.queue_depth;
-        format!(
-            "the queue is full (queue_depth = {depth}): it fires when a printer takes a file, when the outcome of a build in the queue \
-             is told, or on a flush"
-        )
-    })
+    is_held.then(|| say!("held-queue-full", depth = profile.printing.queue_depth))
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! What a machine does and when it is free: a function of its printers, of what waits for it, and of what the daemon saw of it. Trouble
 //! goes first, then what its printers do, then what is made for them; it is free where nothing of all that is so.
 
-use build_file::format_count;
 use jiff::Timestamp;
+use language::say;
 use ledger::{BuildState, MachineRow, MachineStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -114,17 +114,18 @@ pub fn machine_fact(
     };
     let mut pieces = Vec::new();
     if !trouble.is_empty() {
-        pieces.push(format!("unavailable: {trouble}"));
+        pieces.push(say!("machine-unavailable", trouble = trouble));
     }
     if let Some(paused) = &status.paused {
-        pieces.push(format!("paused by {}", if paused.paused_by.is_empty() { "-" } else { &paused.paused_by }));
+        let by = if paused.paused_by.is_empty() { "-" } else { &paused.paused_by };
+        pieces.push(say!("machine-paused", by = by));
     }
     pieces.extend(printing_texts(&printers, now));
     pieces.extend(making_texts(status));
     MachineFact {
         machine: status.machine.clone(),
         state,
-        doing: if pieces.is_empty() { "free now".to_owned() } else { pieces.join("; ") },
+        doing: if pieces.is_empty() { say!("free-now") } else { pieces.join("; ") },
         free_at: printers.iter().filter_map(|printer| printer.free_at).min(),
         printers,
     }
@@ -141,17 +142,19 @@ fn printing_texts(printers: &[PrinterFact], now: Timestamp) -> Vec<String> {
 
 /// What is made, read and collected, in words.
 fn making_texts(status: &MachineStatus) -> Vec<String> {
-    let copies = |copies: u32| format_count(copies, "copy", "copies");
     let made = |build: &ledger::NestingBuild| {
-        let how = if build.state == BuildState::Verified { "proved" } else { "being searched" };
-        format!("build {} is {how} ({})", build.build, copies(build.copies))
+        let (number, copies) = (build.build.to_string(), build.copies);
+        match build.state {
+            BuildState::Verified => say!("build-is-proved", build = number, copies = copies),
+            _ => say!("build-is-searched", build = number, copies = copies),
+        }
     };
     let mut making: Vec<String> = status.nesting.iter().map(made).collect();
     if status.claimed_parts > 0 {
-        making.push(format!("reading {}", format_count(status.claimed_parts, "file", "files")));
+        making.push(say!("reading-files", files = status.claimed_parts));
     }
     if status.waiting_parts > 0 {
-        making.push(format!("collecting {}", copies(status.waiting_copies)));
+        making.push(say!("collecting-copies", copies = status.waiting_copies));
     }
     making
 }

@@ -2,6 +2,7 @@
 //! plans of the machines, and of the time.
 
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use ledger::{OrderState, OrderSummary, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -149,8 +150,8 @@ impl OrderFact {
 pub fn delay_text(late: SignedDuration) -> String {
     let hours = late.as_secs().div_euclid(3600);
     match hours {
-        0 => format!("{} min", late.as_secs().div_euclid(60).max(1)),
-        1..=71 => format!("{hours} h"),
-        _ => build_file::format_count(hours / 24, "day", "days"),
+        0 => say!("delay-min", minutes = late.as_secs().div_euclid(60).max(1)),
+        1..=71 => say!("delay-hours", hours = hours),
+        _ => say!("delay-days", days = hours / 24),
     }
 }

@@ -1,8 +1,8 @@
 //! What a printer does and when it is free: a function of the builds that were given to it and of the time. Where nobody told that a
 //! print began, it is taken to have begun when its file was taken; the end of a print is an estimate until its outcome is told.
 
-use build_file::format_count;
 use jiff::Timestamp;
+use language::say;
 use ledger::{BuildId, DownPrinter, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -145,11 +145,12 @@ fn doing(spans: &[BuildSpan], now: Timestamp) -> (PrinterWord, Option<&BuildSpan
 impl PrinterFact {
     /// `0.100 h per mm and 4.0 h, from 12 prints`.
     pub fn times_text(&self) -> String {
-        let from = match self.learned_from {
-            0 => "as set".to_owned(),
-            prints => format!("from {prints} prints"),
-        };
-        format!("{:.3} h per mm and {:.1} h, {from}", self.hours_per_mm, self.cool_down_hours)
+        let per_mm = language::decimal(format!("{:.3}", self.hours_per_mm));
+        let hours = language::decimal(format!("{:.1}", self.cool_down_hours));
+        match self.learned_from {
+            0 => say!("print-times-set", per_mm = per_mm, hours = hours),
+            prints => say!("print-times-learned", per_mm = per_mm, hours = hours, prints = prints),
+        }
     }
 
     /// Whether it has nothing to do, and a print could begin now.
@@ -160,39 +161,42 @@ impl PrinterFact {
     /// What it does: `printing build 4 until about today 15:30 (estimated), free from tomorrow 08:00`. `more` builds follow.
     fn in_words(&self, more: usize, zone: &FarmZone, now: Timestamp) -> String {
         let time = |at: Option<UtcTimestamp>| at.map(|at| zone.format_near(at.0, now));
-        let build = self.build.map(|build| format!("build {build}")).unwrap_or_default();
+        let build = self.build.map(|build| build.to_string()).unwrap_or_default();
         let until = time(self.until).unwrap_or_default();
-        let estimated = if self.is_estimated { " (estimated)" } else { "" };
         let free = match self.free_at {
             Some(at) if at.0 <= now => None,
-            Some(at) => Some(format!("free from {}", zone.format_near(at.0, now))),
-            None => Some("its calendar is not open again".to_owned()),
-        };
-        let more = match more {
-            0 => String::new(),
-            more => format!(", then {}", format_count(more, "more build", "more builds")),
+            Some(at) => Some(say!("printer-free-from", time = zone.format_near(at.0, now))),
+            None => Some(say!("printer-never-open")),
         };
         let doing = match self.state {
-            PrinterWord::Free => return free.unwrap_or_else(|| "free now".to_owned()),
+            PrinterWord::Free => return free.unwrap_or_else(|| say!("free-now")),
             PrinterWord::Down => return self.down_text(zone, now),
             PrinterWord::Ended => {
-                return format!("{build} should be done since about {until}: nobody told how it printed{more}");
+                say!("printer-ended", build = build, until = until)
             }
-            PrinterWord::Printing => format!("printing {build} until about {until}{estimated}"),
-            PrinterWord::Cooling => format!("cooling {build} until about {until}{estimated}"),
-            PrinterWord::Expecting => format!("{build} is made for it"),
-            PrinterWord::Queued => {
-                let begins = self.until.filter(|at| at.0 > now).map(|_| format!(" and could begin {until}"));
-                format!("{build} lies in its queue{}", begins.unwrap_or_default())
+            PrinterWord::Printing if self.is_estimated => {
+                say!("printer-prints-estimated", build = build, until = until)
             }
+            PrinterWord::Printing => say!("printer-prints", build = build, until = until),
+            PrinterWord::Cooling if self.is_estimated => {
+                say!("printer-cools-estimated", build = build, until = until)
+            }
+            PrinterWord::Cooling => say!("printer-cools", build = build, until = until),
+            PrinterWord::Expecting => say!("printer-expects", build = build),
+            PrinterWord::Queued if self.until.is_some_and(|at| at.0 > now) => {
+                say!("printer-queued-until", build = build, time = until)
+            }
+            PrinterWord::Queued => say!("printer-queued", build = build),
         };
-        let free = free.map(|free| format!(", {free}")).unwrap_or_default();
-        format!("{doing}{more}{free}")
+        let more = (more > 0).then(|| say!("then-more-builds", count = more));
+        let free = free.filter(|_| self.state != PrinterWord::Ended);
+        [Some(doing), more, free].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     fn down_text(&self, zone: &FarmZone, now: Timestamp) -> String {
         let Some(down) = &self.down else { return String::new() };
         let why = if down.reason.is_empty() { String::new() } else { format!(": {}", down.reason) };
-        format!("down since {} by {}{why}", zone.format_near(down.down_at.0, now), down.told_by)
+        let since = zone.format_near(down.down_at.0, now);
+        say!("printer-down", since = since, by = &down.told_by) + &why
     }
 }

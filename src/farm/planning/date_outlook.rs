@@ -1,6 +1,7 @@
 //! Which due dates a plan does not keep, and what keeps it from doing so. This is a function of the plan and time.
 
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -220,22 +221,22 @@ impl DateOutlook {
     pub fn reason_text(&self, profile: &MachineProfile) -> String {
         let zone = &profile.time_zone;
         let until = self.until.filter(|at| *at < Timestamp::MAX).map(|at| zone.format_minute(at));
-        let until = until.map_or_else(String::new, |at| format!(" {at}"));
+        let until = until.unwrap_or_default();
         match self.cause {
-            RiskCause::Passed => "that date has passed".to_owned(),
-            RiskCause::TooLong => "its print takes too long for that".to_owned(),
-            RiskCause::LeftOut => "it finds no place in the next build beside what goes first".to_owned(),
-            RiskCause::AwaitsFire => format!("its build does not fire before{until}"),
-            RiskCause::PrinterBusy => format!("the printers are busy until{until}"),
-            RiskCause::PrinterClosed if until.is_empty() => "no printer begins a print".to_owned(),
-            RiskCause::PrinterClosed => format!("the printer begins no print before{until}"),
-            RiskCause::AwaitsRelease => "its build waits for a person's yes".to_owned(),
-            RiskCause::AwaitsAnswer => "it waits for a person's answer".to_owned(),
-            RiskCause::FileMissing => "its file is damaged or being fetched".to_owned(),
-            RiskCause::NotRead => "its file is not read yet".to_owned(),
-            RiskCause::Paused => "the machine is paused".to_owned(),
-            RiskCause::Unavailable => "the machine is unavailable".to_owned(),
-            RiskCause::NoPrinter => "no printer of the machine is in use".to_owned(),
+            RiskCause::Passed => say!("risk-passed"),
+            RiskCause::TooLong => say!("risk-too-long"),
+            RiskCause::LeftOut => say!("risk-left-out"),
+            RiskCause::AwaitsFire => say!("risk-awaits-fire", time = until),
+            RiskCause::PrinterBusy => say!("risk-printers-busy", time = until),
+            RiskCause::PrinterClosed if until.is_empty() => say!("risk-no-begin"),
+            RiskCause::PrinterClosed => say!("risk-printer-closed", time = until),
+            RiskCause::AwaitsRelease => say!("risk-awaits-release"),
+            RiskCause::AwaitsAnswer => say!("risk-awaits-answer"),
+            RiskCause::FileMissing => say!("risk-file-missing"),
+            RiskCause::NotRead => say!("risk-not-read"),
+            RiskCause::Paused => say!("risk-paused"),
+            RiskCause::Unavailable => say!("risk-unavailable"),
+            RiskCause::NoPrinter => say!("risk-no-printer"),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use jiff::Timestamp;
+use language::say;
 use ledger::{BuildId, PartId, PartRow, PartState, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -366,7 +367,7 @@ impl DateRisk {
         let named = match self.parts.as_slice() {
             [] => String::new(),
             [one] => one.clone(),
-            [one, rest @ ..] => format!("{one} and {} more", rest.len()),
+            [one, rest @ ..] => say!("name-and-more", name = one, count = rest.len()),
         };
         if self.order.is_empty() { named } else { format!("{}: {named}", self.order) }
     }
@@ -379,7 +380,10 @@ impl DateRisk {
     /// What follows the subject in a sentence: `due 2026-11-27, late, done about tomorrow 03:45: its print takes too long for that`.
     pub fn in_words(&self, zone: &FarmZone, now: Timestamp) -> String {
         let due = zone.format_due(self.due_at.0, &self.due_text);
-        let done = self.done_at.map_or_else(String::new, |at| format!(", done about {}", zone.format_near(at.0, now)));
-        format!("due {due}, {}{done}: {}", self.word(), self.reason)
+        let (word, why) = (language::say_word("state", self.word()), &self.reason);
+        match self.done_at.map(|at| zone.format_near(at.0, now)) {
+            Some(done) => say!("risk-due-done", due = due, word = word, done = done, why = why),
+            None => say!("risk-due", due = due, word = word, why = why),
+        }
     }
 }

@@ -10,6 +10,7 @@ use anyhow::Result;
 use build_file::{MESH_FORMATS, format_count};
 use jiff::Timestamp;
 use jobs::BackgroundJob;
+use language::say;
 use ledger::{LedgerError, MachineStatus, NodeHeartbeat};
 use serde_json::json;
 
@@ -297,9 +298,10 @@ pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r MachineS
         waiting += row.waiting_copies;
         nesting += row.nesting.len();
     }
-    let machines = format_count(machines, "machine", "machines");
-    let waiting = format_count(waiting, "copy waits", "copies wait");
-    format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
+    let machines = say!("count-machines", count = machines);
+    let waiting = say!("count-copies-wait", count = waiting);
+    let nesting = say!("count-builds-in-work", count = nesting);
+    format!("{machines}, {waiting}, {nesting}")
 }
 
 fn status_json(

@@ -2,6 +2,7 @@
 //! Programs (JSON, CSV, SQL, the log) get UTC.
 
 use jiff::{Timestamp, civil, tz::TimeZone};
+use language::{Language, say};
 
 use crate::settings::reading::validator::ConfigValidator;
 
@@ -59,20 +60,22 @@ impl FarmZone {
 
     /// A time as people say it: `today 05:49`, `Fri 4 Dec 05:49`; with its year where it is far from `now`.
     pub fn format_near(&self, at: Timestamp, now: Timestamp) -> String {
-        format!("{} {}", self.format_near_day(at, now), at.to_zoned(self.0.clone()).strftime("%H:%M"))
+        let clock = at.to_zoned(self.0.clone()).strftime("%H:%M").to_string();
+        language::clock_text(self.format_near_day(at, now), clock)
     }
 
     /// A day as people say it: `today`, `Fri 4 Dec`.
     pub fn format_near_day(&self, at: Timestamp, now: Timestamp) -> String {
         let [at, now] = [at, now].map(|time| time.to_zoned(self.0.clone()).date());
-        let format = match now.until(at).map_or(i32::MAX, |span| span.get_days()) {
-            -1 => return "yesterday".to_owned(),
-            0 => return "today".to_owned(),
-            1 => return "tomorrow".to_owned(),
-            days if days.abs() <= NEAR_DAYS => "%a %-d %b",
-            _ => "%-d %b %Y",
-        };
-        at.strftime(format).to_string()
+        match now.until(at).map_or(i32::MAX, |span| span.get_days()) {
+            -1 => say!("date-yesterday"),
+            0 => say!("date-today"),
+            1 => say!("date-tomorrow"),
+            days if days.abs() <= NEAR_DAYS => {
+                language::day_text(at.weekday().to_monday_one_offset(), at.day(), at.month())
+            }
+            _ => language::year_text(at.day(), at.month(), at.year()),
+        }
     }
 
     /// Whether a due date, as it was given, is a day without a time.
@@ -105,6 +108,18 @@ pub(crate) fn validate_time_zone(name: &str, validator: &mut ConfigValidator) ->
             };
             validator.report_problem("time_zone", text, remedy);
             FarmZone::default()
+        }
+    }
+}
+
+/// The language of a `language` of the farm file. Reports one that is not known.
+pub(crate) fn validate_language(tag: &str, validator: &mut ConfigValidator) -> Language {
+    match Language::ALL.into_iter().find(|language| language.tag() == tag) {
+        Some(language) => language,
+        None => {
+            let text = format!("language = \"{}\" is no language of nestd", tag.escape_debug());
+            validator.report_problem("language", text, "say \"en\", \"de\", \"fr\" or \"ja\"");
+            Language::English
         }
     }
 }

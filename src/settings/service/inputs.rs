@@ -20,6 +20,7 @@ use crate::settings::{
 pub(crate) struct FarmInputs {
     pub root: PathBuf,
     pub time_zone: String,
+    pub language: String,
     pub scan_secs: DurationSecs,
     pub orphan_ticket_secs: DurationSecs,
     #[serde(flatten)]
@@ -40,6 +41,7 @@ impl Default for FarmInputs {
         Self {
             root: "./farm".into(),
             time_zone: "system".to_owned(),
+            language: language::Language::English.tag().to_owned(),
             scan_secs: DurationSecs(10.0),
             orphan_ticket_secs: DurationSecs(3600.0),
             resources: ResourceInputs::default(),
@@ -57,7 +59,7 @@ impl Default for FarmInputs {
 }
 
 read_options!(
-    FarmInputs: root time_zone scan_secs orphan_ticket_secs node folders files log web metrics notify limits defaults,
+    FarmInputs: root time_zone language scan_secs orphan_ticket_secs node folders files log web metrics notify limits defaults,
     groups resources: ResourceInputs
 );
 

@@ -7,6 +7,7 @@ use std::{
 };
 
 use access::FilePermissions;
+use language::Language;
 use ledger::LedgerAddress;
 
 use crate::settings::{
@@ -25,6 +26,8 @@ pub struct Settings {
     pub root: PathBuf,
     /// Its time zone.
     pub time_zone: FarmZone,
+    /// The language of what it writes into folders, and of pages where a browser asks for none that is known.
+    pub language: Language,
     /// This daemon among those that share one ledger.
     pub node: NodeSettings,
     /// The folder that contains the hot folders, except those that a machine sets itself.

@@ -115,6 +115,7 @@ fn read_settings(
     let mut validator = ConfigValidator::new(vec![(&farm, "")]);
     validation_rules::validate_farm(&inputs, &mut validator);
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
+    let language = farm_zone::validate_language(&inputs.language, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
     let resources = ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes };
     let node = crate::settings::service::node::validate_node(&inputs.node, &mut validator);
@@ -156,6 +157,7 @@ fn read_settings(
         inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
         time_zone,
+        language,
         node,
         state_dir,
         scan_secs: inputs.scan_secs.0,

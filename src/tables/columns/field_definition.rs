@@ -105,9 +105,14 @@ impl FieldDefinition {
     /// Its heading on a page: `Height, mm`.
     pub fn page_heading(&self) -> String {
         match self.unit() {
-            "" => self.label.to_owned(),
-            unit => format!("{}, {unit}", self.label),
+            "" => self.said(),
+            unit => format!("{}, {unit}", self.said()),
         }
+    }
+
+    /// Its label in the language that is current.
+    pub fn said(&self) -> String {
+        language::say_word("field", self.label)
     }
 
     /// Its heading in a terminal: `HEIGHT mm`.
@@ -170,14 +175,14 @@ impl FieldDefinition {
         let (number, decimals) = match self.kind {
             FieldKind::Real { decimals, .. } => (number, decimals),
             FieldKind::Share => (100.0 * number, 1),
-            _ => return number.to_string(),
+            _ => return language::decimal(number.to_string()),
         };
         let text = format!("{number:.decimals$}");
         // A value that rounds to zero prints without a sign.
-        match text.strip_prefix('-') {
+        language::decimal(match text.strip_prefix('-') {
             Some(nothing) if nothing.bytes().all(|b| b == b'0' || b == b'.') => nothing.to_owned(),
             _ => text,
-        }
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 //! dates.
 
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use ledger::{PartTerms, UtcTimestamp};
 
 use crate::{
@@ -54,7 +55,7 @@ impl PromisedDate {
 
     /// By how much it is late: `28 h late`.
     pub fn late_text(&self) -> Option<String> {
-        self.late.map(|late| format!("{} late", delay_text(late)))
+        self.late.map(|late| say!("late-by", delay = delay_text(late)))
     }
 }
 

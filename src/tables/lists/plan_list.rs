@@ -1,5 +1,7 @@
 //! The plan of a machine: its builds under way and to come, and the due dates at risk.
 
+use language::say;
+
 use crate::{
     farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild},
     tables::{
@@ -43,8 +45,8 @@ impl PlannedBuild {
     /// The height of a layout, or `about` an estimate.
     fn height_text(&self) -> String {
         match self.is_nested {
-            true => format!("{:.1}", self.height_mm),
-            false => format!("about {:.0}", self.height_mm),
+            true => language::decimal(format!("{:.1}", self.height_mm)),
+            false => say!("about-height", height = format!("{:.0}", self.height_mm)),
         }
     }
 }
@@ -53,34 +55,29 @@ impl PlannedBuild {
 pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(hindered) = plan.hindered {
-        let why = match hindered {
-            crate::farm::RiskCause::Paused => "it is paused",
-            crate::farm::RiskCause::Unavailable => "it is unavailable",
-            _ => "none of its printers is in use",
-        };
-        notes.push(format!("Nothing of {} fires: {why}.", plan.machine));
+        let machine = &plan.machine;
+        notes.push(match hindered {
+            crate::farm::RiskCause::Paused => say!("plan-paused", machine = machine),
+            crate::farm::RiskCause::Unavailable => say!("plan-unavailable", machine = machine),
+            _ => say!("plan-no-printer", machine = machine),
+        });
     }
     let to_come = plan.builds.iter().filter(|build| build.stage != PlanStage::Ended);
     let last = to_come.filter_map(|build| build.ends_at).max();
     notes.push(match (plan.builds.len(), last) {
-        (0, _) => format!("Nothing waits for {}, and nothing is printed.", plan.machine),
+        (0, _) => say!("plan-nothing", machine = &plan.machine),
         (_, Some(last)) => {
-            format!("If nothing more arrives, all of {} is done at {}.", plan.machine, view.near_text(last))
+            say!("plan-done", machine = &plan.machine, time = view.near_text(last))
         }
-        (_, None) => format!("It is not known when the builds of {} are done.", plan.machine),
+        (_, None) => say!("plan-unknown", machine = &plan.machine),
     });
     if plan.unplanned_parts > 0 {
-        notes.push(match plan.unplanned_parts {
-            1 => "1 part can be in no build yet: it is not read, waits for an answer, or lacks its file.".to_owned(),
-            parts => format!(
-                "{parts} parts can be in no build yet: they are not read, wait for an answer, or lack their file."
-            ),
-        });
+        notes.push(say!("plan-unplanned", parts = plan.unplanned_parts));
     }
     if plan.builds.iter().any(|build| !build.is_nested) {
         notes.push(match plan.heights_learned_from {
-            0 => "Heights marked 'about' go by the usual density.".to_owned(),
-            builds => format!("Heights marked 'about' go by the last {builds} builds."),
+            0 => say!("plan-heights-usual"),
+            builds => say!("plan-heights-learned", builds = builds),
         });
     }
     notes

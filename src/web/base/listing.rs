@@ -1,5 +1,6 @@
 //! Tables and fact sheets for pages, made from the columns and facts of `tables`.
 
+use language::say;
 use maud::{Markup, html};
 
 use super::{
@@ -179,14 +180,14 @@ pub(crate) fn fact_sheet(mut known: Vec<SheetFact>, elsewhere: &[FieldDefinition
     let (details, main): (Vec<_>, Vec<_>) = known.into_iter().partition(is_detail);
     html! {
         (fact_list(&main, view))
-        @if !details.is_empty() { details { summary { "Details" } (fact_list(&details, view)) } }
+        @if !details.is_empty() { details { summary { (say!("details")) } (fact_list(&details, view)) } }
     }
 }
 
 /// The facts as a description list.
 pub(crate) fn fact_list(known: &[SheetFact], view: &TimeView) -> Markup {
     html! {
-        @if !known.is_empty() { dl.facts { @for fact in known { div { dt { (fact.label) } dd {
+        @if !known.is_empty() { dl.facts { @for fact in known { div { dt { (language::say_word("field", fact.label)) } dd {
             @match (fact.at, &fact.due) {
                 (Some(at), _) => (time_of(at, view)),
                 (None, Some(due)) => (due_of(due, view)),

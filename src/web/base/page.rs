@@ -1,6 +1,7 @@
 //! The layout that all pages share: head, navigation, footer.
 
 use axum::http::StatusCode;
+use language::say;
 use maud::{DOCTYPE, Markup, html};
 
 use super::assets::{asset_address, font_address};
@@ -12,7 +13,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
     };
     html! {
         (DOCTYPE)
-        html lang="en" {
+        html lang=(language::current().tag()) {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
@@ -25,18 +26,19 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 @if let Some(script) = script { script type="module" src=(asset_address(script)) {} }
             }
             body {
-                a.skip href="#main" { "Skip to content" }
+                a.skip href="#main" { (say!("skip")) }
                 header {
-                    nav aria-label="Pages" {
+                    nav aria-label=(say!("pages")) {
                         span.brand { "nestd" }
-                        (link("/", "Farm")) (link("/orders", "Orders")) (link("/history", "History")) (link("/month", "Month")) (link("/help", "Help"))
-                        (search_field("", "Search the farm"))
+                        (link("/", &say!("nav-farm"))) (link("/orders", &say!("nav-orders"))) (link("/history", &say!("nav-history")))
+                        (link("/month", &say!("nav-month"))) (link("/help", &say!("nav-help")))
+                        (search_field("", &say!("search-farm")))
                     }
                 }
                 main #main tabindex="-1" { (content) }
                 footer {
-                    p { "nestd " (env!("CARGO_PKG_VERSION")) ". Lengths are mm. "
-                        a href="/api/v1/openapi.json" { "JSON interface" } " · " a href="/metrics" { "Metrics" } }
+                    p { span translate="no" { "nestd " (env!("CARGO_PKG_VERSION")) } (say!("footer-lengths")) " "
+                        a href="/api/v1/openapi.json" { (say!("footer-json")) } " · " a href="/metrics" { (say!("footer-metrics")) } }
                 }
             }
         }
@@ -48,21 +50,26 @@ pub(super) fn search_field(text: &str, label: &str) -> Markup {
     html! {
         form.search method="get" action="/search" role="search" aria-label=(label) {
             input type="search" name="q" value=(text) required maxlength="200" aria-label=(label)
-                placeholder="Part, file, order, build 1182" title="Press / to search" autocomplete="off";
-            button type="submit" { "Search" }
+                placeholder=(say!("search-example")) title=(say!("search-key")) autocomplete="off";
+            button type="submit" { (say!("search")) }
         }
     }
 }
 
 /// A page that shows an error.
 pub(super) fn error_page(status: StatusCode, text: &str) -> Markup {
-    let title = status.canonical_reason().unwrap_or("Error");
+    let title = status_title(status);
     let mut letters = text.chars();
     let sentence: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
     let content = html! {
         h1 { (title) }
         p #problem role="alert" { (sentence.trim_end_matches('.')) "." }
-        p { a.button.first href="/" { "To the farm" } }
+        p { a.button.first href="/" { (say!("to-the-farm")) } }
     };
-    html_page(title, "", None, &content)
+    html_page(&title, "", None, &content)
+}
+
+/// A status in words: those of HTTP, or of the language.
+fn status_title(status: StatusCode) -> String {
+    language::say_word("http", status.canonical_reason().unwrap_or("Error"))
 }

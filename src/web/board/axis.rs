@@ -2,6 +2,7 @@
 //! of the style sheet.
 
 use jiff::{SignedDuration, Timestamp, ToSpan, civil::Date};
+use language::say;
 use maud::{Markup, html};
 
 use crate::{settings::FarmZone, web::look::style::AXIS_STEPS};
@@ -96,7 +97,8 @@ impl TimeAxis {
             div.axis aria-hidden="true" {
                 @for ((step, date), end) in days.iter().zip(ends) {
                     @if end - step >= LABEL_STEPS {
-                        b class=(format!("x{step}")) { @if *date == today { "Today" } @else { (date.strftime("%a %-d %b")) } }
+                        b class=(format!("x{step}")) { @if *date == today { (say!("date-today-alone")) }
+                            @else { (language::day_text(date.weekday().to_monday_one_offset(), date.day(), date.month())) } }
                     }
                     @for (step, hour) in [6, 12, 18].into_iter().filter_map(|at| hour(*date, at)) {
                         span class=(format!("x{step}")) { (format!("{hour:02}")) }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use language::say;
 use ledger::{BuildId, UtcTimestamp};
 use maud::{Markup, html};
 
@@ -10,7 +11,6 @@ use crate::{
     farm::{DatesKept, PlanStage, PlannedBuild},
     tables::TimeView,
     web::{
-        base::format::count,
         core::picture::small_picture,
         look::{
             chip::{Tone, chip, chip_of},
@@ -100,7 +100,7 @@ fn shown(build: &PlannedBuild, setting: &JobSetting<'_>) -> Markup {
         span.job-text aria-hidden="true" title=(sentence) {
             span.job-name {
                 (dates_mark(build.dates))
-                @match build.build { Some(number) => b { span.narrow { "Build " } (number) }, None => b { "Next" } }
+                @match build.build { Some(number) => b { span.narrow { (say!("build-word")) " " } (number) }, None => b { (say!("next-build")) } }
                 span.job-mm { " " (height(build)) }
             }
             span.job-more { (chip(build.stage.word(build.awaits_release))) " " span.job-when { (when(build, setting.view)) } }
@@ -118,16 +118,16 @@ fn dates_mark(dates: DatesKept) -> Markup {
 /// How the due dates are kept.
 pub(crate) fn dates_chip(dates: DatesKept) -> Markup {
     let text = match dates {
-        DatesKept::Kept => "dates kept",
-        other => other.word(),
+        DatesKept::Kept => say!("dates-kept"),
+        other => language::say_word("state", other.word()),
     };
-    chip_of(dates_tone(dates), text)
+    chip_of(dates_tone(dates), &text)
 }
 
 fn height(build: &PlannedBuild) -> String {
     match (build.is_nested, build.height_mm > 0.0) {
-        (true, _) => format!("{:.1} mm", build.height_mm),
-        (false, true) => format!("about {:.0} mm", build.height_mm),
+        (true, _) => language::decimal(format!("{:.1} mm", build.height_mm)),
+        (false, true) => say!("about-mm", height = format!("{:.0}", build.height_mm)),
         (false, false) => String::new(),
     }
 }
@@ -137,37 +137,42 @@ fn when(build: &PlannedBuild, view: &TimeView) -> Markup {
     let time = |at: UtcTimestamp| time_of(at, view);
     html! {
         @match (build.stage, build.printed_at, build.ends_at, build.fires_at, build.begins_at) {
-            (PlanStage::Ended, _, Some(ends), ..) => { "since " (time(ends)) }
-            (PlanStage::Cooling, _, Some(ends), ..) => { "until " (time(ends)) }
-            (PlanStage::Printing, Some(printed), ..) => { "until " (time(printed)) }
-            (PlanStage::Open | PlanStage::Later, _, _, Some(fires), Some(begins)) => { "fires " (time(fires)) ", begins " (time(begins)) }
-            (_, _, _, _, Some(begins)) => { "begins " (time(begins)) }
-            _ => "no time known yet",
+            (PlanStage::Ended, _, Some(ends), ..) => (phrase!("since-time", time = time(ends))),
+            (PlanStage::Cooling, _, Some(ends), ..) => (phrase!("until-time", time = time(ends))),
+            (PlanStage::Printing, Some(printed), ..) => (phrase!("until-time", time = time(printed))),
+            (PlanStage::Open | PlanStage::Later, _, _, Some(fires), Some(begins)) => (phrase!("fires-begins", fires = time(fires), begins = time(begins))),
+            (_, _, _, _, Some(begins)) => (phrase!("begins-time", time = time(begins))),
+            _ => (say!("no-time-known")),
         }
     }
 }
 
 /// All that is known of it.
 fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
-    let name = build.build.map_or_else(|| "A build to come".to_owned(), |number| format!("Build {number}"));
-    let printer = build.printer.as_ref().map_or_else(String::new, |printer| format!(" on {printer}"));
-    let time = |word: &str, at: Option<UtcTimestamp>| at.map(|at| format!("{word} {}", view.near_text(at)));
+    let name = match (build.build, &build.printer) {
+        (Some(number), Some(printer)) => say!("build-on", build = number.to_string(), printer = printer),
+        (Some(number), None) => say!("build-number", build = number.to_string()),
+        (None, Some(printer)) => say!("build-to-come-on", printer = printer),
+        (None, None) => say!("build-to-come"),
+    };
+    let time = |at: Option<UtcTimestamp>| at.map(|at| view.near_text(at));
     let begun = matches!(build.stage, PlanStage::Printing | PlanStage::Cooling | PlanStage::Ended);
     let dates = match build.dates {
         DatesKept::NoDate => None,
-        DatesKept::Kept => Some("its due dates are kept".to_owned()),
-        DatesKept::Tight => Some("a due date is tight".to_owned()),
-        DatesKept::Late => Some("a due date is late".to_owned()),
+        DatesKept::Kept => Some(say!("all-dates-kept")),
+        DatesKept::Tight => Some(say!("a-date-is-tight")),
+        DatesKept::Late => Some(say!("a-date-is-late")),
     };
+    let begins = |time: String| if begun { say!("began-time", time = time) } else { say!("begins-time", time = time) };
     let pieces = [
-        Some(build.stage.word(build.awaits_release).to_owned()),
+        Some(language::say_word("state", build.stage.word(build.awaits_release))),
         Some(height(build)).filter(|height| !height.is_empty()),
-        Some(count(build.copies, "copy", "copies")),
-        time("fires", build.fires_at),
-        time(if begun { "began" } else { "begins" }, build.begins_at),
-        time("printed", build.printed_at),
-        time("unpacked", build.ends_at),
+        Some(say!("count-copies", count = build.copies)),
+        time(build.fires_at).map(|time| say!("fires-time", time = time)),
+        time(build.begins_at).map(begins),
+        time(build.printed_at).map(|time| say!("printed-time", time = time)),
+        time(build.ends_at).map(|time| say!("unpacked-time", time = time)),
         dates,
     ];
-    format!("{name}{printer}: {}.", pieces.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    format!("{name}: {}.", pieces.into_iter().flatten().collect::<Vec<_>>().join(", "))
 }

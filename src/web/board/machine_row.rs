@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use jiff::Timestamp;
+use language::say;
 use ledger::{
     BuildId, BuildRow, BuildState, CommandKind, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast,
     UtcTimestamp,
@@ -21,7 +22,7 @@ use crate::{
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
     web::{
-        base::{format::count, listing::fact_list},
+        base::listing::fact_list,
         core::{command::command_button, state::DashboardState},
         forms::drop_form::drop_form,
         look::{
@@ -80,10 +81,10 @@ impl MachineRowOnBoard<'_> {
                     @for build in &self.status.nesting { (self.search_progress(build, now)) }
                     div.folds {
                         @if web.orders {
-                            details { summary { "Add files" span.unseen { " to " (name) } span.soft { ", or drop them here" } }
+                            details { summary { (phrase!("add-files-here", unseen = html! { span.unseen { " " (say!("unseen-to", machine = name)) } }, soft = html! { span.soft { (say!("or-drop-here")) } })) }
                                 (drop_form(web, self.profile, web.current_settings().limits.max_bytes)) }
                         }
-                        details { summary { "Details" span.unseen { " of " (name) } } (self.details(view, now)) }
+                        details { summary { (say!("details")) span.unseen { " " (say!("unseen-of", name = name)) } } (self.details(view, now)) }
                     }
                 }
             }
@@ -96,14 +97,14 @@ impl MachineRowOnBoard<'_> {
         html! {
             div.machine-head {
                 h2 { (name) " " (chip(self.fact.state.word())) }
-                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now) { p.soft { "Free " (time_of(free, view)) } }
+                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now) { p.soft { (phrase!("free-time", time = time_of(free, view))) } }
                 (machine_warnings(status, self.observed, view))
                 div.buttons {
                     (self.next_step(web))
                     @if web.orders && status.waiting_parts > 0 {
-                        a.button href=(format!("/machines/{name}/flush")) { "Flush" span.unseen { " " (name) ": see what would be built now" } }
+                        a.button href=(format!("/machines/{name}/flush")) { (say!("flush")) span.unseen { " " (say!("unseen-flush", machine = name)) } }
                     }
-                    @if status.paused.is_none() { (command_button(web, CommandKind::Pause, "Pause", name, name, None)) }
+                    @if status.paused.is_none() { (command_button(web, CommandKind::Pause, &say!("pause"), name, name, None)) }
                 }
             }
         }
@@ -118,12 +119,12 @@ impl MachineRowOnBoard<'_> {
         let told = [PlanStage::Ended, PlanStage::Cooling, PlanStage::Printing].into_iter().find_map(at);
         html! {
             @if self.status.paused.is_some() {
-                span.next-step { (command_button(web, CommandKind::Resume, "Resume", name, name, None)) }
+                span.next-step { (command_button(web, CommandKind::Resume, &say!("resume"), name, name, None)) }
             } @else if let Some(build) = released {
-                a.button.first href=(format!("/builds/{build}#release")) { "Say yes to build " (build) }
+                a.button.first href=(format!("/builds/{build}#release")) { (say!("say-yes", build = build.to_string())) }
             }
             @if let Some(build) = told {
-                a.button.first[at(PlanStage::Ended).is_some()] href=(format!("/builds/{build}#told")) { "Tell how build " (build) " printed" }
+                a.button.first[at(PlanStage::Ended).is_some()] href=(format!("/builds/{build}#told")) { (say!("tell-how", build = build.to_string())) }
             }
         }
     }
@@ -142,7 +143,7 @@ impl MachineRowOnBoard<'_> {
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))
                     (setting.axis.lines())
-                    ol.jobs aria-label=(format!("Builds of {}", printer.printer)) { @for job in own { (job.draw(setting)) } }
+                    ol.jobs aria-label=(say!("builds-of", name = &printer.printer)) { @for job in own { (job.draw(setting)) } }
                 }
             }
         }
@@ -164,10 +165,10 @@ impl MachineRowOnBoard<'_> {
         let (shown, folded) = later.split_at(later.len().min(MAX_LATER));
         html! {
             @if !shown.is_empty() {
-                ol.jobs.later aria-label=(format!("Later builds of {}", self.profile.name)) { @for build in shown { (later_job(build, setting)) } }
+                ol.jobs.later aria-label=(say!("later-builds-of", name = &self.profile.name)) { @for build in shown { (later_job(build, setting)) } }
             }
             @if !folded.is_empty() {
-                details { summary { (count(folded.len() as u32, "more build", "more builds")) }
+                details { summary { (say!("count-more-builds", count = folded.len())) }
                     ol.jobs.later { @for build in folded { (later_job(build, setting)) } } }
             }
         }
@@ -180,14 +181,19 @@ impl MachineRowOnBoard<'_> {
         let fires = forecast_fire(self.profile, status, now);
         html! {
             p.waiting {
-                @if status.waiting_parts == 0 { span.soft { "Nothing waits." } }
-                @else { span { "Waiting: " b { (count(status.waiting_copies, "copy", "copies")) } " of " (count(status.waiting_parts, "part", "parts"))
-                    @if let Some(due) = GivenDate::new(status.due_at, &status.due_text) { ", the first due " (due_of(&due, view)) } } }
+                @if status.waiting_parts == 0 { span.soft { (say!("nothing-waits")) } }
+                @else {
+                    @let copies = html! { b { (say!("count-copies", count = status.waiting_copies)) } };
+                    span { @match GivenDate::new(status.due_at, &status.due_text) {
+                        Some(due) => (phrase!("waiting-due", copies = copies, parts = status.waiting_parts, due = due_of(&due, view))),
+                        None => (phrase!("waiting", copies = copies, parts = status.waiting_parts)),
+                    } }
+                }
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) }
                 @if let Some(fires) = fires { (fire_time(&fires, (self.profile, status), view)) }
-                @if let Some(held) = held_text(self.profile, status) { span { "It waits: " (held) } }
+                @if let Some(held) = held_text(self.profile, status) { span { (say!("it-waits", why = held)) } }
                 @if status.refused_parts > 0 {
-                    a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.label) ": " (status.refused_parts) }
+                    a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.said()) ": " (status.refused_parts) }
                 }
             }
         }
@@ -199,13 +205,15 @@ impl MachineRowOnBoard<'_> {
         let share = open.height_mm.map(|height| 100.0 * height / volume_z_mm);
         let usual = self.usual_density.and_then(|density| fields::DENSITY.with_unit(density));
         html! {
-            span { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "
-                @if let Some(height) = fields::HEIGHT.with_unit(open.height_mm) { b { (height) } " of " (volume_z_mm) " mm, " }
-                @if let Some(density) = fields::DENSITY.with_unit(open.density) { (density) " dense" }
-                @if let Some(usual) = usual { " (usual: " (usual) ")" }
-                ", " (count(open.copies.unwrap_or(0), "copy", "copies"))
+            span { (phrase!("open-build", build = html! { a href=(format!("/builds/{}", open.build)) { (open.build) } })) " "
+                @if let Some(height) = fields::HEIGHT.with_unit(open.height_mm) {
+                    (phrase!("height-of", height = html! { b { (height) } }, limit = volume_z_mm)) ", "
+                }
+                @if let Some(density) = fields::DENSITY.with_unit(open.density) { (say!("so-dense", density = density)) }
+                @if let Some(usual) = usual { " " (say!("usual-density", density = usual)) }
+                ", " (say!("count-copies", count = open.copies.unwrap_or(0)))
                 @if let Some(share) = share {
-                    " " meter min="0" max="100" value=(format!("{share:.1}")) aria-label=(format!("Height used by the open build of {}: {share:.0} %", self.profile.name)) {}
+                    " " meter min="0" max="100" value=(format!("{share:.1}")) aria-label=(say!("height-used", machine = &self.profile.name, share = format!("{share:.0}"))) {}
                 }
             }
         }
@@ -221,14 +229,14 @@ impl MachineRowOnBoard<'_> {
         let spent_secs = build.nesting_at.map(|at| now.duration_since(at.0).as_secs_f64().clamp(0.0, limit_secs));
         let is_searching = build.state == BuildState::Nesting;
         html! {
-            p.making { "Build " a href=(format!("/builds/{}", build.build)) { (build.build) }
-                @if is_searching { " is searched" }
-                @else if self.awaits_release(build.build) { " is proved and waits for a yes" }
-                @else { " is proved and goes to the queue" }
-                ": " (count(build.copies, "copy", "copies"))
+            @let number = html! { a href=(format!("/builds/{}", build.build)) { (build.build) } };
+            p.making {
+                @if is_searching { (phrase!("made-searched", build = number, copies = build.copies)) }
+                @else if self.awaits_release(build.build) { (phrase!("made-awaits", build = number, copies = build.copies)) }
+                @else { (phrase!("made-proved", build = number, copies = build.copies)) }
                 @if let (true, Some(spent)) = (is_searching, spent_secs) {
-                    ", " (format!("{spent:.0} of {limit_secs:.0} s"))
-                    @if spent < limit_secs { " " progress max=(limit_secs) value=(format!("{spent:.0}")) aria-label=(format!("Search for build {}", build.build)) {} }
+                    ", " (say!("spent-of", spent = format!("{spent:.0}"), limit = format!("{limit_secs:.0}")))
+                    @if spent < limit_secs { " " progress max=(limit_secs) value=(format!("{spent:.0}")) aria-label=(say!("search-for", build = build.build.to_string())) {} }
                 } }
         }
     }
@@ -247,9 +255,9 @@ impl MachineRowOnBoard<'_> {
     fn last_outcome(&self, view: &TimeView) -> Markup {
         html! {
             @if let Some(last) = &self.last {
-                p { (fields::LAST_PUBLISHED.label) ": build " a href=(format!("/builds/{}", last.id)) { (last.id) }
+                p { (phrase!("last-published", build = html! { a href=(format!("/builds/{}", last.id)) { (last.id) } }))
                     @if let Some(height) = fields::HEIGHT.with_unit(last.measures.height_mm) { ", " (height) }
-                    @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { ", " (density) " dense" }
+                    @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { ", " (say!("so-dense", density = density)) }
                     @if let Some(at) = last.times.published_at { ", " (time_of(at, view)) }
                     " " (chip(&last.state_word())) }
             }
@@ -263,10 +271,14 @@ pub(crate) fn fire_time(
     (profile, status): (&MachineProfile, &MachineStatus),
     view: &TimeView,
 ) -> Markup {
+    let is_now = view.now().is_some_and(|now| fires.at <= now);
+    let time = html! { b { @if is_now { (say!("now")) } @else { (time_of(UtcTimestamp(fires.at), view)) } } };
+    let why = fires.fire_reason(profile, status);
     html! {
-        span { "Fires " b { @if view.now().is_some_and(|now| fires.at <= now) { "now" } @else { (time_of(UtcTimestamp(fires.at), view)) } }
-            @if fires.at < fires.latest { " if nothing more arrives" }
-            ": " (fires.fire_reason(profile, status)) "." }
+        span { @match fires.at < fires.latest {
+            true => (phrase!("fires-if", time = time, why = why)),
+            false => (phrase!("fires-at-time", time = time, why = why)),
+        } }
     }
 }
 
@@ -274,12 +286,13 @@ pub(crate) fn fire_time(
 fn machine_warnings(status: &MachineStatus, observed: Option<&MachineRow>, view: &TimeView) -> Markup {
     html! {
         @if let Some(paused) = &status.paused {
-            p.bad role="status" { "Paused by " (paused.paused_by) " since " (time_of(paused.paused_at, view)) ": nothing is fired." }
+            p.bad role="status" { (phrase!("paused-by", by = &paused.paused_by, time = time_of(paused.paused_at, view))) }
         }
         @if let Some(observed) = observed.filter(|observed| !observed.trouble.is_empty()) {
-            p.bad role="status" { "Unavailable"
-                @if let Some(at) = observed.trouble_at { ", since " (time_of(at, view)) }
-                ": " (observed.trouble) }
+            p.bad role="status" { @match observed.trouble_at {
+                Some(at) => (phrase!("unavailable-since", time = time_of(at, view), trouble = &observed.trouble)),
+                None => (say!("unavailable-for", trouble = &observed.trouble)),
+            } }
         }
     }
 }
@@ -290,7 +303,8 @@ fn more_facts(machine: &MachineForecast, view: &TimeView) -> Vec<SheetFact> {
     let lines = [
         fields::OLDEST.fact(view.now().and_then(|now| machine.oldest(now))),
         fields::WHILE_IT_WAITS.fact(machine.forecast_build().and_then(night_text)),
-        (status.claimed_parts > 0).then(|| fields::BEING_READ.fact_of(count(status.claimed_parts, "file", "files"))),
+        (status.claimed_parts > 0)
+            .then(|| fields::BEING_READ.fact_of(say!("count-files", count = status.claimed_parts))),
     ];
     lines.into_iter().flatten().collect()
 }

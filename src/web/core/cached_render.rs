@@ -45,6 +45,8 @@ pub(crate) async fn render_cached<T: Clone + Send + 'static>(
     kept: CacheLocation<T>,
     make: impl FnOnce(&CakeContents) -> anyhow::Result<T> + Send + 'static,
 ) -> HandlerResult<T> {
+    let language = language::current();
+    let kept = CacheLocation { key: format!("{} {}", language.tag(), kept.key), ..kept };
     let known = || (kept.cache)(web).get(&kept.key);
     if let Some(thing) = known() {
         return Ok(thing);
@@ -58,7 +60,8 @@ pub(crate) async fn render_cached<T: Clone + Send + 'static>(
     let (web, build, profile) = (web.clone(), build.clone(), profile.clone());
     let making = tokio::task::spawn_blocking(move || {
         let _turn = turn;
-        let thing = make(&CakeContents::from_ledger(&web.current_settings(), &profile, &build, parts))?;
+        let cake = CakeContents::from_ledger(&web.current_settings(), &profile, &build, parts);
+        let thing = language.within(|| make(&cake))?;
         (kept.cache)(&web).insert(kept.key, thing.clone());
         Ok(thing)
     });

@@ -3,10 +3,12 @@
 use build_file::MAX_COPIES;
 use build_file::{MESH_FORMATS, part_endings};
 use intake::Ticket;
+use language::say;
 use maud::{Markup, html};
 
 use crate::{
     settings::{FarmZone, MachineProfile},
+    tables::fields,
     web::core::{form_answer::key_field, state::DashboardState},
 };
 
@@ -63,13 +65,13 @@ impl DropFields {
         set("note", &self.note);
         let due = match self.due_time.as_str() {
             "" => self.due.clone(),
-            _ if self.due.is_empty() => return Err("a time of day needs its date".to_owned()),
+            _ if self.due.is_empty() => return Err(say!("drop-time-needs-date")),
             time => format!("{} {time}", self.due),
         };
         set("due", &due);
         for (name, text) in [("copies", &self.copies), ("priority", &self.priority)] {
             if !text.is_empty() {
-                let number: i64 = text.parse().map_err(|_| format!("{name}: '{text}' is no whole number"))?;
+                let number: i64 = text.parse().map_err(|_| say!("no-whole-number", field = name, text = text))?;
                 ticket.insert(name.to_owned(), number.into());
             }
         }
@@ -93,33 +95,41 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
         form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
             data-max-bytes=(max_bytes) data-machine=(name) {
             (key_field(web))
-            label.files { (MESH_FORMATS) " files" input name="file" type="file" multiple required accept=(accepted_endings()); }
+            label.files { (say!("files-of", formats = MESH_FORMATS)) input name="file" type="file" multiple required accept=(accepted_endings()); }
             div.pair {
-                label { "Order" input name="order" maxlength="200"; }
-                label { "Customer" input name="customer" maxlength="200"; }
+                label { (fields::ORDER.said()) input name="order" maxlength="200"; }
+                label { (fields::CUSTOMER.said()) input name="customer" maxlength="200"; }
             }
-            label { "Copies of each file; empty = as its name says (bracket_x10.stl), else 1"
+            label { (say!("drop-copies"))
                 input name="copies" type="number" min="1" max=(MAX_COPIES) inputmode="numeric"; }
             div.pair {
-                label { "Due (the end of that day, unless with a time)" input name="due" type="date"; }
-                label { "Time" input name="due_time" type="time"; }
+                label { (say!("drop-due")) input name="due" type="date"; }
+                label { (fields::TIME.said()) input name="due_time" type="time"; }
             }
             details {
-                summary { "Turning, priority, note" }
-                label { "How the parts may be turned" select name="orientation" {
-                    option value="" { "as the machine allows" }
-                    @for (word, text) in [("free", "free: any way"), ("upright", "upright: about the vertical"), ("axis", "axis: in right angles"), ("fixed", "fixed: as in the file")] {
-                        option value=(word) { (text) }
-                    }
+                summary { (say!("drop-more")) }
+                label { (say!("drop-orientation")) select name="orientation" {
+                    option value="" { (say!("orientation-machine")) }
+                    @for (word, text) in orientations() { option value=(word) { (text) } }
                 } }
-                label { "Priority, 0 to 100; 100 must be in the next build" input name="priority" type="number" min="0" max="100"; }
-                label { "Note" input name="note" maxlength="500"; }
+                label { (say!("drop-priority")) input name="priority" type="number" min="0" max="100"; }
+                label { (fields::NOTE.said()) input name="note" maxlength="500"; }
             }
             p.chosen role="status" {}
-            progress.sent max="100" value="0" hidden aria-label=(format!("Files that are sent to {name}")) {}
-            button type="submit" { "Add to " (name) }
+            progress.sent max="100" value="0" hidden aria-label=(say!("files-sent-to", machine = name)) {}
+            button type="submit" { (say!("add-to", machine = name)) }
         }
     }
+}
+
+/// How parts may be turned: the word of a ticket, and what it means.
+fn orientations() -> [(&'static str, String); 4] {
+    [
+        ("free", say!("orientation-free")),
+        ("upright", say!("orientation-upright")),
+        ("axis", say!("orientation-axis")),
+        ("fixed", say!("orientation-fixed")),
+    ]
 }
 
 #[cfg(test)]

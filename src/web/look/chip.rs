@@ -103,7 +103,7 @@ pub(crate) fn said(word: &str) -> &str {
 
 /// A state as people see it.
 pub(crate) fn chip(word: &str) -> Markup {
-    chip_of(Tone::of_word(word), said(word))
+    chip_of(Tone::of_word(word), &language::say_word("state", said(word)))
 }
 
 /// A text in a tone.
@@ -117,6 +117,14 @@ mod tests {
 
     use super::*;
     use crate::farm::{CopyWord, MachineWord, OrderWord, PlanStage, PrinterWord};
+
+    #[test]
+    fn every_word_of_a_state_is_in_the_catalogs() {
+        for word in Tone::ALL.iter().flat_map(|tone| tone.words()) {
+            let marked = language::Language::Marked.within(|| language::say_word("state", said(word)));
+            assert_eq!(marked, format!("⟦{}⟧", said(word)));
+        }
+    }
 
     #[test]
     fn every_word_of_a_state_has_one_tone_that_was_chosen_for_it() {

@@ -1,5 +1,6 @@
 //! Figures, rows, sheets and empty states.
 
+use language::say;
 use ledger::PartId;
 use maud::{Markup, html};
 
@@ -21,7 +22,7 @@ pub(crate) fn sheet(id: &str, label: &str, is_first: bool, content: &Markup) -> 
     html! {
         button.first[is_first] type="button" popovertarget=(id) { (label) }
         div.sheet-box #(id) popover role="dialog" aria-label=(label) {
-            div.sheet-head { h2 { (label) } button.close type="button" popovertarget=(id) popovertargetaction="hide" { "Close" } }
+            div.sheet-head { h2 { (label) } button.close type="button" popovertarget=(id) popovertargetaction="hide" { (say!("close")) } }
             (content)
         }
     }

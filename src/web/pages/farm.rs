@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use axum::{extract::State, response::Redirect};
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
@@ -16,13 +17,7 @@ use crate::{
     settings::Settings,
     tables::{FarmNode, GivenDate, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{
-        base::{
-            error::HandlerResult,
-            format::{count, format_age},
-            listing::table_of,
-            page::html_page,
-            query::order_address,
-        },
+        base::{error::HandlerResult, format::format_age, listing::table_of, page::html_page, query::order_address},
         board::{
             axis::TimeAxis,
             job::JobSetting,
@@ -89,12 +84,12 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         halt_summary(&alerts).unwrap_or_else(|| farm_summary(read.settings.profiles.len(), read.rows.statuses.iter()));
     let risks = dates_at_risk(read.plans.clone());
     let why_silent = match alerts.iter().any(|alert| alert.kind.cuts_ledger_off()) {
-        true => "It is said below why".to_owned(),
+        true => say!("why-below"),
         false => web.ledger.silence_hint().await?,
     };
     let (runs, line) = daemon_line(read.own_node(&web), &activity, &why_silent, &view, now);
     let content = html! {
-        div.farm-head { h1 { "Farm" } (figures(&read, &risks)) }
+        div.farm-head { h1 { (say!("nav-farm")) } (figures(&read, &risks)) }
         @if !runs { (line) }
         div.urgent {
             (needs_section(&web, &alerts, now).await?)
@@ -105,7 +100,7 @@ pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         @if runs { (line) }
         (nodes_section(&read.nodes, &view))
     };
-    Ok(html_page("Farm", "/", Some("drop.js"), &content))
+    Ok(html_page(&say!("nav-farm"), "/", Some("drop.js"), &content))
 }
 
 /// The plan stands on the farm page.
@@ -123,10 +118,10 @@ fn figures(read: &FarmSight, risks: &[DateRisk]) -> Markup {
     let tone = |number: usize, tone: Tone| (number > 0).then_some(tone);
     html! {
         ul.figures {
-            (figure(&format!("{print} of {}", printers.len()), "printers print", None))
-            (figure(&waiting.to_string(), if waiting == 1 { "copy waits" } else { "copies wait" }, None))
-            (figure_link(&late.to_string(), "dates late", tone(late, Tone::Wrong), "#risks"))
-            (figure_link(&(risks.len() - late).to_string(), "dates tight", tone(risks.len() - late, Tone::Tight), "#risks"))
+            (figure(&say!("number-of", number = print, all = printers.len()), &say!("figure-print"), None))
+            (figure(&waiting.to_string(), &say!("figure-wait", count = waiting), None))
+            (figure_link(&late.to_string(), &say!("figure-late", count = late), tone(late, Tone::Wrong), "#risks"))
+            (figure_link(&(risks.len() - late).to_string(), &say!("figure-tight", count = risks.len() - late), tone(risks.len() - late, Tone::Tight), "#risks"))
         }
     }
 }
@@ -136,11 +131,11 @@ fn risks_section(risks: &[DateRisk], view: &TimeView) -> Markup {
     let (shown, folded) = risks.split_at(risks.len().min(MAX_AT_RISK));
     html! {
         @if !shown.is_empty() {
-            section.risks #risks aria-label="Late, or at risk to be" {
-                h2 { "Late, or at risk to be" }
+            section.risks #risks aria-label=(say!("risks")) {
+                h2 { (say!("risks")) }
                 ul.rows { @for risk in shown { (risk_row(risk, view)) } }
                 @if !folded.is_empty() {
-                    details { summary { (count(folded.len() as u32, "more date", "more dates")) }
+                    details { summary { (say!("more-dates", count = folded.len())) }
                         ul.rows { @for risk in folded { (risk_row(risk, view)) } } }
                 }
             }
@@ -156,8 +151,11 @@ pub(super) fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
     html! {
         li { a.row href=(page) {
             span.row-name { (risk.subject_text()) } (chip(risk.word()))
-            span.row-more { "due " (due_of(&due, view))
-                @if let Some(done) = risk.done_at { ", done about " (time_of(done, view)) }
+            span.row-more {
+                @match risk.done_at {
+                    Some(done) => (phrase!("due-done", due = due_of(&due, view), done = time_of(done, view))),
+                    None => (phrase!("due-on", due = due_of(&due, view))),
+                }
                 span.why { ": " (risk.reason) } "." }
         } }
     }
@@ -196,7 +194,7 @@ async fn board(web: &DashboardState, read: &FarmSight, view: &TimeView) -> Handl
         @if rows.is_empty() { (no_machine()) }
         @else if is_new { (nothing_came(web.orders)) }
         @if !rows.is_empty() {
-            section.board aria-label="Board" data-zone=[read.settings.time_zone.time_zone().iana_name()] {
+            section.board aria-label=(say!("board")) data-zone=[read.settings.time_zone.time_zone().iana_name()] {
                 (axis.draw())
                 @for row in &rows { (row.draw(web, &setting)) }
                 (legend())
@@ -209,29 +207,29 @@ async fn board(web: &DashboardState, read: &FarmSight, view: &TimeView) -> Handl
 fn legend() -> Markup {
     html! {
         p.legend aria-hidden="true" {
-            span { i.solid {} "is printed" } span { i.outlined {} "is made, or lies in the queue" } span { i.dashed {} "is to come, if nothing more arrives" }
-            span { i.cool {} "cools" } span { i.closed {} "no print begins" }
+            span { i.solid {} (say!("legend-solid")) } span { i.outlined {} (say!("legend-outlined")) }
+            span { i.dashed {} (say!("legend-dashed")) }
+            span { i.cool {} (say!("legend-cool")) } span { i.closed {} (say!("legend-closed")) }
         }
     }
 }
 
 fn no_machine() -> Markup {
-    let text = html! { "A machine is a file of a few lines: its volume, its clearance, its printers. " code { "nestd machine new" }
-    " writes it." };
+    let text = phrase!("no-machine-text", command = html! { code { "nestd machine new" } });
     empty(
-        "No machine is configured on this node",
+        &say!("no-machine"),
         &text,
-        &html! { a.button.first href="/help/administrator" { "How to add a machine" } },
+        &html! { a.button.first href="/help/administrator" { (say!("no-machine-help")) } },
     )
 }
 
 fn nothing_came(takes_orders: bool) -> Markup {
-    let text = html! {
-        "Drop STL or 3MF files "
-        @if takes_orders { "on a machine below, or copy them " }
-        "into its hot folder. The farm collects them, nests them as low as it can and puts the build into the printer's queue."
+    let text = match takes_orders {
+        true => say!("nothing-came-drop"),
+        false => say!("nothing-came-copy"),
     };
-    empty("Nothing has come yet", &text, &html! { a.button.first href="/help/technician" { "How parts come in" } })
+    let help = html! { a.button.first href="/help/technician" { (say!("nothing-came-help")) } };
+    empty(&say!("nothing-came"), &html! { (text) }, &help)
 }
 
 /// Machines that are not configured here, for which parts wait.
@@ -240,12 +238,13 @@ fn others(read: &FarmSight) -> Markup {
     let node = |name: &str| read.rows.observed(name).map(|observed| &observed.node).filter(|node| !node.is_empty());
     html! {
         @for status in gone {
-            p.elsewhere { "The machine " b { (status.machine) }
+            @let machine = html! { b { (status.machine) } };
+            p.elsewhere {
                 @match node(&status.machine) {
-                    Some(node) => { " is served by the node " (node_link(&read.nodes, node)) ": " }
-                    None => { " is no longer configured: " }
+                    Some(node) => (phrase!("machine-of-node", machine = machine, node = node_link(&read.nodes, node), parts = status.waiting_parts)),
+                    None => (phrase!("machine-is-gone", machine = machine, parts = status.waiting_parts)),
                 }
-                (count(status.waiting_parts, "part waits", "parts wait")) "." }
+            }
         }
     }
 }
@@ -263,9 +262,9 @@ fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
     html! {
         @if nodes.len() > 1 {
             details.nodes open[nodes.iter().any(|listed| !listed.node.alive)] {
-                summary { (count(nodes.len() as u32, "node", "nodes")) ", "
-                    (nodes.iter().filter(|listed| listed.node.alive).count()) " running" }
-                (table_of("Nodes", None, NODE_COLUMNS, nodes, view))
+                @let running = nodes.iter().filter(|listed| listed.node.alive).count();
+                summary { (say!("nodes-running", count = nodes.len(), running = running)) }
+                (table_of(&say!("nodes"), None, NODE_COLUMNS, nodes, view))
             }
         }
     }
@@ -282,19 +281,17 @@ fn daemon_line(
     let line = match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
-                "The daemon runs on " (d.host) ", but has not written into the ledger for " (format_age(d.beat_at.0, now))
-                ": this page may be that old. " (why_silent) "."
+                (say!("daemon-silent", host = &d.host, age = format_age(d.beat_at.0, now), why = why_silent))
             }
         },
         Some(d) if d.alive => {
-            let text =
-                html! { "The daemon runs on " (d.host) " since " (time_of(d.started_at, view)) ": " (activity) "." };
+            let text = phrase!("daemon-runs", host = &d.host, time = time_of(d.started_at, view), activity = activity);
             return (true, html! { p.ok.daemon { (text) } });
         }
         Some(d) => html! {
-            p.bad role="alert" { "The daemon does not run; its last sign of life was " (format_age(d.beat_at.0, now)) " ago." }
+            p.bad role="alert" { (say!("daemon-dead", age = format_age(d.beat_at.0, now))) }
         },
-        None => html! { p.bad role="alert" { "The daemon has not run yet." } },
+        None => html! { p.bad role="alert" { (say!("daemon-never-ran")) } },
     };
     (false, line)
 }

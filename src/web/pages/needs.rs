@@ -5,6 +5,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use axum::extract::{Path, State};
 use jiff::Timestamp;
+use language::say;
 use ledger::{
     BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
 };
@@ -15,7 +16,7 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::{count, prose_with_code},
+            format::prose_with_code,
         },
         core::{
             command::command_button,
@@ -68,11 +69,11 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
     let total = entries.len() + folded.len();
     Ok(html! {
         @if total > 0 {
-            section.needs aria-label="Needs a person" {
-                h2 { (count(total as u32, "thing needs a person", "things need a person")) }
+            section.needs aria-label=(say!("needs")) {
+                h2 { (say!("things-need", count = total)) }
                 @for entry in &entries { (entry) }
                 @if !folded.is_empty() {
-                    details { summary { (count(folded.len() as u32, "more thing", "more things")) }
+                    details { summary { (say!("more-things", count = folded.len())) }
                         @for entry in &folded { (entry) } }
                 }
             }
@@ -85,10 +86,10 @@ fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> 
     let (text, whole) = (text_without_paths(web, alert), alert.alert_text());
     html! {
         div.need {
-            p { b { (text) } " " span.soft { "Since " (time_of(alert.since.into(), &web.time_view())) "." } }
+            p { b { (text) } " " span.soft { (phrase!("since-sentence", time = time_of(alert.since.into(), &web.time_view()))) } }
             (alert_buttons(web, alert, facts))
-            details { summary { "What to do" }
-                p { (prose_with_code(alert.kind.remedy())) }
+            details { summary { (say!("what-to-do")) }
+                p { (prose_with_code(&alert.kind.remedy())) }
                 @if whole != text { p.soft { (whole) } }
             }
         }
@@ -99,14 +100,14 @@ fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> 
 fn text_without_paths(web: &DashboardState, alert: &FarmAlert) -> String {
     let (settings, text) = (web.current_settings(), alert.alert_text());
     let Some(machine) = settings.profiles.get(&alert.machine) else { return text };
-    let queues = machine.printers.iter().map(|printer| (printer.queue.to_string(), "its queue folder"));
+    let queues = machine.printers.iter().map(|printer| (printer.queue.to_string(), say!("its-queue")));
     let folders = [
-        (&machine.folders.inbox, "its hot folder"),
-        (&machine.folders.error, "its error folder"),
-        (&machine.folders.archive, "its archive"),
+        (&machine.folders.inbox, say!("its-inbox")),
+        (&machine.folders.error, say!("its-errors")),
+        (&machine.folders.archive, say!("its-archive")),
     ];
     let folders = folders.map(|(folder, name)| (folder.display().to_string(), name)).into_iter().chain(queues);
-    folders.fold(text, |text, (path, name)| text.replace(&path, name))
+    folders.fold(text, |text, (path, name)| text.replace(&path, &name))
 }
 
 /// The buttons and links that end an alert.
@@ -121,27 +122,27 @@ fn alert_buttons(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -
         @match alert.kind {
             AlertKind::BuildFailed => {
                 div.buttons {
-                    (command_button(web, CommandKind::Resume, "Resume", machine, machine, None))
-                    a.button href=(format!("/history?machine={machine}&state=failed")) { "Failed builds" }
+                    (command_button(web, CommandKind::Resume, &say!("resume"), machine, machine, None))
+                    a.button href=(format!("/history?machine={machine}&state=failed")) { (say!("failed-builds")) }
                 }
             }
             AlertKind::Question => { @for part in of_kind(QuestionKind::Confirmation) {
                 (part_line(part, &part.owed.question, &html! {
-                    (part_button(web, CommandKind::Confirm, "Print as it is", part))
-                    (part_button(web, CommandKind::Cancel, "Cancel", part))
+                    (part_button(web, CommandKind::Confirm, &say!("print-as-is"), part))
+                    (part_button(web, CommandKind::Cancel, &say!("cancel"), part))
                 }))
             } }
             AlertKind::FileDamaged => { @for part in of_kind(QuestionKind::Original) {
-                (part_line(part, "", &part_button(web, CommandKind::Cancel, "Cancel", part)))
+                (part_line(part, "", &part_button(web, CommandKind::Cancel, &say!("cancel"), part)))
             } }
             AlertKind::Refused => { (refused_parts(web, machine, &facts.refused)) }
-            AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{machine}/drop")) { "Add files" } } }
+            AlertKind::Incomplete => { div.buttons { a.button href=(format!("/machines/{machine}/drop")) { (say!("add-files")) } } }
             AlertKind::ReleaseDue => { div.buttons {
                 @for build in facts.verified.iter().filter(|build| build.machine == machine && awaits_yes(web, build)) {
-                    a.button href=(format!("/builds/{}#release", build.id)) { "Build " (build.id) }
+                    a.button href=(format!("/builds/{}#release", build.id)) { (say!("build-number", build = build.id.to_string())) }
                 }
             } }
-            AlertKind::MachineGone => { div.buttons { a.button href=(waiting) { "The parts that wait" } } }
+            AlertKind::MachineGone => { div.buttons { a.button href=(waiting) { (say!("parts-that-wait")) } } }
             _ => {}
         }
     }
@@ -161,7 +162,7 @@ fn part_line(part: &PartRow, text: &str, buttons: &Markup) -> Markup {
     html! {
         div.part-line {
             p { a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) }
-                @if !part.terms.order_name.is_empty() { ", order " (part.terms.order_name) }
+                @if !part.terms.order_name.is_empty() { ", " (say!("order-of", order = &part.terms.order_name)) }
                 @if !text.is_empty() { ": " (prose_with_code(text)) } }
             div.buttons { (buttons) }
         }
@@ -177,15 +178,15 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             // What was found; what to do is on the page of the part.
             @let found = reason.split_once(". ").map_or(reason.to_owned(), |(first, _)| format!("{first}."));
             (part_line(part, &found, &html! {
-                @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, "Read it again", part)) }
+                @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }
         div.buttons {
-            a.button href=(format!("/parts?state=refused&machine={machine}")) { "All refused" }
+            a.button href=(format!("/parts?state=refused&machine={machine}")) { (say!("all-refused")) }
             @if web.orders {
                 form.order method="post" action=(format!("/machines/{machine}/dismiss")) {
                     (key_field(web))
-                    button type="submit" { "Seen to" span.unseen { ": leave them there (" (machine) ")" } }
+                    button type="submit" { (say!("seen-to")) span.unseen { (say!("unseen-seen-to", machine = machine)) } }
                 }
             }
         }
@@ -199,9 +200,9 @@ fn copies_question(questions: &[QuestionedPart]) -> Option<Markup> {
     (!parts.is_empty()).then(|| {
         html! {
             div.need {
-                p { b { "How many copies are wanted? They are taken as 1." } }
+                p { b { (say!("how-many")) } }
                 @for part in parts {
-                    (part_line(part, "", &html! { a.button href=(format!("/parts/{}#edit", part.id)) { "Say how many" } }))
+                    (part_line(part, "", &html! { a.button href=(format!("/parts/{}#edit", part.id)) { (say!("say-how-many")) } }))
                 }
             }
         }
@@ -214,7 +215,8 @@ pub(crate) async fn post_dismiss(
     Path(name): Path<String>,
 ) -> HandlerResult<FormAnswer> {
     let settings = web.current_settings();
-    let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
+    let profile =
+        settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(say!("machine-named", machine = &name)))?;
     let error_dir = profile.folders.error.clone();
     let dismissed = tokio::task::spawn_blocking(move || farm::dismiss_refused(&error_dir)).await;
     dismissed.context("a step ended")?.context("writing into the error folder")?;

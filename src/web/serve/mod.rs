@@ -7,3 +7,4 @@ pub(super) mod metrics;
 pub(super) mod role_rules;
 pub(super) mod sent_form;
 pub(super) mod server;
+mod spoken;

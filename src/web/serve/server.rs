@@ -13,7 +13,7 @@ use ledger::Ledger;
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
-use super::{asset_route, drop, guard, metrics, sent_form};
+use super::{asset_route, drop, guard, metrics, sent_form, spoken};
 use crate::{
     farm::{JudgedFiles, QuoteMeshes, ServiceBridge},
     metrics::MetricsExporter,
@@ -184,6 +184,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
         .layer(middleware::from_fn(compress_pages))
+        .layer(middleware::from_fn_with_state(web.clone(), spoken::speak))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .with_state(web)
 }

@@ -3,6 +3,7 @@
 use std::{borrow::Cow, fmt, ops::Deref};
 
 use jiff::{SpanRound, Timestamp, Unit};
+use language::say;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
@@ -30,8 +31,8 @@ impl UtcTimestamp {
     /// How far away this timestamp is: `in 3h 5m`, or `2d 2h overdue`. `None` = too far to express.
     pub fn distance_text(self, now: Timestamp) -> Option<String> {
         match self.0 >= now {
-            true => Some(format!("in {}", Self(now).age_text(self.0)?)),
-            false => Some(format!("{} overdue", self.age_text(now)?)),
+            true => Some(say!("due-in", span = Self(now).age_text(self.0)?)),
+            false => Some(say!("due-overdue", span = self.age_text(now)?)),
         }
     }
 }

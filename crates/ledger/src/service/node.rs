@@ -2,6 +2,7 @@
 //! heartbeat tells user interfaces whether a daemon runs.
 
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use rustix::{
     fs::{FlockOperation, flock},
     io::Errno,
@@ -188,17 +189,12 @@ impl Ledger {
     /// What helps where a daemon runs and does not write into the ledger, as far as that can be told from here.
     pub async fn silence_hint(&self) -> Result<String> {
         if let Some(by) = self.locked_by().await? {
-            return Ok(format!(
-                "{by} keeps the ledger from being changed: nestd waits until it has finished its change, or is ended"
-            ));
+            return Ok(say!("silent-locked", by = by));
         }
-        let hint = match self.file() {
-            Some(_) => "Where the disk of the state folder is full, free some room",
-            None => {
-                "Its way to the database is cut or slow, or all changes wait for one connection, which its alerts then name"
-            }
-        };
-        Ok(hint.to_owned())
+        Ok(match self.file() {
+            Some(_) => say!("silent-disk"),
+            None => say!("silent-database"),
+        })
     }
 
     /// The process, other than a daemon, that keeps a ledger in a file from being changed for longer than a change takes; `None` = none, as

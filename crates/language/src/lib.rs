@@ -1,0 +1,25 @@
+//! What people read, in their language: English, German, French or Japanese.
+//!
+//! A sentence has a name, and stands in a catalog (`catalogs/en/*.ftl`, Project Fluent). [`say!`] gives it in the language that is current: that of the request ([`Language::scope`]) or of the file that is written ([`Language::within`]). Without one it is English,
+//! as logs, commands and JSON are. A sentence that a language lacks is said in English.
+
+mod catalog;
+mod current;
+mod dates;
+mod language;
+
+pub use catalog::{Arg, IntoArg, Piece, say, say_pieces, say_word};
+pub use current::current;
+pub use dates::{clock_text, day_text, decimal, month_text, year_text};
+pub use language::Language;
+
+/// The sentence of a name in the language that is current. Values are numbers and texts: `count = 3`.
+#[macro_export]
+macro_rules! say {
+    ($id:literal $(, $name:ident = $value:expr)* $(,)?) => {
+        $crate::say($id, &[$((stringify!($name), $crate::IntoArg::into_arg($value))),*])
+    };
+}
+
+#[cfg(test)]
+mod catalog_tests;

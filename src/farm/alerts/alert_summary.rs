@@ -18,7 +18,7 @@ pub struct AlertSummary {
     /// What is wrong.
     sentence: String,
     /// What to do.
-    remedy: &'static str,
+    remedy: String,
     /// When the alert began.
     #[schemars(with = "UtcTimestamp")]
     since: String,

@@ -20,7 +20,7 @@ fn farm(profile: &str) -> TestFarm {
 /// Waits until a kind is shown in all three places; `machine` is the machine whose STATUS.txt is read.
 fn is_reported_everywhere(farm: &TestFarm, kind: AlertKind, machine: &str) {
     let status = farm.root().join("inbox").join(machine).join("STATUS.txt");
-    let is_named_in = |text: &str| text.contains(kind.headline()) && text.contains(kind.remedy());
+    let is_named_in = |text: &str| text.contains(&kind.headline()) && text.contains(&kind.remedy());
     let now = || {
         let file = fs::read_to_string(&status).unwrap_or_default();
         let command = farm.nestd(&["status"]);
@@ -44,7 +44,7 @@ fn is_over(farm: &TestFarm, kind: AlertKind) {
         &format!("{kind:?} is over"),
         40.0,
         || farm.log(),
-        || !farm.nestd_ok(&["status"]).contains(kind.headline()),
+        || !farm.nestd_ok(&["status"]).contains(&kind.headline()),
     );
 }
 
@@ -67,7 +67,7 @@ fn every_kind_is_reported_by_status_with_its_remedy() {
             let output = farm.nestd(args);
             let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
             assert!(
-                output_text.contains(kind.headline()) && output_text.contains(&kind.remedy()[..20]),
+                output_text.contains(&kind.headline()) && output_text.contains(&kind.remedy()[..20]),
                 "{output_text}"
             );
             assert!(!output_text.contains('\u{1b}'), "an escape sequence came through");

@@ -29,7 +29,8 @@ macro_rules! areas {
 }
 
 /// All areas.
-pub(crate) static AREAS: &[Area] = &areas!["common", "facts", "alerts", "farm", "forms"];
+pub(crate) static AREAS: &[Area] =
+    &areas!["common", "facts", "alerts", "farm", "forms", "builds", "orders", "history", "break_out", "labels", "help"];
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 4]> = LazyLock::new(|| Language::ALL.map(bundle_of));
 

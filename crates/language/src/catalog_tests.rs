@@ -14,10 +14,11 @@ use crate::{
 };
 
 /// Kinds of words, and what stands before a word of the kind in the code where all of them are.
-const KINDS: [&str; 2] = ["field", "state"];
+const KINDS: [&str; 6] = ["field", "state", "ledger", "http", "event", "trigger"];
 
 /// Areas that are not translated yet.
-const IN_ENGLISH_ONLY: &[&str] = &["common", "facts", "alerts", "farm", "forms"];
+const IN_ENGLISH_ONLY: &[&str] =
+    &["common", "facts", "alerts", "farm", "forms", "builds", "orders", "history", "break_out", "labels", "help"];
 
 /// Sentences that are the same in English and in a language: (language, name).
 const EQUAL: &[(&str, &str)] = &[];

@@ -12,6 +12,15 @@ pub fn year_text(day: i8, month: i8, year: i16) -> String {
     say!("date-year", day = day, month = month_name(month), year = year.to_string())
 }
 
+/// A day in full: `Friday 4 December`, with the year if one is given.
+pub fn long_day_text(weekday: i8, day: i8, month: i8, year: Option<i16>) -> String {
+    let (weekday, month) = (say!("weekday-long", weekday = weekday), say!("month-long", month = month));
+    match year {
+        Some(year) => say!("date-long-year", weekday = weekday, day = day, month = month, year = year.to_string()),
+        None => say!("date-long", weekday = weekday, day = day, month = month),
+    }
+}
+
 /// A time of a day: `today 05:49`.
 pub fn clock_text(day: String, clock: String) -> String {
     say!("date-clock", day = day, clock = clock)

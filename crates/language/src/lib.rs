@@ -10,7 +10,7 @@ mod language;
 
 pub use catalog::{Arg, IntoArg, Piece, say, say_pieces, say_word};
 pub use current::current;
-pub use dates::{clock_text, day_text, decimal, month_text, year_text};
+pub use dates::{clock_text, day_text, decimal, long_day_text, month_text, year_text};
 pub use language::Language;
 
 /// The sentence of a name in the language that is current. Values are numbers and texts: `count = 3`.

@@ -1,6 +1,7 @@
 //! What became of copies: a function of the ledger and of the plans. Where a machine has a plan, that says which of its builds lie in a
 //! queue, are printed, and are over; where it has none (it is not configured any more, or on another node), what the ledger saw holds.
 
+use language::say;
 use ledger::{BuildState, LineCopies, PlacementRow};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -62,6 +63,22 @@ impl CopyWord {
             Self::Bad => "bad",
             Self::Withdrawn => "withdrawn",
             Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// So many copies in this state: `3 good`. `count` may be of more: `3 of 5`.
+    pub fn counted(self, count: impl language::IntoArg) -> String {
+        match self {
+            Self::Good => say!("copies-good", count = count),
+            Self::Printed => say!("copies-printed", count = count),
+            Self::Printing => say!("copies-printing", count = count),
+            Self::Queued => say!("copies-queued", count = count),
+            Self::InBuild => say!("copies-in-build", count = count),
+            Self::Waiting => say!("copies-waiting", count = count),
+            Self::Refused => say!("copies-refused", count = count),
+            Self::Bad => say!("copies-bad", count = count),
+            Self::Withdrawn => say!("copies-withdrawn", count = count),
+            Self::Cancelled => say!("copies-cancelled", count = count),
         }
     }
 

@@ -1,7 +1,7 @@
 //! What can be sent to a customer about an order, in plain text.
 
-use build_file::format_count;
 use jiff::{Timestamp, Zoned};
+use language::say;
 use ledger::UtcTimestamp;
 
 use super::order_fact::{DatedOrder, OrderWord};
@@ -13,49 +13,48 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
     let (order, copies, fact) = (&dated.order.order, &dated.order.copies, &dated.fact);
     let day =
         |at: UtcTimestamp| day_text(&at.0.to_zoned(zone.time_zone().clone()), &now.to_zoned(zone.time_zone().clone()));
-    let your = format!("Your order {}", order.name);
-    let (printed, parts) = (copies.good + copies.printed, format_count(copies.wanted, "part", "parts"));
-    let refused = match copies.refused {
-        0 => String::new(),
-        1 => "; 1 part is not made".to_owned(),
-        several => format!("; {several} parts are not made"),
-    };
+    let (name, printed) = (&order.name, copies.good + copies.printed);
+    let refused = (copies.refused > 0).then(|| say!("note-refused", parts = copies.refused));
+    let refused = refused.map_or_else(String::new, |text| format!("; {text}"));
     let of = match (printed, copies.wanted) {
-        (0, 1) => "it is not printed yet".to_owned(),
-        (0, _) => format!("none of the {parts} is printed yet"),
-        (1, 1) => "it is printed".to_owned(),
-        (printed, wanted) if printed == wanted => format!("all {parts} are printed"),
-        (1, _) => format!("1 of {parts} is printed"),
-        _ => format!("{printed} of {parts} are printed"),
+        (0, 1) => say!("note-one-not-printed"),
+        (0, parts) => say!("note-none-printed", parts = parts),
+        (1, 1) => say!("note-one-printed"),
+        (printed, parts) if printed == parts => say!("note-all-printed", parts = parts),
+        (_, parts) => {
+            say!("note-some-printed", printed = printed, parts = parts)
+        }
     };
     match fact.word {
-        OrderWord::Done => format!("{your} is complete: {of}."),
+        OrderWord::Done => say!("note-complete", order = name, printed = of),
         OrderWord::Closed => {
             let accepted = order.closing.accepted_copies.unwrap_or(copies.good);
-            let of = order.closing.closed_of.unwrap_or(copies.wanted);
-            format!("{your} is complete with {accepted} of {}.", format_count(of, "part", "parts"))
+            let all = order.closing.closed_of.unwrap_or(copies.wanted);
+            say!("note-closed", order = name, accepted = accepted, parts = all)
         }
-        OrderWord::Short if copies.under_way() == 0 => format!("{your}: {of}{refused}."),
+        OrderWord::Short if copies.under_way() == 0 => say!("note-order", order = name, how = of + &refused),
         _ => {
-            let rest = if printed == 0 { "all of it" } else { "the rest" };
-            let expected = match fact.done_at {
-                _ if printed + copies.refused >= copies.wanted => String::new(),
-                Some(at) => format!(", {rest} is expected {}", day(at)),
-                None => format!(", {rest} is in production"),
+            let expected = match (fact.done_at, printed) {
+                _ if printed + copies.refused >= copies.wanted => None,
+                (Some(at), 0) => Some(say!("note-all-expected", day = day(at))),
+                (Some(at), _) => Some(say!("note-rest-expected", day = day(at))),
+                (None, 0) => Some(say!("note-all-made")),
+                (None, _) => Some(say!("note-rest-made")),
             };
-            let sorry = match fact.missed_at {
+            let expected = expected.map_or_else(String::new, |text| format!(", {text}"));
+            let note = say!("note-order", order = name, how = of + &expected + &refused);
+            match fact.missed_at {
                 Some(due) if fact.lateness().is_some() || due.0 <= now => {
-                    format!(" We are sorry: it was due {}.", day(due))
+                    format!("{note} {}", say!("note-sorry", day = day(due)))
                 }
-                _ => String::new(),
-            };
-            format!("{your}: {of}{expected}{refused}.{sorry}")
+                _ => note,
+            }
         }
     }
 }
 
 /// `Friday 4 December`, with the year where it is another one.
 fn day_text(at: &Zoned, now: &Zoned) -> String {
-    let format = if at.year() == now.year() { "%A %-d %B" } else { "%A %-d %B %Y" };
-    at.strftime(format).to_string()
+    let year = (at.year() != now.year()).then_some(at.year());
+    language::long_day_text(at.weekday().to_monday_one_offset(), at.day(), at.month(), year)
 }

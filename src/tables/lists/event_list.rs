@@ -1,5 +1,6 @@
 //! Events as a person reads them: what happened to several parts at one moment is one row.
 
+use language::say;
 use ledger::EventRow;
 
 /// Events of one kind so near to each other happened at one moment, s.
@@ -47,7 +48,7 @@ fn one_row(mut group: Vec<EventRow>) -> Option<EventRow> {
     let more = details.len().saturating_sub(MAX_DETAILS);
     let mut detail = details[..details.len().min(MAX_DETAILS)].join("; ");
     if more > 0 {
-        detail += &format!("; and {more} more");
+        detail += &format!("; {}", say!("and-more", count = more));
     }
     let first = group.swap_remove(0);
     let part_id = group.iter().all(|event| event.part_id == first.part_id).then_some(first.part_id).flatten();

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use language::say;
 use ledger::{BadCopies, BuildState, HistoryRow};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -100,7 +101,7 @@ impl MachineOutput {
 
     /// The sum over machines. A machine whose hours are not known counts as none.
     fn total_of(all: &[Self]) -> Self {
-        let empty = Self { machine: "all machines".to_owned(), ..Self::default() };
+        let empty = Self { machine: say!("all-machines"), ..Self::default() };
         let sum = all.iter().fold(empty, |sum, one| Self {
             builds: sum.builds + one.builds,
             failed_builds: sum.failed_builds + one.failed_builds,

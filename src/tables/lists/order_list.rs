@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use build_file::format_count;
+use language::say;
 use ledger::{BuildId, BuildState, LineCopies, OrderLine, OrderRow, PartId, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -126,16 +126,15 @@ impl BuiltCopies {
 pub fn closing_text(order: &OrderRow, view: &TimeView) -> Option<String> {
     let closing = &order.closing;
     let (at, by) = (closing.closed_at?, closing.closed_by.as_deref()?);
-    let of = format_count(closing.closed_of?, "copy", "copies");
-    Some(format!("{} by {by}, with {} of {of}", view.near_text(at), closing.accepted_copies?))
+    let (accepted, all) = (closing.accepted_copies?, closing.closed_of?);
+    Some(say!("closed-by", time = view.near_text(at), by = by, accepted = accepted, copies = all))
 }
 
 /// `40 of 48 good, 5 in the queue, 3 waiting`; of what there is nothing, nothing is said.
 pub fn copies_text(copies: &LineCopies) -> String {
-    let mut texts: Vec<String> =
-        counted_words(copies).map(|(copies, word)| format!("{copies} {}", word.word())).collect();
+    let mut texts: Vec<String> = counted_words(copies).map(|(copies, word)| word.counted(copies)).collect();
     if let Some((first, word)) = counted_words(copies).next().filter(|(first, _)| *first < copies.wanted) {
-        texts[0] = format!("{first} of {} {}", copies.wanted, word.word());
+        texts[0] = word.counted(say!("number-of", number = first, all = copies.wanted));
     }
-    if texts.is_empty() { "none".to_owned() } else { texts.join(", ") }
+    if texts.is_empty() { say!("no-copies") } else { texts.join(", ") }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use language::say;
 use ledger::{BuildId, LineCopies, PartRow, PlacementRow};
 use serde::Serialize;
 
@@ -135,7 +136,8 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
     let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
     // What is asked was a warning before.
     let warnings = part.told_warnings().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
-    let texts = asked.map(|asked| format!("Waits for a yes: {asked}")).into_iter().chain(warnings.map(str::to_owned));
+    let texts =
+        asked.map(|asked| say!("waits-for-yes-to", question = asked)).into_iter().chain(warnings.map(str::to_owned));
     CellValue::Prose(texts.collect::<Vec<_>>().join("; "))
 }
 
@@ -156,6 +158,11 @@ pub fn whereabouts(placed: &[PlacedCopy]) -> String {
         };
         *builds.entry((copy.placed.build_id, state)).or_default() += 1;
     }
-    let texts: Vec<String> = builds.iter().map(|((id, state), n)| format!("{n} in build {id} ({state})")).collect();
-    if texts.is_empty() { "none in a build".to_owned() } else { texts.join(", ") }
+    let texts: Vec<String> = builds
+        .iter()
+        .map(|((id, state), n)| {
+            say!("in-build-state", copies = *n, build = id.to_string(), state = language::say_word("state", state))
+        })
+        .collect();
+    if texts.is_empty() { say!("none-in-build") } else { texts.join(", ") }
 }

@@ -1,5 +1,6 @@
 //! The copies of a build in the order in which they are removed from the cake.
 
+use language::say;
 use ledger::PartId;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -80,11 +81,15 @@ pub fn points_down(direction: [f64; 3]) -> bool {
 
 /// A removal direction in words, such as `up, left`.
 pub fn removal_in_words([x, y, z]: [f64; 3]) -> String {
-    let side = |value: f64, towards: &'static str, away: &'static str| match value {
+    let side = |value: f64, towards: String, away: String| match value {
         value if value > SLIGHT => Some(towards),
         value if value < -SLIGHT => Some(away),
         _ => None,
     };
-    let sides = [side(z, "up", "down"), side(x, "right", "left"), side(y, "back", "front")];
+    let sides = [
+        side(z, say!("way-up"), say!("way-down")),
+        side(x, say!("way-right"), say!("way-left")),
+        side(y, say!("way-back"), say!("way-front")),
+    ];
     sides.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

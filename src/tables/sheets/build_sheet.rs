@@ -1,5 +1,6 @@
 //! The facts of a build, line by line, with its recorded outcomes and its events.
 
+use language::say;
 use ledger::{BuildRow, EventKind, EventRow, OutcomeRow, UtcTimestamp};
 
 use crate::{
@@ -26,10 +27,10 @@ pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
 /// The kind of an event as people say it.
 fn event_word(kind: &EventKind) -> String {
     match kind {
-        EventKind::Claimed => "taken".to_owned(),
-        EventKind::Batched => "in a build".to_owned(),
-        EventKind::Built => "in the queue".to_owned(),
-        other => other.to_string().replace('_', " "),
+        EventKind::Claimed => say!("event-taken"),
+        EventKind::Batched => language::say_word("event", "in a build"),
+        EventKind::Built => language::say_word("event", "in the queue"),
+        other => language::say_word("event", &other.to_string().replace('_', " ")),
     }
 }
 
@@ -62,28 +63,32 @@ pub fn build_facts(
         row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.space.layer_mm).ceil() as u32));
     let thick = machine.and_then(|machine| fields::LAYER_THICKNESS.with_unit(machine.space.layer_mm));
     let volume = row.measures.part_volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
-    let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
+    let fired_by = (!row.fired_by.is_empty()).then(|| {
+        say!("fired-and-nested", trigger = language::say_word("trigger", &row.fired_by), count = row.attempts)
+    });
     let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
     let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
     let ago = |at: UtcTimestamp| {
-        view.now().and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"))
+        view.now()
+            .and_then(|now| at.age_text(now))
+            .map_or_else(String::new, |age| format!(", {}", say!("ago", age = age)))
     };
     let published = row
         .times
         .published_at
         .map(|at| SheetFact { at: Some(at), ..fields::PUBLISHED.fact_of(view.time_text(at) + &ago(at)) });
     let released = row.place.released_at.zip(row.place.released_by.as_ref());
-    let released = released.map(|(at, by)| format!("{} by {by}", view.time_text(at)));
+    let released = released.map(|(at, by)| say!("time-by", time = view.time_text(at), by = by));
     let printer = row.place.printer.as_ref().filter(|printer| **printer != row.machine);
     let printer = printer.map(|printer| match &row.place.move_to {
-        Some(to) => format!("{printer}, on its way to {to}"),
+        Some(to) => say!("on-its-way-to", printer = printer, other = to),
         None => printer.clone(),
     });
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         optional_fact(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
-        optional_fact(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
-        optional_fact(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
+        optional_fact(fields::LOWER_BOUND, bound.map(|bound| say!("bound-text", bound = bound))),
+        optional_fact(fields::LAYERS, layers.map(|layers| of_all(layers.to_string(), thick))),
         fields::DENSITY.fact(row.measures.density),
         Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
         optional_fact(fields::CLEARANCE, clearance(row, machine)),
@@ -106,39 +111,43 @@ pub fn build_facts(
 /// `87.50 mm of 200 mm`.
 pub fn height(height_mm: Option<f64>, volume_z_mm: Option<f64>) -> Option<String> {
     let volume = volume_z_mm.filter(|z| *z > 0.0).and_then(|z| fields::VOLUME_Z.with_unit(z));
-    Some(joined([Some(fields::HEIGHT.with_unit(height_mm)?), volume], " of "))
+    Some(of_all(fields::HEIGHT.with_unit(height_mm)?, volume))
+}
+
+/// A value, of all that there is where that is known: `87.50 mm of 380 mm`.
+fn of_all(value: String, all: Option<String>) -> String {
+    match all {
+        Some(all) => say!("number-of", number = value, all = all),
+        None => value,
+    }
 }
 
 fn clearance(row: &BuildRow, machine: Option<&MachineProfile>) -> Option<String> {
     let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.space.clearance_mm));
     let asked = fields::CLEARANCE.with_unit(asked_mm)?;
     let proved = match (fields::CLEARANCE_PROVED.with_unit(row.measures.clearance_proved_mm), row.times.verified_at) {
-        (Some(proved), _) => format!("{proved} proved on the triangles"),
-        (None, Some(_)) => "proved: no two are near".to_owned(),
-        (None, None) => "proved once it is fired".to_owned(),
+        (Some(proved), _) => say!("clearance-proved", clearance = proved),
+        (None, Some(_)) => say!("clearance-no-two"),
+        (None, None) => say!("clearance-once-fired"),
     };
-    Some(format!("{asked} asked, {proved}"))
+    Some(say!("clearance-asked", asked = asked, proved = proved))
 }
 
 fn search(method: &str, row: &BuildRow) -> String {
     let pieces = [
         Some(method.to_owned()),
-        row.search.seed.map(|seed| format!("seed {seed}")),
-        row.search.evaluations.map(|evaluations| format!("{evaluations} evaluations")),
-        fields::CPU.plain_text(&row.search.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
-        fields::WALL.plain_text(&row.search.wall_secs.into()).map(|secs| format!("{secs} wall s")),
+        row.search.seed.map(|seed| say!("seed", seed = seed.to_string())),
+        row.search.evaluations.map(|evaluations| say!("evaluations", count = evaluations.to_string())),
+        fields::CPU.plain_text(&row.search.cpu_secs.into()).map(|secs| say!("cpu-secs", secs = secs)),
+        fields::WALL.plain_text(&row.search.wall_secs.into()).map(|secs| say!("wall-secs", secs = secs)),
         row.search.version.as_ref().map(|version| format!("nestd {version}")),
     ];
     joined(pieces, ", ")
 }
 
-fn times(attempts: u32) -> String {
-    if attempts == 1 { "once".to_owned() } else { format!("{attempts} times") }
-}
-
 /// Size and hash of a file.
 pub(crate) fn content(bytes: u64, hash: &str) -> String {
-    format!("{bytes} bytes, BLAKE3 {hash}")
+    say!("bytes-and-hash", bytes = bytes.to_string(), hash = hash)
 }
 
 /// Joins the pieces that are known into one line.

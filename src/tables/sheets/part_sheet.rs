@@ -1,5 +1,6 @@
 //! The facts of a part, line by line.
 
+use language::say;
 use ledger::{PartRow, PartState};
 
 use super::build_sheet::{content, joined};
@@ -13,12 +14,13 @@ use crate::tables::{
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {
-    let state = joined([Some(row.state.to_string()), Some(view.time_text(row.times.state_at))], " since ");
+    let state = language::say_word("ledger", &row.state.to_string());
+    let state = say!("state-since", state = state, time = view.time_text(row.times.state_at));
     let size =
         row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.plain_text(&mm.into())), " x ") + " mm");
-    let triangles = row.measures.triangles.map(|triangles| format!("{triangles} triangles"));
+    let triangles = row.measures.triangles.map(|triangles| say!("triangles", count = triangles.to_string()));
     let volume = row.measures.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
-    let volume = volume.or_else(|| (row.state == PartState::Claimed).then(|| "not read yet".to_owned()));
+    let volume = volume.or_else(|| (row.state == PartState::Claimed).then(|| say!("not-read-yet")));
     let clearance = fields::CLEARANCE.with_unit(row.terms.clearance_mm);
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
@@ -30,7 +32,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         fields::PRIORITY.fact(row.terms.priority),
         view.due_fact(fields::DUE, GivenDate::of_terms(&row.terms)),
         Some(fields::ORIENTATION.fact_of(orientation(row))),
-        optional_fact(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
+        optional_fact(fields::CLEARANCE, clearance.map(|clearance| say!("as-ticket-says", clearance = clearance))),
         optional_fact(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
         optional_fact(fields::PART_VOLUME, volume),
         fields::NOTE.fact(&row.terms.note),

@@ -5,6 +5,7 @@ use axum::{
     http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use language::say;
 use ledger::LedgerError;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,7 +16,7 @@ use super::page;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum HandlerError {
     /// There is nothing of that name or number.
-    #[error("there is no {0}")]
+    #[error("{}", there_is_no(.0))]
     NotFound(String),
     /// The request is invalid or forbidden.
     #[error("{1}")]
@@ -34,10 +35,18 @@ pub(crate) enum HandlerError {
     Failed(#[from] anyhow::Error),
 }
 
+fn there_is_no(what: &str) -> String {
+    say!("there-is-no", what = what)
+}
+
 fn not_all_done(done: &[String], refused: &[String]) -> String {
     match done.is_empty() {
         true => refused.join("\n"),
-        false => format!("Refused: {}\nDone all the same: {}", refused.join(" "), done.join(" ")),
+        false => {
+            say!("refused-but-done", refused = refused.join(" "))
+                + "\n"
+                + &say!("done-all-the-same", done = done.join(" "))
+        }
     }
 }
 
@@ -128,7 +137,7 @@ pub(crate) fn format_error_response(mut response: Response, path: &str) -> Respo
     }
     // The error comes from axum, as one line of plain text: a number in the address or a form that cannot be parsed.
     if why.is_none() && status.is_client_error() {
-        return (status, page::error_page(status, "This address or this form cannot be understood")).into_response();
+        return (status, page::error_page(status, &say!("not-understood"))).into_response();
     }
     response
 }

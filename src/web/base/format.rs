@@ -10,9 +10,6 @@ use ledger::UtcTimestamp;
 /// Stands for a value that is not known.
 pub(crate) const DASH: &str = "\u{2013}";
 
-/// '1 copy', '2 copies'.
-pub(crate) use build_file::format_count as count;
-
 /// A text whose commands and options in backticks become `<code>` elements.
 pub(crate) fn prose_with_code(text: &str) -> Markup {
     let pieces: Vec<&str> = text.split('`').collect();

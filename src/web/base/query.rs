@@ -6,6 +6,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
+use language::say;
 use serde::{
     Deserializer, Serialize,
     de::{DeserializeOwned, Error, Visitor, value},
@@ -38,7 +39,9 @@ pub(crate) fn parse_field<T: DeserializeOwned>(text: &str, what: &str) -> Handle
         "" => Ok(None),
         _ => match serde_json::from_value(value()) {
             Ok(value) => Ok(Some(value)),
-            Err(_) => Err(HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is not {what}"))),
+            Err(_) => {
+                Err(HandlerError::Refused(StatusCode::BAD_REQUEST, say!("is-not-what", text = text, what = what)))
+            }
         },
     }
 }

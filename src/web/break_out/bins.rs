@@ -1,9 +1,11 @@
 //! The bins of a cake that is broken out, one for each order: each has a number, a colour and a shape of its own.
 
 use build_file::kind_colour_code;
+use language::say;
 use maud::{Markup, PreEscaped, html};
 
 use super::break_out_state::BinCount;
+use crate::tables::fields;
 
 /// The colours of bins, as kinds of parts in pictures and in the 3D view (`web/view/palette.js`): those that everybody can tell apart, also the
 /// colour-blind (CIE76 distance of 15 at least, also as deutan and protan eyes see them).
@@ -50,10 +52,11 @@ fn luminance(code: &str) -> f64 {
 /// The bins with their counts.
 pub(super) fn bins_table(counts: &[BinCount]) -> Markup {
     html! {
-        h2 { "Bins" }
-        div.wide tabindex="0" role="region" aria-label="Bins" { table.bins {
-            thead { tr { th scope="col" { "Bin" } th scope="col" { "Order" } th.n scope="col" { "Copies" } th.n scope="col" { "Good" }
-                th.n scope="col" { "Bad" } th.n scope="col" { "Not found" } th.n scope="col" { "In the cake" } } }
+        h2 { (say!("bins")) }
+        div.wide tabindex="0" role="region" aria-label=(say!("bins")) { table.bins {
+            thead { tr { th scope="col" { (say!("bin")) } th scope="col" { (fields::ORDER.said()) } th.n scope="col" { (fields::COPIES.said()) }
+                th.n scope="col" { (fields::COPIES_GOOD.said()) } th.n scope="col" { (fields::COPIES_BAD.said()) }
+                th.n scope="col" { (say!("bin-not-found")) } th.n scope="col" { (say!("bin-in-cake")) } } }
             tbody { @for (bin, counted) in counts.iter().enumerate() { tr {
                 td { (bin_badge(bin)) span.unseen { (bin + 1) } } td { (counted.name()) } td.n { (counted.all) } td.n { (counted.good) }
                 td.n { (counted.bad) } td.n { (counted.missing) } td.n { (counted.open()) @if counted.open() == 0 { " \u{2713}" } }

@@ -10,6 +10,7 @@ use axum::{
     http::HeaderMap,
     response::{IntoResponse, Redirect, Response},
 };
+use language::say;
 use ledger::{BuildId, OperatorWord, PartId, PickMark, PickMarkRow};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -17,11 +18,11 @@ use serde::Deserialize;
 use super::{
     bins::bins_table,
     break_out_card::{ShownStep, current_card, last_line, open_list, progress_line, summary_section},
-    break_out_state::{BreakOutState, CopyState, mark_word},
+    break_out_state::{BreakOutState, CopyState, copy_title, mark_word},
     together::positions_in,
 };
 use crate::web::{
-    base::{error::HandlerResult, format::count, page::html_page, query::Query},
+    base::{error::HandlerResult, page::html_page, query::Query},
     core::{
         command::answer_form,
         device_name::device_user,
@@ -69,7 +70,7 @@ pub(crate) async fn show_step(
         }
     };
     let content = step_content(&web, &state, step.as_ref(), &look);
-    let page = html_page(&format!("Break out build {}", state.build.id), "", None, &content);
+    let page = html_page(&say!("break-out-title", build = state.build.id.to_string()), "", None, &content);
     Ok((device.headers(), page.into_response()))
 }
 
@@ -86,7 +87,7 @@ fn step_content(
 ) -> Markup {
     let (counts, view, elsewhere) = (state.counts(), web.time_view(), web.shown.elsewhere(look));
     html! {
-        h1 { "Break out build " (state.build.id) }
+        h1 { (say!("break-out-title", build = state.build.id.to_string())) }
         (progress_line(&counts))
         @match step {
             Some(step) => (current_card(web, state, step, &elsewhere, &view)),
@@ -99,19 +100,19 @@ fn step_content(
         (bins_table(&counts))
         (open_list(web, state, &elsewhere))
         (build_labels(state.build.id.0))
-        p.links { a href=(format!("/builds/{}/pick", state.build.id)) { "The whole pick map, to print" }
-            a href=(format!("/builds/{}", state.build.id)) { "Build " (state.build.id) } }
+        p.links { a href=(format!("/builds/{}/pick", state.build.id)) { (say!("whole-pick-map")) }
+            a href=(format!("/builds/{}", state.build.id)) { (say!("build-number", build = state.build.id.to_string())) } }
     }
 }
 
 /// Instead of a card: the last copies are on other screens.
 fn all_elsewhere(state: &BreakOutState, elsewhere: &BTreeMap<usize, String>) -> Markup {
     html! {
-        section.card.step aria-label="On other screens" {
-            h2 { "The last " @match elsewhere.len() { 1 => "copy is on another screen", many => { (many) " copies are on other screens" } } }
+        section.card.step aria-label=(say!("on-other-screens")) {
+            h2 { (say!("last-elsewhere", count = elsewhere.len())) }
             ul { @for (&at, user) in elsewhere {
                 @let copy = &state.map.list.copies[at];
-                li { a href=(state.address_of(at)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) } ", " (name_of_user(user)) }
+                li { a href=(state.address_of(at)) { (copy_title(copy)) } ", " (name_of_user(user)) }
             } }
         }
     }
@@ -151,14 +152,12 @@ pub(crate) async fn post_mark(
     let (who, when) = (name_of_user(&first.told_by), web.time_view().time_text(first.told_at));
     let word = mark_word(first.mark);
     if first.mark == form.mark {
-        let sentence = format!("{who} said so before, {when}: {word}. Is it another copy that you have in hand?");
-        return Ok(FormAnswer::told("Said already", vec![sentence], &back));
+        let sentence = say!("said-before", who = who, when = when, word = word);
+        return Ok(FormAnswer::told(&say!("said-already"), vec![sentence], &back));
     }
-    let sentence = format!(
-        "{who} said since, {when}, that this copy is {word}. That stays. Look at the copy again to say otherwise."
-    );
+    let sentence = say!("said-since", who = who, when = when, word = word);
     // Whoever says otherwise looks at the same copy first.
-    Ok(FormAnswer::told("Not recorded", vec![sentence], &format!("{address}?at={}", form.at)))
+    Ok(FormAnswer::told(&say!("not-recorded"), vec![sentence], &format!("{address}?at={}", form.at)))
 }
 
 /// A button that concerns several copies, or all.
@@ -191,7 +190,7 @@ pub(crate) async fn post_all(
         None => state.open_positions(),
         Some(numbers) => match positions_in(numbers, state.states.len()) {
             Some(positions) => positions.into_iter().collect(),
-            None => return Ok(FormAnswer::refused(vec!["These are no copies of this build.".to_owned()], &address)),
+            None => return Ok(FormAnswer::refused(vec![say!("no-copies-of-build")], &address)),
         },
     };
     let copies = &state.map.list.copies;
@@ -205,18 +204,18 @@ pub(crate) async fn post_all(
     if known.is_empty() {
         return Ok(FormAnswer::back_to(&back));
     }
-    let recorded = count((meant.len() - known.len()) as u32, "copy is", "copies are");
-    let mut sentences = vec![format!("{recorded} recorded as {}.", mark_word(mark))];
+    let recorded = meant.len() - known.len();
+    let mut sentences = vec![say!("recorded-as", copies = recorded, word = mark_word(mark))];
     sentences.extend(known.iter().map(|row| said_before(&state, row)));
-    Ok(FormAnswer::told("Recorded in part", sentences, &back))
+    Ok(FormAnswer::told(&say!("recorded-in-part"), sentences, &back))
 }
 
 /// What somebody said of a copy before.
 fn said_before(state: &BreakOutState, row: &PickMarkRow) -> String {
     let copies = &state.map.list.copies;
     let copy = copies.iter().find(|copy| (copy.part, copy.copy) == (row.part_id.0, row.copy + 1));
-    let name = copy.map(|copy| format!("{}: {}, copy {},", copy.number, copy.name, copy.copy)).unwrap_or_default();
-    format!("{name} is {}, as {} said before. That stays.", mark_word(row.mark), name_of_user(&row.told_by))
+    let name = copy.map(copy_title).unwrap_or_default();
+    say!("copy-is-said-before", copy = name, word = mark_word(row.mark), who = name_of_user(&row.told_by))
 }
 
 /// A press that is taken back, by the numbers of its marks.
@@ -239,8 +238,8 @@ pub(crate) async fn post_undo(
     let back = format!("{address}?at={}", form.at);
     match web.ledger.undo_picks(BuildId(number), form.first..=form.last, &by).await {
         Ok(0) => {
-            let sentence = "Somebody said something else of it since, or took it back already.";
-            Ok(FormAnswer::told("Nothing to take back", vec![sentence.to_owned()], &back))
+            let sentence = say!("nothing-to-undo-text");
+            Ok(FormAnswer::told(&say!("nothing-to-undo"), vec![sentence], &back))
         }
         Ok(_) => {
             web.said.notify_one();

@@ -2,30 +2,28 @@
 
 use std::collections::BTreeMap;
 
+use language::say;
 use ledger::{BuildState, PickMark, PickMarkRow};
 use maud::{Markup, html};
 
 use super::{
     bins::{bin_badge, bin_kind},
-    break_out_state::{BinCount, BreakOutState, CopyState, mark_word, sum_of},
+    break_out_state::{BinCount, BreakOutState, CopyState, copy_title, mark_word, sum_of},
     step_plan::step_plan,
     together::together_buttons,
 };
 use crate::{
     tables::{PickedCopy, TimeView, fields, points_down, removal_in_words},
-    web::{
-        base::format::count,
-        core::{form_answer::key_field, picture::themed_picture, request_user::name_of_user, state::DashboardState},
-    },
+    web::core::{form_answer::key_field, picture::themed_picture, request_user::name_of_user, state::DashboardState},
 };
 
 /// How far it is.
 pub(crate) fn progress_line(counts: &[BinCount]) -> Markup {
     let sum = sum_of(counts);
     html! {
-        p role="status" { b { (sum.all - sum.open()) " of " (count(sum.all, "copy", "copies")) }
-            ": " (sum.good) " good, " (sum.bad) " bad, " (sum.missing) " not found, " (sum.open()) " in the cake." }
-        progress max=(sum.all) value=(sum.all - sum.open()) aria-label="Copies of which something is said" {}
+        @let told = html! { b { (say!("told-of", told = sum.all - sum.open(), copies = sum.all)) } };
+        p role="status" { (phrase!("break-out-counts", told = told, good = sum.good, bad = sum.bad, missing = sum.missing, open = sum.open())) }
+        progress max=(sum.all) value=(sum.all - sum.open()) aria-label=(say!("copies-told")) {}
     }
 }
 
@@ -53,24 +51,24 @@ pub(super) fn current_card(
     let bin = state.bin_of(copy);
     let source = format!("/builds/{}/parts/{}/picture?kind={}", state.build.id, copy.part, bin_kind(bin));
     html! {
-        section.card.step aria-label=(format!("Copy {} of {}", copy.number, state.states.len())) {
+        section.card.step aria-label=(say!("copy-of-all", number = copy.number, all = state.states.len())) {
             h2 { (copy.number) ": " (copy.name) }
-            p.bin { (bin_badge(bin)) span { b { "Bin " (bin + 1) } ": " @if copy.order.is_empty() { "no order" } @else { "order " (copy.order) } } }
+            p.bin { (bin_badge(bin)) span { b { (say!("bin-number", number = bin + 1)) } ": " @if copy.order.is_empty() { (say!("bin-no-order")) } @else { (say!("order-of", order = &copy.order)) } } }
             div.step-sights {
-                (themed_picture(&source, &html! { img width="400" height="300" alt=(format!("The part {}", copy.name)) src=(source); }))
+                (themed_picture(&source, &html! { img width="400" height="300" alt=(say!("the-part", name = &copy.name)) src=(source); }))
                 (step_plan(state, at, bin_kind(bin)))
             }
             (what_is_said(web, state, step, view))
-            @if step.is_chosen { p.note role="status" { "Chosen: number " (copy.number) ", " (copy.name) ", copy " (copy.copy) "." } }
+            @if step.is_chosen { p.note role="status" { (say!("chosen-copy", number = copy.number, name = &copy.name, copy = copy.copy)) } }
             p { (place_text(copy)) }
-            @if copy.direction.is_some_and(points_down) { p.warn { "It comes out when the cake is lifted or turned." } }
-            @if !copy.note.is_empty() { p { b { (fields::NOTE.label) ": " } (copy.note) } }
+            @if copy.direction.is_some_and(points_down) { p.warn { (say!("comes-out-downwards")) } }
+            @if !copy.note.is_empty() { p { b { (fields::NOTE.said()) ": " } (copy.note) } }
             @if let Some(others) = state.map.shapes.look_alikes.get(&copy.part) {
-                p.warn { "Looks like " (others.join(", ")) "." }
+                p.warn { (say!("looks-like", names = others.join(", "))) }
             }
             @if matches!(state.states[at], CopyState::Open) && step.other.is_none() { (together_buttons(web, state, at, elsewhere)) }
             @let after = format!("{}?after={}", state.address(), copy.number);
-            p.links { a href=(after) { @if step.is_chosen { "Go on with the next one" } @else { "Later: show the next one" } } }
+            p.links { a href=(after) { @if step.is_chosen { (say!("go-on-next")) } @else { (say!("later-next")) } } }
         }
     }
 }
@@ -81,13 +79,13 @@ fn what_is_said(web: &DashboardState, state: &BreakOutState, step: &ShownStep, v
     match (&state.states[step.at], &step.other) {
         (CopyState::Open, None) => step_buttons(web, state, copy),
         (CopyState::Open, Some(user)) => html! {
-            p.warn role="status" { "It is on the screen of " (name_of_user(user)) "." }
-            @if web.orders { div.step-buttons { a.button href=(format!("{}?take={}", state.address(), copy.number)) { "I have it in hand" } } }
+            p.warn role="status" { (say!("on-screen-of", name = name_of_user(user))) }
+            @if web.orders { div.step-buttons { a.button href=(format!("{}?take={}", state.address(), copy.number)) { (say!("have-in-hand")) } } }
         },
-        (CopyState::ToldBad, _) => html! { p.warn { "It was told bad, and waits to be printed again." } },
+        (CopyState::ToldBad, _) => html! { p.warn { (say!("was-told-bad")) } },
         (CopyState::Marked(row), _) => html! {
-            p.warn role="status" { "It is " (mark_word(row.mark)) ", as " (name_of_user(&row.told_by)) " said, " (view.time_text(row.told_at)) "." }
-            @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, "It is still in the cake", "")) } }
+            p.warn role="status" { (say!("copy-is-said", word = mark_word(row.mark), who = name_of_user(&row.told_by), when = view.time_text(row.told_at))) }
+            @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, &say!("still-in-cake"), "")) } }
         },
     }
 }
@@ -96,9 +94,9 @@ fn step_buttons(web: &DashboardState, state: &BreakOutState, copy: &PickedCopy) 
     html! {
         @if web.orders {
             div.step-buttons {
-                (mark_form(web, state, (copy, None), PickMark::Out, "Out", "good"))
-                (mark_form(web, state, (copy, None), PickMark::Bad, "Bad", "spoilt"))
-                (mark_form(web, state, (copy, None), PickMark::Missing, "Not found", ""))
+                (mark_form(web, state, (copy, None), PickMark::Out, &say!("press-out"), "good"))
+                (mark_form(web, state, (copy, None), PickMark::Bad, &say!("press-bad"), "spoilt"))
+                (mark_form(web, state, (copy, None), PickMark::Missing, &say!("press-missing"), ""))
             }
         }
     }
@@ -108,13 +106,15 @@ fn step_buttons(web: &DashboardState, state: &BreakOutState, copy: &PickedCopy) 
 fn place_text(copy: &PickedCopy) -> String {
     let place = match (copy.top_mm, copy.center_x_mm, copy.center_y_mm) {
         (Some(top), Some(x), Some(y)) => {
-            format!("Top at {top:.0} mm, {x:.0} mm from the left, {y:.0} mm from the front.")
+            let [top, x, y] = [top, x, y].map(|mm| format!("{mm:.0}"));
+            say!("place-of-copy", top = top, x = x, y = y)
         }
-        _ => "Its original is no longer kept: its place is not known.".to_owned(),
+        _ => say!("place-not-known"),
     };
-    let way = copy.direction.map(|direction| format!(" Out: {}.", removal_in_words(direction)));
-    let due = if copy.due.is_empty() { String::new() } else { format!(" Due {}.", copy.due) };
-    format!("Copy {}. {place}{}{due}", copy.copy, way.unwrap_or_default())
+    let way = copy.direction.map(|direction| say!("way-out", way = removal_in_words(direction)));
+    let due = (!copy.due.is_empty()).then(|| say!("order-due", due = &copy.due));
+    let number = say!("copy-number", copy = copy.copy);
+    [Some(number), Some(place), way, due].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
 /// What is still in the cake, with a link to each copy, and buttons for all of it.
@@ -128,15 +128,15 @@ pub(super) fn open_list(web: &DashboardState, state: &BreakOutState, elsewhere: 
     };
     html! {
         @if !open.is_empty() {
-            details { summary { "Still in the cake: " (count(open.len() as u32, "copy", "copies")) }
+            details { summary { (say!("still-in-cake-count", copies = open.len())) }
                 ul.still { @for &at in &open { li {
                     @let copy = &state.map.list.copies[at];
-                    a href=(state.address_of(at)) { (copy.number) ": " (copy.name) ", copy " (copy.copy) }
-                    @if !copy.order.is_empty() { ", order " (copy.order) }
-                    @if let Some(user) = elsewhere.get(&at) { ", on the screen of " (name_of_user(user)) }
+                    a href=(state.address_of(at)) { (copy_title(copy)) }
+                    @if !copy.order.is_empty() { ", " (say!("order-of", order = &copy.order)) }
+                    @if let Some(user) = elsewhere.get(&at) { ", " (say!("screen-of", name = name_of_user(user))) }
                 } } }
                 @if web.orders {
-                    div.buttons { (all(PickMark::Out, "All of these are out and good")) (all(PickMark::Missing, "None of these was found")) }
+                    div.buttons { (all(PickMark::Out, &say!("all-out-good"))) (all(PickMark::Missing, &say!("none-found"))) }
                 }
             }
         }
@@ -148,28 +148,28 @@ pub(super) fn summary_section(web: &DashboardState, state: &BreakOutState, count
     let sum = sum_of(counts);
     let lost = state.map.list.copies.iter().zip(&state.states).filter_map(|(copy, state)| match state {
         CopyState::Marked(row) if row.mark.is_lost() => Some((copy, mark_word(row.mark))),
-        CopyState::ToldBad => Some((copy, "told bad")),
+        CopyState::ToldBad => Some((copy, say!("told-bad"))),
         _ => None,
     });
     let is_lost = |state: &CopyState| matches!(state, CopyState::Marked(row) if row.mark.is_lost());
     let is_told = matches!(state.build.state, BuildState::Complete | BuildState::Interrupted)
         && !state.states.iter().any(is_lost);
     html! {
-        section.card.step aria-label="The end" {
-            h2 { "The cake is empty" }
-            p { (sum.good) " of " (count(sum.all, "copy is", "copies are")) " good." }
+        section.card.step aria-label=(say!("the-end")) {
+            h2 { (say!("cake-is-empty")) }
+            p { (say!("good-of-all", good = sum.good, copies = sum.all)) }
             @if sum.bad + sum.missing > 0 {
-                ul { @for (copy, what) in lost { li { (copy.number) ": " (copy.name) ", copy " (copy.copy) @if !copy.order.is_empty() { ", order " (copy.order) } ": " (what) } } }
+                ul { @for (copy, what) in lost { li { (copy_title(copy)) @if !copy.order.is_empty() { ", " (say!("order-of", order = &copy.order)) } ": " (what) } } }
             }
-            @if is_told { p.ok { "The outcome is told." } }
+            @if is_told { p.ok { (say!("outcome-is-told")) } }
             @else if web.orders {
                 form.order method="post" action=(format!("{}/all", state.address())) {
                     (key_field(web))
                     div.step-buttons { button.good type="submit" {
-                        @if sum.bad + sum.missing > 0 { "Tell it: printed, and those copies again" } @else { "Tell it: printed, all good" }
+                        @if sum.bad + sum.missing > 0 { (say!("tell-some-again")) } @else { (say!("tell-all-good")) }
                     } }
                 }
-                p { "Copies that are bad or were not found wait again, first in line, with all that was asked." }
+                p { (say!("bad-wait-again")) }
             }
         }
     }
@@ -191,7 +191,7 @@ pub(super) fn mark_form(
             input type="hidden" name="copy" value=(copy.copy);
             input type="hidden" name="at" value=(copy.number);
             input type="hidden" name="seen" value=(shown.map_or(0, |row| row.id));
-            button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { ": " (copy.name) ", copy " (copy.copy) } }
+            button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { ": " (say!("name-and-copy", name = &copy.name, copy = copy.copy)) } }
         }
     }
 }
@@ -205,16 +205,16 @@ pub(super) fn last_line(web: &DashboardState, state: &BreakOutState, user: &str,
     };
     html! {
         div.undo {
-            p { "Last: "
-                @if press.len() > 1 { (press.len()) " copies, " } @else { (copy.number) " " (copy.name) ", copy " (copy.copy) ", " }
-                (mark_word(row.mark)) ", by " (name_of_user(&row.told_by)) ", " (view.time_text(row.told_at)) "." }
+            @let (word, who, when) = (mark_word(row.mark), name_of_user(&row.told_by), view.time_text(row.told_at));
+            p { @if press.len() > 1 { (say!("last-press-all", copies = press.len(), word = word, who = who, when = when)) }
+                @else { (say!("last-press", number = copy.number, name = &copy.name, copy = copy.copy, word = word, who = who, when = when)) } }
             @if web.orders {
                 form.order method="post" action=(format!("{}/undo", state.address())) {
                     (key_field(web))
                     @for (name, value) in [("first", first), ("last", last), ("at", copy.number as i64)] {
                         input type="hidden" name=(name) value=(value);
                     }
-                    button type="submit" { @if press.len() > 1 { "Undo all " (press.len()) } @else { "Undo" } }
+                    button type="submit" { @if press.len() > 1 { (say!("undo-all", count = press.len())) } @else { (say!("undo")) } }
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
+use language::say;
 use ledger::{BuildRow, PickMark, PickMarkRow};
 
 use crate::{
@@ -25,6 +26,11 @@ pub(crate) enum CopyState {
     ToldBad,
 }
 
+/// A copy as people name it: `17: bracket.stl, copy 2`.
+pub(super) fn copy_title(copy: &PickedCopy) -> String {
+    say!("copy-title", number = copy.number, name = &copy.name, copy = copy.copy)
+}
+
 /// A build that is being broken out.
 pub(crate) struct BreakOutState {
     pub(crate) build: BuildRow,
@@ -40,9 +46,7 @@ impl BreakOutState {
     pub(crate) async fn read(web: &Arc<DashboardState>, number: i64) -> HandlerResult<Self> {
         let (build, profile) = find_build(web, number).await?;
         if build.times.published_at.is_none() {
-            return Err(HandlerError::NotFound(format!(
-                "published build {number}: it can be broken out once it is printed"
-            )));
+            return Err(HandlerError::NotFound(say!("published-build", build = number.to_string())));
         }
         let map = cached_map(web, &build, &profile).await?;
         let mut marks: BTreeMap<(i64, u32), PickMarkRow> = BTreeMap::new();
@@ -146,8 +150,8 @@ impl BinCount {
     }
 
     /// Its name for people.
-    pub(crate) fn name(&self) -> &str {
-        if self.order.is_empty() { "no order" } else { &self.order }
+    pub(crate) fn name(&self) -> String {
+        if self.order.is_empty() { say!("bin-no-order") } else { self.order.clone() }
     }
 }
 
@@ -162,11 +166,11 @@ pub(super) fn sum_of(counts: &[BinCount]) -> BinCount {
 }
 
 /// A mark in words.
-pub(super) fn mark_word(mark: PickMark) -> &'static str {
+pub(super) fn mark_word(mark: PickMark) -> String {
     match mark {
-        PickMark::Out => "out",
-        PickMark::Bad => "out and bad",
-        PickMark::Missing => "not found",
-        PickMark::Open => "still in the cake",
+        PickMark::Out => say!("mark-out"),
+        PickMark::Bad => say!("mark-bad"),
+        PickMark::Missing => say!("mark-missing"),
+        PickMark::Open => say!("mark-open"),
     }
 }

@@ -2,9 +2,10 @@
 
 use build_file::kind_colour_code;
 use glam::DVec2;
+use language::say;
 use maud::{Markup, html};
 
-use super::break_out_state::{BreakOutState, CopyState};
+use super::break_out_state::{BreakOutState, CopyState, copy_title};
 use crate::{tables::PickedCopy, web::figures::outline::OUTLINE_SCALE};
 
 /// Copies around the one that is looked for that a plan shows.
@@ -18,19 +19,19 @@ pub(super) fn step_plan(state: &BreakOutState, at: usize, kind: usize) -> Markup
     let around = (at + 1..copies.len()).chain(0..at).filter(|&other| matches!(state.states[other], CopyState::Open));
     html! {
         svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -unit, -unit, x + 2.0 * unit, y + 10.0 * unit)) role="group"
-            aria-label="Where it stands, from above" {
+            aria-label=(say!("step-plan")) {
             rect.grid x="0" y="0" width=(x) height=(y) {}
             g transform=(OUTLINE_SCALE) {
                 @for other in around.take(SHOWN_NEIGHBOURS) {
                     @let copy = &copies[other];
                     // The list below has them for the keyboard.
                     a.covers href=(state.address_of(other)) tabindex="-1"
-                        aria-label=(format!("{}: {}, copy {}", copy.number, copy.name, copy.copy)) { path d=(shapes.outlines[other]) {} }
+                        aria-label=(copy_title(copy)) { path d=(shapes.outlines[other]) {} }
                 }
                 path.sought fill=(kind_colour_code(kind)) d=(shapes.outlines[at]) {}
             }
             (measures(&copies[at], shapes.floor_mm, unit))
-            text.number x=(x / 2.0) y=(y + 8.0 * unit) font-size=(format!("{:.1}", 7.0 * unit)) { "front" }
+            text.number x=(x / 2.0) y=(y + 8.0 * unit) font-size=(format!("{:.1}", 7.0 * unit)) { (say!("front")) }
         }
     }
 }

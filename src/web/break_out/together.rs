@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use language::say;
 use ledger::PickMark;
 use maud::{Markup, html};
 
@@ -27,12 +28,13 @@ pub(super) fn together_buttons(
         .collect();
     let alike: Vec<usize> = reach.iter().copied().filter(|&other| copies[other].part == shown.part).collect();
     let order: Vec<usize> = reach.into_iter().filter(|&other| copies[other].order == shown.order).collect();
-    let order_name = if shown.order.is_empty() { "without an order" } else { "of this order" };
+    let has_order = !shown.order.is_empty();
     html! {
         @if web.orders && order.len() > 1 {
             div.step-more {
-                @if alike.len() > 1 { (together_form(web, state, &alike, "of this part")) }
-                @if order.len() > alike.len() { (together_form(web, state, &order, order_name)) }
+                @if alike.len() > 1 { (together_form(web, state, &alike, &say!("all-of-part-out", count = alike.len()))) }
+                @if order.len() > alike.len() && has_order { (together_form(web, state, &order, &say!("all-of-order-out", count = order.len()))) }
+                @if order.len() > alike.len() && !has_order { (together_form(web, state, &order, &say!("all-without-order-out", count = order.len()))) }
             }
         }
     }
@@ -42,13 +44,13 @@ fn is_in_reach(shown_top_mm: Option<f64>, top_mm: Option<f64>) -> bool {
     shown_top_mm.zip(top_mm).is_some_and(|(shown, top)| top >= shown - REACH_MM)
 }
 
-fn together_form(web: &DashboardState, state: &BreakOutState, positions: &[usize], what: &str) -> Markup {
+fn together_form(web: &DashboardState, state: &BreakOutState, positions: &[usize], label: &str) -> Markup {
     html! {
         form.order method="post" action=(format!("{}/all", state.address())) {
             (key_field(web))
             input type="hidden" name="numbers" value=(number_ranges(positions));
             input type="hidden" name="after" value=(positions.first().map_or(0, |at| at + 1));
-            button.good type="submit" name="mark" value=(PickMark::Out) { "All " (positions.len()) " " (what) " here: out" }
+            button.good type="submit" name="mark" value=(PickMark::Out) { (label) }
         }
     }
 }

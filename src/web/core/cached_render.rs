@@ -46,7 +46,7 @@ pub(crate) async fn render_cached<T: Clone + Send + 'static>(
     make: impl FnOnce(&CakeContents) -> anyhow::Result<T> + Send + 'static,
 ) -> HandlerResult<T> {
     let language = language::current();
-    let kept = CacheLocation { key: format!("{} {}", language.tag(), kept.key), ..kept };
+
     let known = || (kept.cache)(web).get(&kept.key);
     if let Some(thing) = known() {
         return Ok(thing);

@@ -3,6 +3,7 @@
 use std::{sync::Arc, time::Duration};
 
 use axum::{Form, extract::State, http::StatusCode};
+use language::say;
 use ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -65,7 +66,7 @@ pub(crate) async fn post_command(
         {
             "/".to_owned()
         }
-        _ => return Err(HandlerError::NotFound("such order".to_owned())),
+        _ => return Err(HandlerError::NotFound(say!("such-order"))),
     };
     let undo = undo_of(&order);
     let command = NewCommand {
@@ -91,8 +92,8 @@ fn undo_of(order: &CommandForm) -> Option<FormButton> {
 
 /// Refuses whatever changes something where the farm takes no orders from pages and programs.
 pub(crate) fn check_takes_orders(web: &DashboardState) -> HandlerResult<()> {
-    let text = "this farm takes no orders from pages; see web.orders";
-    if web.orders { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
+    let text = || say!("takes-no-orders");
+    if web.orders { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text())) }
 }
 
 /// What the daemon answered to commands.
@@ -126,14 +127,14 @@ pub(crate) async fn send_commands(
 pub(crate) fn show_answers(answers: CommandAnswers, back: &str) -> FormAnswer {
     let CommandAnswers { done, mut refusals, is_complete } = answers;
     if !is_complete {
-        refusals.push("The daemon has not answered; the order is noted and is done when it runs.".to_owned());
-        return FormAnswer::told("Not answered yet", refusals, back);
+        refusals.push(say!("not-answered-text"));
+        return FormAnswer::told(&say!("not-answered"), refusals, back);
     }
     match (refusals.is_empty(), done.is_empty()) {
         (true, _) => FormAnswer::seen_at(back, done),
         (false, true) => FormAnswer::refused(refusals, back),
         // The rest is done: sent again, the form is not carried out again.
-        (false, false) => FormAnswer::told("Refused in part", refusals, back),
+        (false, false) => FormAnswer::told(&say!("refused-in-part"), refusals, back),
     }
 }
 
@@ -152,7 +153,7 @@ pub(crate) async fn run_commands(web: &DashboardState, commands: Vec<NewCommand>
             let is_late = asked.elapsed() >= ANSWER_TIMEOUT;
             match row.filter(|row| row.is_answered() || is_late && row.state == CommandState::Done) {
                 Some(row) if row.state == CommandState::Refused => answers.refusals.push(format!("{}.", row.answer)),
-                Some(row) if row.answer.is_empty() => answers.done.push("It is done.".to_owned()),
+                Some(row) if row.answer.is_empty() => answers.done.push(say!("it-is-done")),
                 Some(row) => answers.done.push(format!("{}.", row.answer)),
                 None => unanswered.push(id),
             }
@@ -166,7 +167,7 @@ pub(crate) async fn run_commands(web: &DashboardState, commands: Vec<NewCommand>
 /// What the ledger answers to a form that it carries out itself: sentences, or why it refuses.
 pub(crate) fn answer_form(answer: Result<Vec<String>, LedgerError>, back: &str) -> HandlerResult<FormAnswer> {
     match answer {
-        Ok(sentences) => Ok(FormAnswer::told("Done", sentences, back)),
+        Ok(sentences) => Ok(FormAnswer::told(&say!("done"), sentences, back)),
         Err(error) if is_failure_of_ledger(&error) => Err(error.into()),
         Err(refused) => Ok(FormAnswer::refused(vec![format!("{refused}.")], back)),
     }

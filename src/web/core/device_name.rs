@@ -2,6 +2,7 @@
 //! proxy names the user, nobody is asked.
 
 use axum::{Form, http::HeaderMap};
+use language::say;
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -21,14 +22,14 @@ pub(crate) fn device_user(web: &DashboardState, user: &str, back: &str) -> Marku
         form.filters method="post" action="/name" {
             (key_field(web))
             input type="hidden" name="back" value=(back);
-            label { "Your name" input name="name" maxlength="40" autocomplete="name" value=[(!is_nobody(user)).then(|| name_of_user(user))]; }
-            button type="submit" { "That is me" }
+            label { (say!("your-name")) input name="name" maxlength="40" autocomplete="name" value=[(!is_nobody(user)).then(|| name_of_user(user))]; }
+            button type="submit" { (say!("that-is-me")) }
         }
     };
     // An open fold with a field keeps a page from showing what is new.
     html! {
-        @if is_nobody(user) { p { "Who works here? The name is asked once on this device." } (form) }
-        @else { details { summary { "You are " (name_of_user(user)) "." } (form) } }
+        @if is_nobody(user) { p { (say!("who-works")) } (form) }
+        @else { details { summary { (say!("you-are", name = name_of_user(user))) } (form) } }
     }
 }
 

@@ -5,6 +5,7 @@ use axum::{
     response::{IntoResponse, Redirect, Response},
 };
 use jiff::Timestamp;
+use language::say;
 use ledger::AnsweredRequest;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -53,7 +54,7 @@ impl FormButton {
     /// The button that takes back what was done, by a form with these fields.
     pub(crate) fn undo(action: &str, fields: &[(&str, String)]) -> Self {
         let fields = fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-        Self { label: "Undo".to_owned(), action: action.to_owned(), fields }
+        Self { label: say!("undo"), action: action.to_owned(), fields }
     }
 
     /// The button, in a form with a key of its own. `is_anyway` = it says that what was refused is meant.
@@ -72,7 +73,7 @@ impl FormButton {
 impl FormAnswer {
     /// It is done: the page `back` shows that.
     pub(crate) fn back_to(back: &str) -> Self {
-        Self::told("Done", Vec::new(), back)
+        Self::told(&say!("done"), Vec::new(), back)
     }
 
     /// It is done, and this is to be said of it.
@@ -92,7 +93,7 @@ impl FormAnswer {
 
     /// It is done, and the page `back` shows that; these sentences stand on it for a while.
     pub(crate) fn seen_at(back: &str, sentences: Vec<String>) -> Self {
-        Self { is_seen: true, ..Self::told("Done", sentences, back) }
+        Self { is_seen: true, ..Self::told(&say!("done"), sentences, back) }
     }
 
     /// With a button that takes back what was done.
@@ -102,7 +103,7 @@ impl FormAnswer {
 
     /// Nothing was done, for these reasons.
     pub(crate) fn refused(reasons: Vec<String>, back: &str) -> Self {
-        Self { is_refused: true, ..Self::told("Refused", reasons, back) }
+        Self { is_refused: true, ..Self::told(&say!("refused"), reasons, back) }
     }
 
     /// With a button that has it done anyway.
@@ -113,9 +114,8 @@ impl FormAnswer {
 
     /// What is known until it is done.
     pub(crate) fn not_known() -> Self {
-        let text = "This form was sent, and then nestd ended or its ledger failed: it is not known whether all of it was done. Look \
-                    before you send it once more, from its page, loaded again.";
-        Self::told("Not known", vec![text.to_owned()], "/")
+        let text = say!("form-not-known-text");
+        Self::told(&say!("form-not-known"), vec![text], "/")
     }
 
     /// The answer that the ledger keeps.

@@ -11,6 +11,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
+use language::say;
 use ledger::{BuildId, MachineStatus, PartId, PartRow, PartState};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -25,10 +26,9 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::count,
             query::Query,
         },
-        figures::pick_map::PICTURE_ALT_TEXT,
+        figures::pick_map::picture_text,
         look::pieces::THUMBNAIL_WIDTH,
     },
 };
@@ -100,7 +100,7 @@ pub(crate) fn small_picture(build: BuildId, version: &str) -> Markup {
 /// The picture of a whole build.
 pub(crate) fn cake_picture(build: i64) -> Markup {
     let source = format!("/builds/{build}/picture");
-    themed_picture(&source, &html! { img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(source); })
+    themed_picture(&source, &html! { img.cake alt=(picture_text()) width="640" height="480" src=(source); })
 }
 
 /// The query of the address of a part's picture.
@@ -161,7 +161,7 @@ pub(crate) async fn get_lone_picture(
     Path(number): Path<i64>,
     Query(asked): Query<LonePictureQuery>,
 ) -> HandlerResult<Response> {
-    let missing = || HandlerError::NotFound(format!("part {number}"));
+    let missing = || HandlerError::NotFound(say!("part-named", part = number.to_string()));
     let part = web.ledger.find_part(PartId(number)).await?.ok_or_else(missing)?;
     let width = if asked.width.is_some_and(|width| width <= THUMBNAIL_WIDTH) { THUMBNAIL_WIDTH } else { LONE_WIDTH };
     let scheme = asked.scheme;
@@ -188,8 +188,8 @@ pub(crate) async fn get_lone_picture(
 pub(crate) fn part_picture(part: &PartRow) -> Markup {
     let source = format!("/parts/{}/picture", part.id);
     let alt = match part.state {
-        PartState::Refused => "The part as it was dropped; where its surface is not closed, the edges are red",
-        _ => "The part as it was dropped",
+        PartState::Refused => say!("picture-of-refused"),
+        _ => say!("picture-of-part"),
     };
     themed_picture(
         &source,
@@ -201,18 +201,18 @@ pub(crate) fn part_picture(part: &PartRow) -> Markup {
 pub(crate) async fn machine_picture(web: &DashboardState, status: &MachineStatus) -> HandlerResult<Markup> {
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
     let (id, what) = match (open, status.nesting.first(), &status.last_published) {
-        (Some(open), _, _) => (open.build, "so far"),
-        (None, Some(nesting), _) => (nesting.build, "being made"),
-        (None, None, Some(last)) => (last.build, "published last"),
+        (Some(open), _, _) => (open.build, say!("picture-so-far")),
+        (None, Some(nesting), _) => (nesting.build, language::say_word("state", "being made")),
+        (None, None, Some(last)) => (last.build, say!("picture-published-last")),
         (None, None, None) => return Ok(html! {}),
     };
     let Some(build) = web.ledger.find_build(id).await? else { return Ok(html! {}) };
     // A build that fired without a layout has no height yet.
     let height = fields::HEIGHT
         .with_unit(build.measures.height_mm)
-        .map_or_else(|| "height not known yet".to_owned(), |height| height + " high");
-    let copies = count(build.measures.copies.unwrap_or(0), "copy", "copies");
-    let alt = format!("Build {id}, {what}: {copies}, {height}");
+        .map_or_else(|| say!("height-not-known"), |height| say!("so-high", height = height));
+    let copies = say!("count-copies", count = build.measures.copies.unwrap_or(0));
+    let alt = say!("picture-of-build", build = id.to_string(), what = what, copies = copies, height = height);
     let source = format!("/builds/{id}/picture?width=480&of={}", layout_version(&build));
     Ok(html! {
         a.shot href=(format!("/builds/{id}")) {

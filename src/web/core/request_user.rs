@@ -8,6 +8,7 @@ use axum::{
     extract::FromRequestParts,
     http::{HeaderMap, HeaderName, HeaderValue, header, request::Parts},
 };
+use language::say;
 
 use super::state::DashboardState;
 use crate::web::base::client::{RequestClient, cookie_value};
@@ -72,10 +73,10 @@ pub(super) fn is_nobody(user: &str) -> bool {
 }
 
 /// The name of a user for people: without the mark of the dashboard.
-pub(crate) fn name_of_user(user: &str) -> &str {
+pub(crate) fn name_of_user(user: &str) -> String {
     match user {
-        NOBODY => "somebody",
-        _ => user.strip_suffix("@dashboard").unwrap_or(user),
+        NOBODY => say!("somebody"),
+        _ => user.strip_suffix("@dashboard").unwrap_or(user).to_owned(),
     }
 }
 
@@ -113,7 +114,7 @@ mod tests {
             "root at host@dashboard",
             "nobody poses as a user of the terminal"
         );
-        assert_eq!((name_of_user("Jörg@dashboard"), name_of_user("op@host")), ("Jörg", "op@host"));
+        assert_eq!(["Jörg@dashboard", "op@host"].map(name_of_user), ["Jörg", "op@host"]);
         assert_eq!(
             user_of_request(&named(&"a".repeat(200)), Some(&header_name), None).len(),
             MAX_NAME + "@dashboard".len()

@@ -2,14 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use language::say;
 use maud::{Markup, html};
 
 use super::picture::cake_picture;
-use crate::{
-    farm::CakePart,
-    tables::CountedPart,
-    web::base::{assets::asset_address, format::count},
-};
+use crate::{farm::CakePart, tables::CountedPart, web::base::assets::asset_address};
 
 /// What the view of a build shows.
 pub(crate) struct ViewSection {
@@ -45,9 +42,16 @@ impl ViewedPart {
     }
 }
 
-/// What colours can mean, besides the part.
-const COLOURINGS: [(&str, &str); 4] =
-    [("order", "order"), ("due", "due date"), ("height", "height"), ("step", "step of removal")];
+/// What colours can mean.
+fn colourings() -> [(&'static str, String); 5] {
+    [
+        ("part", say!("colour-part")),
+        ("order", say!("colour-order")),
+        ("due", say!("colour-due")),
+        ("height", say!("colour-height")),
+        ("step", say!("colour-step")),
+    ]
+}
 
 impl ViewSection {
     /// The view, or a picture without JavaScript.
@@ -56,16 +60,16 @@ impl ViewSection {
         let has_pages = !self.version.is_empty();
         html! {
             section #view data-build=(self.build) data-copies=(copies) data-version=(self.version)
-                data-script=[has_pages.then(|| asset_address("view.js"))] aria-label="3D view" {
-                @if has_pages { noscript { p { "The 3D view needs JavaScript. " } } }
-                @else { noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } } }
+                data-script=[has_pages.then(|| asset_address("view.js"))] aria-label=(say!("view-3d")) {
+                @if has_pages { noscript { p { (say!("view-needs-script")) " " } } }
+                @else { noscript { p { (say!("view-needs-script-report")) } } }
                 div.split {
                     div {
                         div.stage {
                             // Stands there until the view is drawn, and where it cannot be drawn.
                             @if has_pages { div.poster { (cake_picture(self.build)) } }
-                            canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
-                            p #hover role="status" { "Point at a copy or at a line of the list to see what it is; press to keep it chosen." }
+                            canvas tabindex="0" role="img" aria-label=(say!("view-keys", copies = copies)) {}
+                            p #hover role="status" { (say!("view-hint")) }
                         }
                         (view_controls())
                     }
@@ -82,16 +86,16 @@ impl ViewSection {
             orders.entry(part.order.as_str()).or_default().push(part);
         }
         html! {
-            div.view-list tabindex="0" role="group" aria-label="Parts by order" {
+            div.view-list tabindex="0" role="group" aria-label=(say!("parts-by-order")) {
                 @for (order, parts) in &orders {
                     @let copies: u32 = parts.iter().map(|part| part.copies).sum();
                     button.view-order type="button" data-order=(order) aria-pressed="false" {
-                        b { @if order.is_empty() { "No order" } @else { (order) } } " " span.soft { (count(copies, "copy", "copies")) }
+                        b { @if order.is_empty() { (say!("no-order")) } @else { (order) } } " " span.soft { (say!("count-copies", count = copies)) }
                     }
                     @for part in parts {
                         button.view-part type="button" data-part=(part.part) aria-pressed="false" {
                             span.swatch {} " " (part.name) " "
-                            span.soft { (part.copies) "\u{d7}" @if !part.due.is_empty() { ", due " (part.due) } }
+                            span.soft { (part.copies) "\u{d7}" @if !part.due.is_empty() { ", " (phrase!("due-on", due = &part.due)) } }
                         }
                     }
                 }
@@ -103,13 +107,12 @@ impl ViewSection {
 fn view_controls() -> Markup {
     html! {
         div.controls {
-            label { "Colour by " select #colour {
-                option value="part" { "part" }
-                @for (word, text) in COLOURINGS { option value=(word) { (text) } }
+            label { (say!("colour-by")) " " select #colour {
+                @for (word, text) in colourings() { option value=(word) { (text) } }
             } }
-            label { "Layers up to " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
-            label { "Explode" input #explode type="range" min="0" max="100" value="0"; }
-            button #home type="button" { "Whole view" }
+            label { (say!("layers-up-to")) " " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
+            label { (say!("explode")) input #explode type="range" min="0" max="100" value="0"; }
+            button #home type="button" { (say!("whole-view")) }
         }
         p #legend {}
     }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use jiff::{ToSpan, civil::Date};
+use language::say;
 use ledger::HistoryRow;
 use maud::{Markup, PreEscaped, html};
 
-use crate::{settings::FarmZone, web::base::format::count};
+use crate::settings::FarmZone;
 
 /// Width of a chart: about that of a phone, so that its text is never smaller than it is written.
 const WIDTH: f64 = 360.0;
@@ -38,9 +39,9 @@ pub(crate) fn history_charts(rows: &[HistoryRow], zone: &FarmZone) -> Markup {
     };
     html! {
         div.charts {
-            (line_chart("Build height", "mm", &lines(&|row| row.measures.height_mm), zone))
-            (line_chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d)), zone))
-            (line_chart("Height used of the machine's", "%", &lines(&|row| row.height_share().map(|share| 100.0 * share)), zone))
+            (line_chart(&say!("chart-height"), "mm", &lines(&|row| row.measures.height_mm), zone))
+            (line_chart(&say!("chart-density"), "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d)), zone))
+            (line_chart(&say!("chart-used"), "%", &lines(&|row| row.height_share().map(|share| 100.0 * share)), zone))
         }
     }
 }
@@ -65,7 +66,7 @@ fn line_chart(title: &str, unit: &str, lines: &ChartLines, zone: &FarmZone) -> M
         figure {
             figcaption { (title) ", " (unit)
                 @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } }
-                @if more > 0 { " and " (count(more, "more machine", "more machines")) ", in the table only" } }
+                @if more > 0 { " " (say!("more-machines", count = more)) } }
             (plot_lines(title, lines.values().take(MAX_LINES), &date))
         }
     }
@@ -75,8 +76,8 @@ fn line_chart(title: &str, unit: &str, lines: &ChartLines, zone: &FarmZone) -> M
 pub(crate) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
     html! {
         @if points.len() > 1 {
-            figure { figcaption { "Height while it was searched, mm over seconds" }
-                (plot_lines("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
+            figure { figcaption { (say!("height-curve")) }
+                (plot_lines(&say!("height-over-time"), std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
         }
     }
 }
@@ -212,5 +213,5 @@ fn next_round_number(value: f64) -> f64 {
 
 fn short_number(value: f64) -> String {
     let text = format!("{value:.2}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    language::decimal(text.trim_end_matches('0').trim_end_matches('.').to_owned())
 }

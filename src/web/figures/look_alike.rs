@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use language::say;
 use nester::LookMeasures;
 
 use crate::farm::CakePart;
@@ -12,7 +13,7 @@ pub(crate) fn look_alikes(parts: &[CakePart]) -> BTreeMap<i64, Vec<String>> {
         parts.iter().filter_map(|part| Some((part, LookMeasures::of_mesh(part.mesh.as_ref()?)))).collect();
     let name = |part: &CakePart| match part.order.as_str() {
         "" => part.name.clone(),
-        order => format!("{} (order {order})", part.name),
+        order => say!("name-of-order", name = &part.name, order = order),
     };
     let others = |(part, measures): &(&CakePart, LookMeasures)| {
         let alike = measured.iter().filter(|(other, m)| other.part != part.part && measures.looks_like(m));

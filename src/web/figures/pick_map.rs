@@ -6,6 +6,7 @@ use std::{
 };
 
 use glam::DVec2;
+use language::say;
 use ledger::RemovalStep;
 use maud::{Markup, html};
 use solids::Bounds;
@@ -19,10 +20,7 @@ use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
     settings::FarmZone,
     tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, TimeView, for_people, points_down},
-    web::base::{
-        format::count,
-        listing::{cell, heading},
-    },
+    web::base::listing::{cell, heading},
 };
 
 /// Thickness of a band of the map, mm.
@@ -117,7 +115,9 @@ fn pick_list_row(number: usize, pick: &PickEntry<'_>) -> PickedCopy {
 }
 
 /// Alternative text of the picture next to a map.
-pub(crate) const PICTURE_ALT_TEXT: &str = "The build, seen from the front, a little from the right and from above";
+pub(crate) fn picture_text() -> String {
+    say!("picture-of-cake")
+}
 
 /// The map of a cake without links.
 pub(crate) fn map_without_links(cake: &CakeContents) -> Markup {
@@ -131,20 +131,21 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
     let sheets = if is_proved { sheets_by_number(picks) } else { sheets_by_height(picks) };
     let mut first = 1;
     html! {
-        p { (if is_proved { PROVED_ORDER_NOTE } else { HEIGHT_ORDER_NOTE }) " x from the left, y from the front, top and bottom from the floor." }
-        @if picks.iter().any(|pick| pick.removal.is_some_and(|removal| points_down(removal.direction))) { p { (DOWNWARDS_NOTE) } }
+        p { (order_note(is_proved)) " " (say!("pick-axes")) }
+        @if picks.iter().any(|pick| pick.removal.is_some_and(|removal| points_down(removal.direction))) {
+            p { (say!("pick-downwards")) }
+        }
         @if cake.missing_mesh_count() > 0 {
-            p.bad { (count(cake.missing_mesh_count() as u32, "part is", "parts are"))
-                " listed without a place: the originals are no longer kept." }
+            p.bad { (say!("listed-without-place", parts = cake.missing_mesh_count())) }
         }
         @for (title, band) in sheets {
             section.band.page[is_proved] {
                 h2 { (title) }
                 div.sheet {
                     (sheet_plan(first, band, cake.volume_mm.x, cake.volume_mm.y))
-                    div.wide.listed tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
+                    div.wide.listed tabindex="0" role="region" aria-label=(say!("pick-sheet", title = &title)) { table {
                         colgroup { col.pick-done; @for column in &columns { col class=(format!("pick-{}", column.key)); } }
-                        thead { tr { th scope="col" { "Done" } @for column in &columns { (heading(&column.field)) } } }
+                        thead { tr { th scope="col" { (say!("pick-done")) } @for column in &columns { (heading(&column.field)) } } }
                         tbody { @for (number, pick) in (first..).zip(band) { (table_row(&pick_list_row(number, pick), &columns, has_pages)) } }
                     } }
                 }
@@ -154,14 +155,13 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
     }
 }
 
-/// How to read a map in the proved order.
-const PROVED_ORDER_NOTE: &str = "Each copy comes out on a straight line past all that are listed after it, as it was proved on the triangles; \
-    the way says whereto.";
-/// A note on removal directions through the floor of the cake.
-const DOWNWARDS_NOTE: &str = "Copies that go down come out when the cake is lifted or turned.";
-/// How to read a map without a proved order.
-const HEIGHT_ORDER_NOTE: &str =
-    "By height, from the top down; whether each comes out past the others is not said here.";
+/// How to read a map in the proved order, or without one.
+fn order_note(is_proved: bool) -> String {
+    match is_proved {
+        true => say!("pick-proved-order"),
+        false => say!("pick-height-order"),
+    }
+}
 
 /// The copies in the proved order, or from the top down when the order of any copy is unknown; and whether it is
 /// proved.
@@ -178,7 +178,8 @@ fn picks_in_order(cake: &CakeContents) -> (Vec<PickEntry<'_>>, bool) {
 
 fn sheets_by_number<'p, 'c>(picks: &'p [PickEntry<'c>]) -> Vec<(String, &'p [PickEntry<'c>])> {
     let title = |number: usize, sheet: &[PickEntry<'_>]| {
-        format!("{} to {}", number * COPIES_PER_SHEET + 1, number * COPIES_PER_SHEET + sheet.len())
+        let first = number * COPIES_PER_SHEET;
+        say!("pick-from-to", first = first + 1, last = first + sheet.len())
     };
     picks.chunks(COPIES_PER_SHEET).enumerate().map(|(number, sheet)| (title(number, sheet), sheet)).collect()
 }
@@ -186,8 +187,8 @@ fn sheets_by_number<'p, 'c>(picks: &'p [PickEntry<'c>]) -> Vec<(String, &'p [Pic
 fn sheets_by_height<'p, 'c>(picks: &'p [PickEntry<'c>]) -> Vec<(String, &'p [PickEntry<'c>])> {
     let layer = |pick: &PickEntry<'_>| pick.top_mm().map(|top_mm| (top_mm / BAND_MM).floor() as i64);
     let title = |band: &[PickEntry<'_>]| match layer(&band[0]) {
-        Some(layer) => format!("From {} mm down", BAND_MM as i64 * (layer + 1)),
-        None => "Originals no longer kept".to_owned(),
+        Some(layer) => say!("pick-from-down", height = BAND_MM as i64 * (layer + 1)),
+        None => say!("pick-no-originals"),
     };
     picks.chunk_by(|a, b| layer(a) == layer(b)).map(|band| (title(band), band)).collect()
 }
@@ -197,7 +198,7 @@ fn table_row(copy: &PickedCopy, columns: &[&TableColumn<PickedCopy>], has_pages:
     // The due date of a copy is a text here.
     let view = TimeView::kept(&FarmZone::default());
     html! { tr {
-        td data-of="Done" { "\u{2610}" }
+        td data-of=(say!("pick-done")) { "\u{2610}" }
         @for column in columns { (cell(&column.field, &(column.value)(copy), has_pages, &view)) }
     } }
 }
@@ -227,7 +228,7 @@ fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Mar
     let rim = 3.0 * unit;
     html! {
         svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -rim, -rim, x_mm + 2.0 * rim, y_mm + 2.0 * rim + 5.0 * unit)) preserveAspectRatio="xMinYMin" role="img"
-            aria-label="What they cover, from above, with their numbers" {
+            aria-label=(say!("pick-plan")) {
             rect.grid x="0" y="0" width=(x_mm) height=(y_mm) {}
             g.covers transform=(OUTLINE_SCALE) { @for pick in band { path d=(pick.outline) {} } }
             @for label in &labels { @if label.is_shifted() {
@@ -238,7 +239,7 @@ fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Mar
                 text.number x=(format!("{:.1}", label.center.x)) y=(format!("{:.1}", label.center.y + 1.6 * unit))
                     font-size=(format!("{:.1}", 4.5 * unit)) stroke-width=(format!("{:.2}", 0.9 * unit)) { (label.text) }
             }
-            text.number x=(x_mm / 2.0) y=(y_mm + 6.0 * unit) font-size=(format!("{:.1}", 4.0 * unit)) { "front" }
+            text.number x=(x_mm / 2.0) y=(y_mm + 6.0 * unit) font-size=(format!("{:.1}", 4.0 * unit)) { (say!("front")) }
         }
     }
 }

@@ -9,6 +9,7 @@ use axum::{
     http::StatusCode,
 };
 use jiff::Timestamp;
+use language::say;
 use ledger::{
     BuildId, BuildRow, BuildState, OperatorWord, PartId, PlacementRow, PrintOutcome, ReprintTarget, ToldOutcome,
 };
@@ -19,6 +20,7 @@ use super::operate_form::say_word;
 use crate::{
     farm::{awaits_release, preview_release},
     settings::MachineProfile,
+    tables::fields,
     web::{
         base::error::{HandlerError, HandlerResult},
         core::{
@@ -72,41 +74,41 @@ enum BuildFormAct {
 pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
     let is_told = matches!(build.state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
     let has_counted = placements.iter().any(|placed| !placed.is_bad);
-    let tell = if is_told { "Correct what was told" } else { "Tell how it printed" };
+    let tell = if is_told { say!("correct-told") } else { say!("tell-printed") };
     html! {
         @if web.orders && build.times.published_at.is_some() {
-            @if build.place.withdrawn_at.is_none() { (sheet("tell", tell, !is_told, &outcome_form(web, build, &bad_text(build, placements), is_told))) }
+            @if build.place.withdrawn_at.is_none() { (sheet("tell", &tell, !is_told, &outcome_form(web, build, &bad_text(build, placements), is_told))) }
             @if build.state == BuildState::Published && !build.place.is_on_its_way() {
-                (act_form(web, build.id, "printing", "It prints"))
+                (act_form(web, build.id, "printing", &say!("it-prints")))
             }
-            @if has_counted { (sheet("reprint", "Print again", false, &reprint_form(web, build.id))) }
+            @if has_counted { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, build.id))) }
             @if build.state == BuildState::Published && build.place.taken_at.is_none() {
-                (sheet("withdraw", "Take it back out of the queue", false, &withdraw_form(web, build)))
+                (sheet("withdraw", &say!("withdraw"), false, &withdraw_form(web, build)))
             }
-            (sheet("requeue", "Issue once more", false, &requeue_form(web, build.id)))
+            (sheet("requeue", &say!("requeue"), false, &requeue_form(web, build.id)))
         }
     }
 }
 
 fn reprint_form(web: &DashboardState, build: BuildId) -> Markup {
     html! {
-        p { "Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds." }
-        (act_form(web, build, "reprint", "Print every copy again"))
+        p { (say!("reprint-build-text")) }
+        (act_form(web, build, "reprint", &say!("reprint-build")))
     }
 }
 
 fn withdraw_form(web: &DashboardState, build: &BuildRow) -> Markup {
     html! {
-        p { "Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it." }
-        @if build.place.withdraw_by.is_some() { p role="status" { "It is being taken back." } }
-        @else { (act_form(web, build.id, "withdraw", "Take it back")) }
+        p { (say!("withdraw-text")) }
+        @if build.place.withdraw_by.is_some() { p role="status" { (say!("is-taken-back")) } }
+        @else { (act_form(web, build.id, "withdraw", &say!("take-back"))) }
     }
 }
 
 fn requeue_form(web: &DashboardState, build: BuildId) -> Markup {
     html! {
-        p { "The same proved build is issued as a new one: the same copies in the same places. Copies that count as printed count as bad then." }
-        (act_form(web, build, "requeue", "Issue this build once more"))
+        p { (say!("requeue-text")) }
+        (act_form(web, build, "requeue", &say!("requeue-build")))
     }
 }
 
@@ -119,8 +121,8 @@ pub(crate) async fn second_files(web: &DashboardState, build: &BuildRow) -> Hand
     Ok(html! {
         @if !second.is_empty() {
             div.failed role="alert" {
-                p { "A second file of it was seen in the queue: " (second.join(", ")) ". Where it is printed from there, take the other one out, and say that it prints." }
-                @if web.orders { (act_form(web, build.id, "seen", "Nobody prints the second file")) }
+                p { (say!("second-file", files = second.join(", "))) }
+                @if web.orders { (act_form(web, build.id, "seen", &say!("second-file-unprinted"))) }
             }
         }
     })
@@ -130,10 +132,12 @@ pub(crate) async fn second_files(web: &DashboardState, build: &BuildRow) -> Hand
 pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
     html! {
         div.failed role="alert" {
-            p { "The print of build " a href=(format!("/builds/{}", build.id)) { (build.id) } " on " (build.machine) " failed"
-                @if !build.reason.is_empty() { ": " (build.reason) }
-                ". Nobody has seen to it yet." }
-            @if web.orders { (act_form(web, build.id, "seen", "Seen to")) }
+            @let number = html! { a href=(format!("/builds/{}", build.id)) { (build.id) } };
+            p { @match build.reason.is_empty() {
+                true => (phrase!("print-failed", build = number, machine = &build.machine)),
+                false => (phrase!("print-failed-why", build = number, machine = &build.machine, why = &build.reason)),
+            } }
+            @if web.orders { (act_form(web, build.id, "seen", &say!("seen-to"))) }
         }
     }
 }
@@ -149,32 +153,32 @@ pub(crate) async fn release_form(
     }
     let preview = preview_release(&web.ledger, profile, build, Timestamp::now()).await?;
     Ok(html! {
-        section.forms #release aria-label="Waits for a yes" {
-            p role="status" { b { "It waits for a yes before it is published." } }
+        section.forms #release aria-label=(say!("waits-for-yes")) {
+            p role="status" { b { (say!("waits-for-yes-text")) } }
             ul { @for sentence in preview.sentences(&profile.time_zone) { li { (sentence) } } }
-            @if web.orders { (act_form_with(web, build.id, ("release", "Publish it"), build.staged.file_hash.as_deref())) }
+            @if web.orders { (act_form_with(web, build.id, ("release", &say!("publish-it")), build.staged.file_hash.as_deref())) }
         }
     })
 }
 
 fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool) -> Markup {
     let choices = [
-        ("complete", "complete"),
-        ("interrupted", "interrupted: the machine stopped"),
-        ("failed", "failed: nothing of it is good"),
+        ("complete", say!("outcome-complete")),
+        ("interrupted", say!("outcome-interrupted")),
+        ("failed", say!("outcome-failed")),
     ];
     html! {
         form.tell method="post" action=(format!("/builds/{}/told", build.id)) {
             (key_field(web))
             @if is_told { input type="hidden" name="correct" value="yes"; }
-            label { "The print is" select name="act" {
+            label { (say!("the-print-is")) select name="act" {
                 @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
             } }
-            label { "Bad copies, as part = copies, for example 7=2, 9=1" input name="bad" value=(bad) maxlength=(MAX_NOTE); }
-            label { "Note" input name="note" maxlength=(MAX_NOTE); }
-            label.check { input type="checkbox" name="keep" value="yes"; "Do not print bad copies again" }
-            p { "Bad copies wait again with all that was asked; of a failed print all copies do." }
-            button type="submit" { @if is_told { "Correct the outcome" } @else { "Tell the outcome" } }
+            label { (say!("bad-copies")) input name="bad" value=(bad) maxlength=(MAX_NOTE); }
+            label { (fields::NOTE.said()) input name="note" maxlength=(MAX_NOTE); }
+            label.check { input type="checkbox" name="keep" value="yes"; (say!("keep-bad")) }
+            p { (say!("bad-copies-text")) }
+            button type="submit" { @if is_told { (say!("correct-outcome")) } @else { (say!("tell-outcome")) } }
         }
     }
 }
@@ -191,7 +195,7 @@ fn act_form_with(web: &DashboardState, build: BuildId, (act, label): (&str, &str
             (key_field(web))
             input type="hidden" name="act" value=(act);
             @if let Some(seen) = seen { input type="hidden" name="seen" value=(seen); }
-            button type="submit" { (label) span.unseen { " (build " (build) ")" } }
+            button type="submit" { (label) span.unseen { " " (say!("unseen-build", build = build.to_string())) } }
         }
     }
 }
@@ -216,7 +220,7 @@ pub(crate) async fn post_told(
 ) -> HandlerResult<FormAnswer> {
     let build = BuildId(number);
     if web.ledger.find_build(build).await?.is_none() {
-        return Err(HandlerError::NotFound(format!("build {number}")));
+        return Err(HandlerError::NotFound(say!("build-named", build = number.to_string())));
     }
     let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let back = format!("/builds/{number}");
@@ -253,9 +257,7 @@ fn parse_bad_copies(text: &str) -> Result<Vec<(PartId, u32)>, String> {
         let part = part.trim().trim_start_matches(['p', 'P']).parse().ok()?;
         Some((PartId(part), copies.trim().parse().ok().filter(|copies| *copies > 0)?))
     };
-    let parse = |piece: &str| {
-        pair(piece).ok_or_else(|| format!("'{piece}' names no bad copies: say part = copies, for example 7=2, 9=1"))
-    };
+    let parse = |piece: &str| pair(piece).ok_or_else(|| say!("names-no-bad-copies", text = piece));
     pieces.map(parse).collect()
 }
 

@@ -1,6 +1,7 @@
 //! What forms say of published builds: judged and carried out as `farm::operate` does, also for the command line and programs. Where the
 //! file of a build lies in its queue, the answer has the button that says it anyway.
 
+use language::say;
 use ledger::{InQueueError, LedgerError, OperatorWord};
 
 use crate::{
@@ -22,7 +23,7 @@ pub(crate) async fn say_word(
     match farm::operate(&web.ledger, &web.current_settings(), word, by, anyway).await {
         Err(LedgerError::InQueue(lies @ InQueueError::LiesThere { .. })) => {
             let refused = FormAnswer::refused(vec![format!("{lies}.")], back);
-            Ok(refused.or_anyway("Take it out of the queue and do it anyway"))
+            Ok(refused.or_anyway(&say!("anyway")))
         }
         answer => answer_form(answer.map(|answer| answer.sentences), back),
     }

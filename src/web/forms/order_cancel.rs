@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use language::say;
 use ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState};
 
 use crate::{
@@ -74,7 +75,7 @@ pub(crate) async fn cancel_lines(
     }
     match !told.is_complete && being_read > 0 {
         true => {
-            let text = "files of it are being read: ask again to cancel what they become";
+            let text = say!("files-are-read");
             Err(HandlerError::TooMany(READ_SECS, format!("{text}. {}", told.done.join(" ")).trim_end().to_owned()))
         }
         false => Ok(told),
@@ -87,7 +88,7 @@ async fn cancel_arriving(web: &DashboardState, target: CancelTarget<'_>, by: &st
     for line in web.ledger.arriving_lines_of_order(target.order).await? {
         let is_meant = target.line.is_none_or(|wanted| wanted == line.claim);
         if is_meant && web.ledger.cancel_arriving_line(&line, &format!("cancelled by {by}")).await? {
-            done.push(format!("{} was cancelled before it was taken.", line.name));
+            done.push(say!("cancelled-before", name = &line.name));
         }
     }
     if !done.is_empty() {

@@ -8,6 +8,7 @@ use axum::{
     extract::{Path, State},
     http::StatusCode,
 };
+use language::say;
 use ledger::{
     CommandArgument, CommandKind, LineCopies, NewCommand, OperatorWord, OrderLine, OrderRow, OrderState, PartEdit,
     PartState, ReprintTarget,
@@ -21,10 +22,10 @@ use super::{
     order_cancel::{CancelTarget, cancel_lines},
     part_forms::PartEditForm,
 };
+use crate::tables::fields;
 use crate::web::{
     base::{
         error::{HandlerError, HandlerResult},
-        format::count,
         query::order_address,
     },
     core::{
@@ -64,13 +65,13 @@ pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[Order
     html! {
         @if web.orders {
             div.buttons.acts {
-                (sheet("change", "Change the order", false, &edit_form(web, order, &address, waiting)))
+                (sheet("change", &say!("change-order"), false, &edit_form(web, order, &address, waiting)))
                 @if waiting > 0 && web.current_settings().profiles.len() > 1 {
-                    (sheet("move", "Move to another machine", false, &move_form(web, &address, waiting)))
+                    (sheet("move", &say!("move-to"), false, &move_form(web, &address, waiting)))
                 }
-                @if is_printed { (sheet("reprint", "Print again", false, &reprint_form(web, &address))) }
+                @if is_printed { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, &address))) }
                 (close_form(web, order, &address, lines))
-                @if open > 0 { (sheet("cancel", "Cancel", false, &cancel_form(web, &address, open))) }
+                @if open > 0 { (sheet("cancel", &say!("cancel"), false, &cancel_form(web, &address, open))) }
             }
         }
     }
@@ -80,15 +81,15 @@ fn edit_form(web: &DashboardState, order: &OrderRow, address: &str, waiting: u32
     html! {
         form.tell method="post" action=(format!("{address}/edit")) {
             (key_field(web))
-            label { "Customer" input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
+            label { (fields::CUSTOMER.said()) input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
             input type="hidden" name="was_customer" value=(order.customer);
             @if waiting > 0 {
-                p { "For all " (count(waiting, "waiting part", "waiting parts")) ". An empty field changes nothing." }
-                label { "Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; none = no date" input name="due" maxlength=(MAX_NOTE); }
-                label { "Priority, 0 to 100" input type="number" name="priority" min="0" max="100"; }
-                label { "Note" input name="note" maxlength=(MAX_NOTE); }
+                p { (say!("change-order-text", parts = waiting)) }
+                label { (say!("due-example-none")) input name="due" maxlength=(MAX_NOTE); }
+                label { (say!("priority-range")) input type="number" name="priority" min="0" max="100"; }
+                label { (fields::NOTE.said()) input name="note" maxlength=(MAX_NOTE); }
             }
-            button type="submit" { "Change the order" }
+            button type="submit" { (say!("change-order")) }
         }
     }
 }
@@ -97,19 +98,19 @@ fn move_form(web: &DashboardState, address: &str, waiting: u32) -> Markup {
     html! {
         form.tell method="post" action=(format!("{address}/move")) {
             (key_field(web))
-            label { "Machine" select name="machine" { @for name in web.current_settings().profiles.keys() { option value=(name) { (name) } } } }
-            p { "The " (count(waiting, "waiting part", "waiting parts")) " of this order move, and are read again there." }
-            button type="submit" { "Move the order" }
+            label { (fields::MACHINE.said()) select name="machine" { @for name in web.current_settings().profiles.keys() { option value=(name) { (name) } } } }
+            p { (say!("move-order-text", parts = waiting)) }
+            button type="submit" { (say!("move-order")) }
         }
     }
 }
 
 fn reprint_form(web: &DashboardState, address: &str) -> Markup {
     html! {
-        p { "Every printed copy of this order counts as bad and waits again, first in line, with all that was asked." }
+        p { (say!("reprint-order-text")) }
         form.tell method="post" action=(format!("{address}/reprint")) {
             (key_field(web))
-            button type="submit" { "Print every printed copy again" }
+            button type="submit" { (say!("reprint-order")) }
         }
     }
 }
@@ -122,11 +123,12 @@ fn close_form(web: &DashboardState, order: &OrderRow, address: &str, lines: &[Or
     if sum.waiting + sum.refused == 0 && !is_short {
         return Markup::default();
     }
-    let accept = format!("Accept {} of {}", sum.good + sum.in_builds + sum.published(), sum.wanted + sum.cancelled);
+    let accept =
+        say!("accept-of", copies = sum.good + sum.in_builds + sum.published(), all = sum.wanted + sum.cancelled);
     let form = html! {
-        p { "Closes the order as it is: what is good, printed or in a build is accepted."
-            @if sum.waiting > 0 { " " (count(sum.waiting, "waiting copy", "waiting copies")) " will be cancelled." }
-            @if sum.refused > 0 { " Nobody is asked any more for " (count(sum.refused, "refused copy", "refused copies")) "." } }
+        p { (say!("close-order-text"))
+            @if sum.waiting > 0 { " " (say!("close-cancels", copies = sum.waiting)) }
+            @if sum.refused > 0 { " " (say!("close-asks-not", copies = sum.refused)) } }
         form.tell method="post" action=(format!("{address}/close")) {
             (key_field(web))
             button type="submit" { (accept) }
@@ -137,10 +139,10 @@ fn close_form(web: &DashboardState, order: &OrderRow, address: &str, lines: &[Or
 
 fn cancel_form(web: &DashboardState, address: &str, open: u32) -> Markup {
     html! {
-        p { (count(open, "part waits", "parts wait")) ". Copies that are in builds already stay there." }
+        p { (say!("cancel-order-text", parts = open)) }
         form.tell method="post" action=(format!("{address}/cancel")) {
             (key_field(web))
-            button type="submit" { "Cancel what waits" }
+            button type="submit" { (say!("cancel-order")) }
         }
     }
 }
@@ -159,7 +161,7 @@ async fn command_lines(
 }
 
 fn nothing_waits() -> HandlerError {
-    HandlerError::Refused(StatusCode::CONFLICT, "nothing of this order waits any more".to_owned())
+    HandlerError::Refused(StatusCode::CONFLICT, say!("nothing-of-order-waits"))
 }
 
 /// Changes what was asked with the waiting parts of an order, and who it is for.
@@ -172,7 +174,7 @@ pub(crate) async fn post_edit(
     let refused = |wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong);
     let edit: PartEdit = form.to_edit(&web.current_settings().time_zone).map_err(refused)?;
     if edit.is_empty() {
-        return Err(refused("nothing was filled in".to_owned()));
+        return Err(refused(say!("nothing-filled-in")));
     }
     let command = |line: &OrderLine| {
         let edit = Some(edit.possible_in(line.state)).filter(|edit| !edit.is_empty())?;
@@ -195,7 +197,7 @@ pub(crate) async fn post_move(
     Form(form): Form<MoveOrderForm>,
 ) -> HandlerResult<FormAnswer> {
     if !web.current_settings().profiles.contains_key(&form.machine) {
-        return Err(HandlerError::NotFound(format!("machine {}", form.machine)));
+        return Err(HandlerError::NotFound(say!("machine-named", machine = &form.machine)));
     }
     let command = |line: &OrderLine| {
         (line.state == PartState::Waiting).then(|| NewCommand {

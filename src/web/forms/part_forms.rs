@@ -9,6 +9,7 @@ use axum::{
     http::StatusCode,
 };
 use build_file::{MAX_COPIES, MAX_PRIORITY};
+use language::say;
 use ledger::{
     CommandArgument, CommandKind, NewCommand, OperatorWord, PartEdit, PartId, PartRow, PartState, QuestionKind,
     ReprintTarget,
@@ -19,6 +20,7 @@ use serde::Deserialize;
 use super::{build_forms::MAX_NOTE, operate_form::say_word};
 use crate::{
     settings::FarmZone,
+    tables::fields,
     web::{
         base::error::{HandlerError, HandlerResult},
         core::{
@@ -63,9 +65,9 @@ pub(crate) fn part_forms(web: &DashboardState, part: &PartRow, printed: u32) -> 
     let can_move = part.state == PartState::Waiting && web.current_settings().profiles.len() > 1;
     html! {
         @if web.orders {
-            @if can_edit { (sheet("edit", "Edit", false, &edit_form(web, part))) }
-            @if can_move { (sheet("move", "Move to another machine", false, &move_form(web, part))) }
-            @if printed > 0 { (sheet("reprint", "Print again", false, &reprint_form(web, part.id, printed))) }
+            @if can_edit { (sheet("edit", &say!("edit"), false, &edit_form(web, part))) }
+            @if can_move { (sheet("move", &say!("move-to"), false, &move_form(web, part))) }
+            @if printed > 0 { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, part.id, printed))) }
         }
     }
 }
@@ -91,16 +93,16 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
     html! {
             form.tell method="post" action=(format!("/parts/{}/edit", part.id)) {
                 (key_field(web))
-                (number("Copies wanted in all, those in builds included", "copies", &copies, (1, MAX_COPIES)))
+                (number(&say!("copies-wanted"), "copies", &copies, (1, MAX_COPIES)))
                 @if part.state == PartState::Waiting {
-                    (field("Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; empty = no date", "due", &due_text(part)))
-                    (number("Priority, 0 to 100", "priority", &part.terms.priority.to_string(), (0, MAX_PRIORITY.into())))
-                    (field("Note", "note", &part.terms.note))
+                    (field(&say!("due-example"), "due", &due_text(part)))
+                    (number(&say!("priority-range"), "priority", &part.terms.priority.to_string(), (0, MAX_PRIORITY.into())))
+                    (field(&fields::NOTE.said(), "note", &part.terms.note))
                 } @else {
-                    p { "No copy of it waits: more copies can be asked for, and another customer named." }
+                    p { (say!("no-copy-waits")) }
                 }
-                (field("Customer", "customer", &part.terms.customer))
-                button type="submit" { "Change" }
+                (field(&fields::CUSTOMER.said(), "customer", &part.terms.customer))
+                button type="submit" { (say!("change")) }
             }
     }
 }
@@ -113,9 +115,9 @@ fn move_form(web: &DashboardState, part: &PartRow) -> Markup {
             (key_field(web))
             input type="hidden" name="kind" value=(CommandKind::Move);
             input type="hidden" name="part" value=(part.id);
-            label { "Machine" select name="machine" { @for name in &others { option value=(name) { (name) } } } }
-            p { "All waiting parts of its file move, and are read again there." }
-            button type="submit" { "Move" }
+            label { (fields::MACHINE.said()) select name="machine" { @for name in &others { option value=(name) { (name) } } } }
+            p { (say!("move-part-text")) }
+            button type="submit" { (say!("move-part")) }
         }
     }
 }
@@ -124,9 +126,9 @@ fn reprint_form(web: &DashboardState, part: PartId, printed: u32) -> Markup {
     html! {
         form.tell method="post" action=(format!("/parts/{part}/reprint")) {
             (key_field(web))
-            label { "Copies that are bad" input type="number" name="copies" value="1" min="1" max=(printed); }
-            p { "They wait again, first in line, with all that was asked. The copies of the newest build are taken first." }
-            button type="submit" { "Print again" }
+            label { (say!("copies-that-are-bad")) input type="number" name="copies" value="1" min="1" max=(printed); }
+            p { (say!("reprint-part-text")) }
+            button type="submit" { (say!("print-again")) }
         }
     }
 }
@@ -168,7 +170,7 @@ pub(crate) async fn post_reprint(
     Form(form): Form<ReprintForm>,
 ) -> HandlerResult<FormAnswer> {
     let part = require_part(&web, number).await?;
-    let copies = parse_number(&form.copies, 1..=MAX_COPIES, "a number of copies")
+    let copies = parse_number(&form.copies, 1..=MAX_COPIES, &say!("a-number-of-copies"))
         .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let word = OperatorWord::Reprint(ReprintTarget::Part(part, Some(copies)));
     say_word(&web, &word, &by, form.anyway.is_some(), &format!("/parts/{number}")).await
@@ -176,7 +178,7 @@ pub(crate) async fn post_reprint(
 
 async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId> {
     let part = web.ledger.find_part(PartId(number)).await?;
-    part.map(|part| part.id).ok_or_else(|| HandlerError::NotFound(format!("part {number}")))
+    part.map(|part| part.id).ok_or_else(|| HandlerError::NotFound(say!("part-named", part = number.to_string())))
 }
 
 impl PartEditForm {
@@ -190,8 +192,8 @@ impl PartEditForm {
         let copies = changed(&self.copies, &self.was_copies);
         let priority = changed(&self.priority, &self.was_priority);
         let edit = PartEdit {
-            copies: copies.map(|text| parse_number(&text, 1..=MAX_COPIES, "a number of copies")).transpose()?,
-            priority: priority.map(|text| parse_number(&text, 0..=MAX_PRIORITY, "a priority")).transpose()?,
+            copies: copies.map(|text| parse_number(&text, 1..=MAX_COPIES, &say!("a-number-of-copies"))).transpose()?,
+            priority: priority.map(|text| parse_number(&text, 0..=MAX_PRIORITY, &say!("a-priority"))).transpose()?,
             due: changed(&self.due, &self.was_due).map(due).transpose()?,
             note: changed(&self.note, &self.was_note),
             customer: changed(&self.customer, &self.was_customer),
@@ -207,7 +209,15 @@ where
     T: std::str::FromStr + PartialOrd + std::fmt::Display,
 {
     let number = text.trim().parse().ok().filter(|number| limits.contains(number));
-    number.ok_or_else(|| format!("'{text}' is not {what} from {} to {}", limits.start(), limits.end()))
+    number.ok_or_else(|| {
+        say!(
+            "not-in-range",
+            text = text,
+            what = what,
+            least = limits.start().to_string(),
+            most = limits.end().to_string()
+        )
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The pages of the book: its contents with a search, and its chapters.
 
 use axum::extract::Path;
+use language::say;
 use maud::{Markup, PreEscaped, html};
 use serde::Deserialize;
 
@@ -11,7 +12,6 @@ use super::{
 };
 use crate::web::base::{
     error::{HandlerError, HandlerResult},
-    format::count,
     page::html_page,
     query::Query,
 };
@@ -33,27 +33,27 @@ pub(crate) struct HelpQuestion {
 pub(crate) async fn show_contents(Query(asked): Query<HelpQuestion>) -> Markup {
     let question = asked.q.trim();
     let content = html! {
-        h1 { @if question.is_empty() { "Help" } @else { "Help: " (question) } }
+        h1 { @if question.is_empty() { (say!("nav-help")) } @else { (say!("help-for", text = question)) } }
         (book_search(question))
         @if question.is_empty() { (contents()) } @else { (found_list(&find_sections(question))) }
     };
-    html_page("Help", CONTENTS, None, &content)
+    html_page(&say!("nav-help"), CONTENTS, None, &content)
 }
 
 /// A chapter.
 pub(crate) async fn show_chapter(Path(name): Path<String>) -> HandlerResult<Markup> {
-    let missing = || HandlerError::NotFound(format!("chapter {name}"));
+    let missing = || HandlerError::NotFound(say!("chapter-named", name = &name));
     let at = BOOK.iter().position(|chapter| chapter.name == name).ok_or_else(missing)?;
     let chapter = &BOOK[at];
     let (before, after) = (at.checked_sub(1).and_then(|at| BOOK.get(at)), BOOK.get(at + 1));
     let content = html! {
-        p.links { a href=(CONTENTS) { "Contents" } }
+        p.links { a href=(CONTENTS) { (say!("contents")) } }
         (book_search(""))
-        details { summary { "In this chapter" } (section_list(chapter)) }
-        article.book { (PreEscaped(&chapter.html)) }
+        details { summary { (say!("in-this-chapter")) } (section_list(chapter)) }
+        article.book lang="en" { (PreEscaped(&chapter.html)) }
         p.links {
-            @if let Some(before) = before { a href=(chapter_address(before.name)) { "Before: " (before.title()) } }
-            @if let Some(after) = after { a href=(chapter_address(after.name)) { "Next: " (after.title()) } }
+            @if let Some(before) = before { a href=(chapter_address(before.name)) { (say!("chapter-before", title = before.title())) } }
+            @if let Some(after) = after { a href=(chapter_address(after.name)) { (say!("chapter-next", title = after.title())) } }
         }
     };
     Ok(html_page(chapter.title(), CONTENTS, None, &content))
@@ -62,9 +62,9 @@ pub(crate) async fn show_chapter(Path(name): Path<String>) -> HandlerResult<Mark
 /// The field that searches the book.
 fn book_search(text: &str) -> Markup {
     html! {
-        form.filters method="get" action=(CONTENTS) role="search" aria-label="Search the book" {
-            label { "Words in the book" input type="search" name="q" value=(text) maxlength="200" placeholder="hot folder, paused, backup"; }
-            button type="submit" { "Search the book" }
+        form.filters method="get" action=(CONTENTS) role="search" aria-label=(say!("search-book")) {
+            label { (say!("words-in-book")) input type="search" name="q" value=(text) maxlength="200" placeholder=(say!("words-in-book-example")); }
+            button type="submit" { (say!("search-book")) }
         }
     }
 }
@@ -97,17 +97,17 @@ fn found_list(found: &[FoundSection]) -> Markup {
     let left = found.len().saturating_sub(MAX_FOUND);
     html! {
         @if found.is_empty() {
-            p role="status" { "No section of the book has all of these words." }
+            p role="status" { (say!("no-section")) }
             (contents())
         } @else {
             div.found {
-                h2 { (count(found.len() as u32, "section", "sections")) }
+                h2 { (say!("count-sections", count = found.len())) }
                 ul { @for one in found.iter().take(MAX_FOUND) { li {
                     a href=(section_address(one.chapter, one.section)) { (one.section.title) }
                     @if one.section.level > 1 { " " span.soft { (one.chapter.title()) } }
                     p { @for (piece, is_asked) in &one.snippet { @if *is_asked { mark { (piece) } } @else { (piece) } } }
                 } } }
-                @if left > 0 { p { (count(left as u32, "section more has", "sections more have")) " these words: add a word." } }
+                @if left > 0 { p { (say!("more-sections", count = left)) } }
             }
         }
     }

@@ -7,6 +7,7 @@ use axum::{
     http::{HeaderMap, header},
     response::{IntoResponse, Response},
 };
+use language::say;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
@@ -61,16 +62,17 @@ pub(crate) fn order_labels(order: &str) -> Markup {
 fn label_form(address: &str, has_bins: bool) -> Markup {
     let form = html! {
         form.tell method="get" action=(address) {
-            @if has_bins { label { "For" select name="of" {
-                option value="bins" { "bins: one for each order" }
-                option value="bags" { "bags: one for each part" }
+            @if has_bins { label { (say!("labels-for")) select name="of" {
+                option value="bins" { (say!("labels-of-bins")) }
+                option value="bags" { (say!("labels-of-bags")) }
             } } }
-            label { "Sheet" select name="sheet" { @for sheet in SHEETS { option value=(sheet.word()) { (sheet.words()) } } } }
-            label { "Labels used up on the first sheet" input type="number" name="used" min="0" max="29" value="0"; }
-            button type="submit" { "Open the PDF" }
+            label { (say!("label-sheet")) select name="sheet" { @for sheet in SHEETS { option value=(sheet.word()) { (sheet.words()) } } } }
+            label { (say!("labels-used")) input type="number" name="used" min="0" max="29" value="0"; }
+            button type="submit" { (say!("open-pdf")) }
         }
     };
-    sheet("labels", if has_bins { "Labels for bins and bags" } else { "Labels for bags" }, false, &form)
+    let name = if has_bins { say!("labels-bins-bags") } else { say!("labels-bags") };
+    sheet("labels", &name, false, &form)
 }
 
 /// The labels of a build as PDF.
@@ -88,7 +90,7 @@ pub(crate) async fn get_build_labels(
         Labelled::Bins => bin_labels(&bags, number, &root),
         Labelled::Bags => bag_labels(&bags, Some(number), &root),
     };
-    answer_pdf(&format!("Labels of build {number}"), &labels, &query)
+    answer_pdf(&say!("labels-of-build", build = number.to_string()), &labels, &query)
 }
 
 /// The labels of an order as PDF, one for each of its parts.
@@ -100,12 +102,16 @@ pub(crate) async fn get_order_labels(
 ) -> HandlerResult<Response> {
     let lines = web.ledger.order_lines(&name).await?;
     let bags: Vec<Bag> = lines.iter().map(|line| Bag::of_line(&name, line)).collect();
-    answer_pdf(&format!("Labels of order {name}"), &bag_labels(&bags, None, &LinkRoot::of_request(&headers)), &query)
+    answer_pdf(
+        &say!("labels-of-order", order = &name),
+        &bag_labels(&bags, None, &LinkRoot::of_request(&headers)),
+        &query,
+    )
 }
 
 fn answer_pdf(title: &str, labels: &[Label], query: &LabelQuery) -> HandlerResult<Response> {
     if labels.is_empty() {
-        return Err(HandlerError::NotFound("part to label".to_owned()));
+        return Err(HandlerError::NotFound(say!("part-to-label")));
     }
     let pdf = write_labels(title, labels, query.sheet, query.used)?;
     let headers =

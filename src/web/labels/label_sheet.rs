@@ -1,5 +1,6 @@
 //! The sheets that labels are printed on.
 
+use language::say;
 use serde::{Deserialize, Serialize};
 
 /// A kind of sheet.
@@ -65,12 +66,12 @@ impl LabelSheet {
     }
 
     /// What people call it.
-    pub(super) fn words(self) -> &'static str {
+    pub(super) fn words(self) -> String {
         match self {
-            Self::A4Small => "A4, 3 \u{d7} 8, 70 \u{d7} 37 mm",
-            Self::A4Wide => "A4, 2 \u{d7} 7, 99.1 \u{d7} 38.1 mm",
-            Self::Letter => "US Letter, 3 \u{d7} 10, Avery 5160",
-            Self::Roll => "Roll of 62 mm",
+            Self::A4Small => "A4, 3 \u{d7} 8, 70 \u{d7} 37 mm".to_owned(),
+            Self::A4Wide => language::decimal("A4, 2 \u{d7} 7, 99.1 \u{d7} 38.1 mm".to_owned()),
+            Self::Letter => "US Letter, 3 \u{d7} 10, Avery 5160".to_owned(),
+            Self::Roll => say!("sheet-roll"),
         }
     }
 

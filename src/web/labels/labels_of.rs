@@ -1,13 +1,11 @@
 //! What stands on the labels of a build and of an order.
 
 use axum::http::HeaderMap;
+use language::say;
 use ledger::{OrderLine, PartRow};
 
 use super::label_pdf::Label;
-use crate::web::{
-    base::{format::count, query::order_address},
-    figures::pick_map::bin_orders,
-};
+use crate::web::{base::query::order_address, figures::pick_map::bin_orders};
 
 /// Where links on paper lead: the address by which the browser came here.
 #[derive(Debug, Clone)]
@@ -49,7 +47,7 @@ impl Bag {
     }
 
     fn order_words(&self) -> String {
-        if self.order.is_empty() { "No order".to_owned() } else { self.order.clone() }
+        if self.order.is_empty() { say!("no-order") } else { self.order.clone() }
     }
 }
 
@@ -70,12 +68,16 @@ pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label
         let customer = bags.iter().map(|bag| bag.customer.as_str()).find(|customer| !customer.is_empty());
         let parts = match bags[..] {
             [only] => only.part.clone(),
-            _ => count(bags.len() as u32, "part", "parts"),
+            _ => say!("count-parts", count = bags.len()),
         };
         let copies = copies_of_build(bags.iter().map(|bag| bag.copies).sum(), Some(build));
         Label {
             title: bags[0].order_words(),
-            lines: lines_of([customer.unwrap_or_default().to_owned(), parts, format!("Bin {}: {copies}", number + 1)]),
+            lines: lines_of([
+                customer.unwrap_or_default().to_owned(),
+                parts,
+                say!("bin-with", number = number + 1, content = copies),
+            ]),
             address: root.of_order(order),
         }
     };
@@ -83,8 +85,10 @@ pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label
 }
 
 fn copies_of_build(copies: u32, build: Option<i64>) -> String {
-    let copies = count(copies, "copy", "copies");
-    build.map_or_else(|| copies.clone(), |build| format!("{copies} of build {build}"))
+    match build {
+        Some(build) => say!("copies-of-build", copies = copies, build = build.to_string()),
+        None => say!("count-copies", count = copies),
+    }
 }
 
 fn lines_of(lines: [String; 3]) -> Vec<String> {

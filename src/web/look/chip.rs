@@ -90,7 +90,7 @@ impl Tone {
 }
 
 /// The word of a state of the ledger as people say it; that of a fact is what people say.
-pub(crate) fn said(word: &str) -> &str {
+fn said(word: &str) -> &str {
     match word {
         "claimed" => "being read",
         "batched" => "being made",
@@ -101,9 +101,14 @@ pub(crate) fn said(word: &str) -> &str {
     }
 }
 
+/// A state in words, in the language that is current.
+pub(crate) fn state_text(word: &str) -> String {
+    language::say_word("state", said(word))
+}
+
 /// A state as people see it.
 pub(crate) fn chip(word: &str) -> Markup {
-    chip_of(Tone::of_word(word), &language::say_word("state", said(word)))
+    chip_of(Tone::of_word(word), &state_text(word))
 }
 
 /// A text in a tone.
@@ -121,7 +126,7 @@ mod tests {
     #[test]
     fn every_word_of_a_state_is_in_the_catalogs() {
         for word in Tone::ALL.iter().flat_map(|tone| tone.words()) {
-            let marked = language::Language::Marked.within(|| language::say_word("state", said(word)));
+            let marked = language::Language::Marked.within(|| state_text(word));
             assert_eq!(marked, format!("⟦{}⟧", said(word)));
         }
     }

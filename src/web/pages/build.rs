@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::{Path, State};
 use jiff::Timestamp;
+use language::say;
 use ledger::{BuildRow, BuildState, MachineStatus, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
@@ -59,7 +60,7 @@ pub(crate) async fn show_build(
     let plans = read_plans(&web.ledger, &machine, Timestamp::now()).await?;
     let fact = build_fact(&build, &plans);
     let content = html! {
-        h1 { "Build " (build.id) " on " (build.machine) " " (chip(&fact.word)) }
+        h1 { (say!("build-on", build = build.id.to_string(), printer = &build.machine)) " " (chip(&fact.word)) }
         (figures(&build, &fact, copies, &profile, &view))
         (second_files(&web, &build).await?)
         @if is_unseen { (unseen_failure(&web, &build)) }
@@ -71,22 +72,22 @@ pub(crate) async fn show_build(
         div.buttons.acts #told {
             (build_forms(&web, &build, &placements))
             @if build.times.published_at.is_some() {
-                a.button href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
+                a.button href=(format!("/builds/{}/break-out", build.id)) { (say!("break-out-steps")) }
             }
-            a.button href=(format!("/builds/{}/pick", build.id)) { "Pick map" }
+            a.button href=(format!("/builds/{}/pick", build.id)) { (say!("pick-map")) }
             @if copies > 0 {
                 (downloads_sheet(&build, &profile).await?)
                 (build_labels(build.id.0))
             }
         }
-        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { "Nothing stands in it yet." } }
+        @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { (say!("nothing-in-it")) } }
         (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &[fields::HEIGHT, fields::DENSITY], &view))
         (outcome_list(&outcomes, &view))
-        h2 { "Parts" }
-        (table_of_keys(("Parts", None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view, &|_, _| None))
+        h2 { (fields::PARTS.said()) }
+        (table_of_keys((&fields::PARTS.said(), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view, &|_, _| None))
         (height_curve(&build.height_curve()))
     };
-    Ok(html_page(&format!("Build {}", build.id), "", Some("start.js"), &content))
+    Ok(html_page(&say!("build-number", build = build.id.to_string()), "", Some("start.js"), &content))
 }
 
 /// The build in numbers.
@@ -94,10 +95,10 @@ fn figures(build: &BuildRow, fact: &BuildFact, copies: u32, profile: &MachinePro
     let volume = fields::VOLUME_Z.with_unit(profile.space.volume_mm.z).unwrap_or_default();
     html! {
         ul.figures {
-            @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (figure(&height, &format!("high, of {volume}"), None)) }
-            (figure(&copies.to_string(), if copies == 1 { "copy" } else { "copies" }, None))
-            @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, "dense", None)) }
-            @if let Some(ends) = fact.ends_at { (figure(&view.near_text(ends), "to be unpacked, as far as is known", None)) }
+            @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (figure(&height, &say!("figure-high", volume = volume), None)) }
+            (figure(&copies.to_string(), &say!("figure-copies", count = copies), None))
+            @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, &say!("figure-dense"), None)) }
+            @if let Some(ends) = fact.ends_at { (figure(&view.near_text(ends), &say!("figure-unpacked"), None)) }
         }
     }
 }
@@ -140,8 +141,8 @@ fn is_failure(build: &BuildRow) -> bool {
 fn outcome_list(outcomes: &[OutcomeRow], view: &TimeView) -> Markup {
     html! {
         @if !outcomes.is_empty() {
-            h2 { "What became of it" }
-            (table_of("Outcomes", None, OUTCOME_COLUMNS, outcomes, view))
+            h2 { (say!("what-became")) }
+            (table_of(&say!("outcomes"), None, OUTCOME_COLUMNS, outcomes, view))
         }
     }
 }

@@ -8,6 +8,7 @@ use axum::{
     http::{HeaderMap, HeaderValue, header},
     response::{Html, IntoResponse, Response},
 };
+use language::say;
 use ledger::BuildRow;
 use maud::{Markup, html};
 
@@ -36,17 +37,17 @@ pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) 
     let file = |address: String, name: &str, what: &str| html! { li { a.row href=(address) download { span.row-name { (name) } span.row-more { (what) } } } };
     let content = html! {
         ul.rows {
-            @if files.proved.is_some() { (file(format!("/builds/{number}/file"), "Build file, 3MF", "what the printer gets")) }
-            (file(format!("/builds/{number}/report.html"), "Report, HTML", "to mail: 3D view, facts and pick map in one file"))
-            (file(format!("/builds/{number}/picture"), "Picture, PNG", ""))
-            (file(format!("/builds/{number}/pick.csv"), "Pick map, CSV", "for a spreadsheet"))
-            (file(format!("/api/v1/builds/{number}/pick"), "Pick map, JSON", ""))
-            (file(format!("/api/v1/builds/{number}"), "Build, JSON", "all that is known of it"))
-            @if files.search_report.is_some() { (file(format!("/builds/{number}/search.json"), "Report of the search, JSON", "")) }
+            @if files.proved.is_some() { (file(format!("/builds/{number}/file"), &say!("file-build"), &say!("file-build-for"))) }
+            (file(format!("/builds/{number}/report.html"), &say!("file-report"), &say!("file-report-for")))
+            (file(format!("/builds/{number}/picture"), &say!("file-picture"), ""))
+            (file(format!("/builds/{number}/pick.csv"), &say!("file-pick-csv"), &say!("file-pick-csv-for")))
+            (file(format!("/api/v1/builds/{number}/pick"), &say!("file-pick-json"), ""))
+            (file(format!("/api/v1/builds/{number}"), &say!("file-json"), &say!("file-json-for")))
+            @if files.search_report.is_some() { (file(format!("/builds/{number}/search.json"), &say!("file-search"), "")) }
         }
-        @if files.proved.is_none() { p.soft { "Its build file is not kept here any more: its printer took it, or it was not made yet." } }
+        @if files.proved.is_none() { p.soft { (say!("file-not-kept")) } }
     };
-    Ok(sheet("files", "Files", false, &content))
+    Ok(sheet("files", &say!("files"), false, &content))
 }
 
 /// Where the files of a build lie.
@@ -84,7 +85,7 @@ pub(crate) async fn get_build_file(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    let missing = || HandlerError::NotFound(format!("build file of build {number} on this node"));
+    let missing = || HandlerError::NotFound(say!("build-file-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
     let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
     stream_file(&file, saved_as(&name, "model/3mf"))
@@ -96,7 +97,7 @@ pub(crate) async fn get_search_report(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    let missing = || HandlerError::NotFound(format!("report of the search for build {number} on this node"));
+    let missing = || HandlerError::NotFound(say!("search-report-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
     stream_file(&file, saved_as(&format!("build-{number}{SEARCH_REPORT}"), "application/json"))
 }
@@ -109,10 +110,11 @@ pub(crate) async fn get_report(
     let (build, profile) = find_build(&web, number).await?;
     let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
     let (settings, turn) = (web.current_settings(), web.render_slot.clone().acquire_owned().await);
+    let language = language::current();
     let making = tokio::task::spawn_blocking(move || {
         let _turn = turn;
         let cake = CakeContents::from_ledger(&settings, &profile, &build, parts);
-        HtmlReport { cake: &cake, source: ReportSource::Ledger(&build, &profile) }.to_html()
+        language.within(|| HtmlReport { cake: &cake, source: ReportSource::Ledger(&build, &profile) }.to_html())
     });
     let html = making.await.context("writing a report")??;
     Ok((saved_as(&format!("build-{number}.html"), "text/html; charset=utf-8"), Html(html)).into_response())

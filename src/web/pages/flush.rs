@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use language::say;
 use ledger::{CommandKind, MachineStatus, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
 
@@ -15,7 +16,6 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::count,
             listing::table_of_keys,
             page::html_page,
         },
@@ -32,7 +32,8 @@ pub(crate) async fn show_preview(
     Path(name): Path<String>,
 ) -> HandlerResult<Markup> {
     let settings = web.current_settings();
-    let profile = settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))?;
+    let profile =
+        settings.profiles.get(&name).ok_or_else(|| HandlerError::NotFound(say!("machine-named", machine = &name)))?;
     let status = MachineStatus::of_machine(&web.ledger.machine_statuses().await?, &name);
     let inside = placed_parts(&web, profile, &status).await?;
     let query = PartQuery {
@@ -48,21 +49,21 @@ pub(crate) async fn show_preview(
     let later = status.waiting_copies.saturating_sub(placed);
     let view = web.time_view();
     let content = html! {
-        h1 { "Flush " (name) "?" }
-        @if status.waiting_parts == 0 { p { "Nothing waits for it: there is nothing to build." } }
+        h1 { (say!("flush-machine", machine = &name)) }
+        @if status.waiting_parts == 0 { p { (say!("nothing-to-build")) } }
         @else {
             (preview_sentence(profile, &status, placed))
-            @if later > 0 { p { (count(later, "waiting copy stands", "waiting copies stand")) " in no layout yet. The final search tries to take them, too." } }
+            @if later > 0 { p { (say!("in-no-layout", copies = later)) } }
             div.buttons {
-                span.next-step { (command_button(&web, CommandKind::Flush, "Flush now", &format!("{name}: publish what waits now"), &name, None)) }
-                a.button href="/" { "Not now" }
+                span.next-step { (command_button(&web, CommandKind::Flush, &say!("flush-now"), &say!("unseen-flush-now", machine = &name), &name, None)) }
+                a.button href="/" { (say!("not-now")) }
             }
             (picture_html)
-            @if !inside.is_empty() { h2 { "In the layout so far" } (table_of_keys(("In the layout", None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &inside, &view, &|_, _| None)) }
-            @if !outside.is_empty() { h2 { "Waiting, in no layout yet" } (table_of_keys(("Waiting", None), PART_COLUMNS, &PART_PAGE_KEYS, &outside, &view, &|_, _| None)) }
+            @if !inside.is_empty() { h2 { (say!("in-layout-so-far")) } (table_of_keys((&say!("in-layout"), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &inside, &view, &|_, _| None)) }
+            @if !outside.is_empty() { h2 { (say!("waiting-in-no-layout")) } (table_of_keys((&fields::WAITING.said(), None), PART_COLUMNS, &PART_PAGE_KEYS, &outside, &view, &|_, _| None)) }
         }
     };
-    Ok(html_page(&format!("Flush {name}"), "", None, &content))
+    Ok(html_page(&say!("flush-title", machine = &name), "", None, &content))
 }
 
 /// The parts in the layout of the open build, with the copies there.
@@ -83,12 +84,13 @@ fn preview_sentence(profile: &MachineProfile, status: &MachineStatus, placed: u3
     let height = open.and_then(|open| height_in_volume(open.height_mm, Some(profile.space.volume_mm.z)));
     let density = open.and_then(|open| fields::DENSITY.with_unit(open.density));
     html! {
-        p { b { (count(status.waiting_copies, "copy", "copies")) " of " (count(status.waiting_parts, "part", "parts")) } " wait. "
-            @if let Some(height) = height {
-                "The layout so far holds " (placed) " of them and stands at " b { (height) }
-                @if let Some(density) = density { ", " (density) " dense" } ". "
+        @let waiting = html! { b { (say!("copies-of-parts", copies = status.waiting_copies, parts = status.waiting_parts)) } };
+        p { (phrase!("they-wait", waiting = waiting)) " "
+            @match (height.map(|height| html! { b { (height) } }), density) {
+                (Some(height), Some(density)) => { (phrase!("layout-stands-dense", copies = placed, height = height, density = density)) " " }
+                (Some(height), None) => { (phrase!("layout-stands", copies = placed, height = height)) " " }
+                (None, _) => {}
             }
-            "A flush searches for " (format!("{:.0} s", profile.search.final_secs)) ", proves the build and puts it into the queue; it may come out lower. "
-            "Copies that find no place go on waiting." }
+            (say!("flush-text", secs = format!("{:.0}", profile.search.final_secs))) }
     }
 }

@@ -9,6 +9,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use jiff::{Timestamp, ToSpan, civil::Date};
+use language::say;
 use ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 use maud::{Markup, html};
 use schemars::JsonSchema;
@@ -23,14 +24,13 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::count,
             listing::{table_of, table_of_keys},
             page::html_page,
             query::{Query, parse_field, query_string},
         },
         core::state::DashboardState,
         figures::chart,
-        look::{chip::said, pieces::empty},
+        look::{chip::state_text, pieces::empty},
     },
 };
 
@@ -93,13 +93,13 @@ fn ledger_query(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<H
         since: parse_day(&filter.since, 0, zone)?,
         until: parse_day(&filter.until, 1, zone)?,
         machine: some(&filter.machine),
-        state: parse_field(&filter.state, "a state of a build")?,
+        state: parse_field(&filter.state, &say!("a-state-of-build"))?,
         part: some(&filter.part),
         sort: SORT_COLUMNS
             .iter()
             .find(|(word, ..)| *word == filter.sort)
             .map_or(HistorySort::Newest, |&(_, sort, _)| sort),
-        after: parse_field::<i64>(&filter.after, "the number of a build")?.map(BuildId),
+        after: parse_field::<i64>(&filter.after, &say!("the-number-of-build"))?.map(BuildId),
         limit: Some(MAX_ROWS + 1),
     })
 }
@@ -121,9 +121,7 @@ fn parse_day(text: &str, later: i64, zone: &FarmZone) -> HandlerResult<Option<Ti
         text.parse::<Date>().and_then(|date| date.checked_add(later.days())?.to_zoned(zone.time_zone().clone()));
     match moment {
         Ok(zoned) => Ok(Some(zoned.timestamp())),
-        Err(_) => {
-            Err(HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no date such as 2026-11-20")))
-        }
+        Err(_) => Err(HandlerError::Refused(StatusCode::BAD_REQUEST, say!("is-no-date", text = text))),
     }
 }
 
@@ -149,18 +147,18 @@ pub(crate) async fn show_history(
     let next = next.map(|next| query_string(&next)).transpose()?;
     let query = query_string(&filter)?;
     let content = html! {
-        h1 { "History" }
+        h1 { (say!("nav-history")) }
         (filter_form(&filter, Timestamp::now().to_zoned(settings.time_zone.time_zone().clone()).date(), settings.profiles.keys()))
         (sums_table(&sums, &view))
         (chart::history_charts(&rows, &settings.time_zone))
         (history_table(&rows, &filter, &web.read_plans().await?, &view))
-        p.links { a href=(format!("/history.csv?{query}")) download { "CSV with all columns" }
+        p.links { a href=(format!("/history.csv?{query}")) download { (say!("csv-all-columns")) }
             a href=(format!("/history.json?{query}")) download { "JSON" } }
         @if let Some(next) = next {
-            p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
+            p { a rel="next" href=(format!("/history?{next}")) { (say!("next-builds")) } }
         }
     };
-    Ok(html_page("History", "/history", None, &content))
+    Ok(html_page(&say!("nav-history"), "/history", None, &content))
 }
 
 fn filter_form<'a>(filter: &HistoryFilter, today: Date, machines: impl Iterator<Item = &'a String>) -> Markup {
@@ -168,46 +166,46 @@ fn filter_form<'a>(filter: &HistoryFilter, today: Date, machines: impl Iterator<
         BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
         form.filters method="get" action="/history" {
-            label { (fields::MACHINE.label) select name="machine" {
-                option value="" { "all" }
+            label { (fields::MACHINE.said()) select name="machine" {
+                option value="" { (say!("all")) }
                 @for name in machines { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
-            label { "Outcome" select name="state" {
-                option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == filter.state] { (said(state)) } }
+            label { (fields::OUTCOME.said()) select name="state" {
+                option value="" { (say!("all")) }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (state_text(state)) } }
             } }
-            label { "Part or order, whole name" input name="part" value=(filter.part); }
-            label { "Since" input type="date" name="since" value=(filter.since); }
-            label { "Until" input type="date" name="until" value=(filter.until); }
-            label { "Sorted by" select name="sort" {
-                option value="" { "newest first" }
+            label { (say!("part-or-order")) input name="part" value=(filter.part); }
+            label { (fields::SINCE.said()) input type="date" name="since" value=(filter.since); }
+            label { (say!("until")) input type="date" name="until" value=(filter.until); }
+            label { (say!("sorted-by-what")) select name="sort" {
+                option value="" { (say!("newest-first")) }
                 @for (word, _, field) in &SORT_COLUMNS { option value=(word) selected[*word == filter.sort] { (field.page_heading()) } }
             } }
-            button type="submit" { "Show" }
+            button type="submit" { (say!("show")) }
             span { @for days in QUICK_SPANS {
                 @let since = today.saturating_sub(days.days());
-                a href=(format!("/history?since={since}")) { (days) " days" } " "
+                a href=(format!("/history?since={since}")) { (say!("days", days = days)) } " "
             } }
         }
     }
 }
 
 fn sums_table(sums: &[HeightSummary], view: &TimeView) -> Markup {
-    let caption = "What was published in that time".to_owned();
-    html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums, view)) } }
+    let caption = say!("published-in-time");
+    html! { @if !sums.is_empty() { (table_of(&say!("heights"), Some(caption), HEIGHT_SUM_COLUMNS, sums, view)) } }
 }
 
 fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, plans: &[MachinePlan], view: &TimeView) -> Markup {
     let order = match filter.sort.as_str() {
-        "" => "the newest first".to_owned(),
-        sort => format!("sorted by {sort}"),
+        "" => say!("the-newest-first"),
+        sort => say!("sorted-by", sort = sort),
     };
-    let caption = format!("{}, {order}", count(rows.len() as u32, "build", "builds"));
+    let caption = format!("{}, {order}", say!("count-builds", count = rows.len()));
     let told =
         |key: &str, row: &HistoryRow| (key == "state_word").then(|| CellValue::State(history_fact(row, plans).word));
     html! {
-        @if rows.is_empty() { (empty("No builds", &html! { "None matches what is asked for above." }, &html! { a.button href="/history" { "All builds" } })) }
-        @else { (table_of_keys(("Builds", Some(caption)), HISTORY_COLUMNS, &HISTORY_PAGE_KEYS, rows, view, &told)) }
+        @if rows.is_empty() { (empty(&say!("no-builds"), &html! { (say!("none-matches")) }, &html! { a.button href="/history" { (say!("all-builds")) } })) }
+        @else { (table_of_keys((&fields::BUILDS.said(), Some(caption)), HISTORY_COLUMNS, &HISTORY_PAGE_KEYS, rows, view, &told)) }
     }
 }
 

@@ -12,6 +12,7 @@ use jiff::{
     Timestamp, ToSpan,
     civil::{Date, date},
 };
+use language::say;
 use ledger::{BuildState, HistoryQuery, HistoryRow, LatePart};
 use maud::{Markup, html};
 use schemars::JsonSchema;
@@ -25,7 +26,7 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::{DASH, count},
+            format::DASH,
             listing::heading,
             page::html_page,
             query::{Query, order_address},
@@ -82,7 +83,7 @@ impl FarmMonth {
             }
         };
         let in_range = first.filter(|first| (date(1970, 2, 1)..date(9990, 1, 1)).contains(first));
-        let wrong = || HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no month such as 2026-10"));
+        let wrong = || HandlerError::Refused(StatusCode::BAD_REQUEST, say!("is-no-month", text = text));
         Ok(Self { first: in_range.ok_or_else(wrong)?, zone: zone.clone() })
     }
 
@@ -118,7 +119,7 @@ impl FarmMonth {
     }
 
     fn name(&self) -> String {
-        self.first.strftime("%B %Y").to_string()
+        language::month_text(self.first.month(), self.first.year())
     }
 }
 
@@ -169,10 +170,9 @@ pub(crate) async fn show_month(
         h1 { (month.name()) }
         (month_links(&month, &before, (after.begins_at() <= now).then_some(&after)))
         (figures(&report))
-        (output_table(&report, &if month.is_over(now) { before.name() } else { format!("as many days of {}", before.name()) }))
-        p.soft { "Litres of parts are their volume; litres of cake are parts and powder up to the height of each build. Machine \
-                  time is the height times the hours that a mm takes. Yield: good copies of those of which somebody told how they came out." }
-        (weekly_bars("Height by week, mm", &rows, (month.first, month.later(1).first), &month.zone, &|row| row.measures.height_mm))
+        (output_table(&report, &if month.is_over(now) { before.name() } else { say!("as-many-days", month = before.name()) }))
+        p.soft { (say!("month-text")) }
+        (weekly_bars(&say!("height-by-week"), &rows, (month.first, month.later(1).first), &month.zone, &|row| row.measures.height_mm))
         (late_section(&report, &view))
         (failed_section(&report.failed, &view))
         p.links {
@@ -189,13 +189,13 @@ fn figures(report: &MonthResponse) -> Markup {
     html! {
         @if let Some(all) = report.machines.last() {
             ul.figures {
-                (figure(&all.builds.to_string(), if all.builds == 1 { "build" } else { "builds" }, None))
-                (figure(&all.copies.to_string(), "copies", None))
-                @if let Some(litres) = fields::PART_LITRES.with_unit(all.part_litres) { (figure(&litres, "of parts", None)) }
-                @if let Some(hours) = all.print_hours.and_then(|hours| fields::PRINT_HOURS.with_unit(hours)) { (figure(&hours, "of machine time", None)) }
-                @if let Some(share) = all.yield_share.and_then(|share| fields::YIELD.with_unit(share)) { (figure(&share, "yield", None)) }
-                (figure_link(&late.to_string(), "late", (late > 0).then_some(Tone::Wrong), "#late"))
-                (figure_link(&report.failed.len().to_string(), "failed", (!report.failed.is_empty()).then_some(Tone::Wrong), "#failed"))
+                (figure(&all.builds.to_string(), &say!("figure-builds", count = all.builds), None))
+                (figure(&all.copies.to_string(), &say!("figure-copies-made", count = all.copies), None))
+                @if let Some(litres) = fields::PART_LITRES.with_unit(all.part_litres) { (figure(&litres, &say!("figure-of-parts"), None)) }
+                @if let Some(hours) = all.print_hours.and_then(|hours| fields::PRINT_HOURS.with_unit(hours)) { (figure(&hours, &say!("figure-machine-time"), None)) }
+                @if let Some(share) = all.yield_share.and_then(|share| fields::YIELD.with_unit(share)) { (figure(&share, &say!("figure-yield"), None)) }
+                (figure_link(&late.to_string(), &say!("figure-late-parts"), (late > 0).then_some(Tone::Wrong), "#late"))
+                (figure_link(&report.failed.len().to_string(), &say!("figure-failed"), (!report.failed.is_empty()).then_some(Tone::Wrong), "#failed"))
             }
         }
     }
@@ -204,13 +204,13 @@ fn figures(report: &MonthResponse) -> Markup {
 /// The builds that failed, each with why.
 fn failed_section(failed: &[HistoryRow], view: &TimeView) -> Markup {
     html! {
-        h2 #failed { "Failed builds" }
-        @if failed.is_empty() { p { "None." } }
+        h2 #failed { (say!("failed-builds")) }
+        @if failed.is_empty() { p { (say!("none")) } }
         @else { ul { @for row in failed { li {
-            a href=(format!("/builds/{}", row.build)) { "Build " (row.build) } " on " (row.machine) " " (chip(&row.state.to_string()))
+            (phrase!("link-on-machine", link = html! { a href=(format!("/builds/{}", row.build)) { (say!("build-number", build = row.build.to_string())) } }, machine = &row.machine)) " " (chip(&row.state.to_string()))
             ", " (time_of(row.at, view))
             @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { ", " (height) }
-            @if let Some(copies) = row.measures.copies { ", " (count(copies, "copy", "copies")) }
+            @if let Some(copies) = row.measures.copies { ", " (say!("count-copies", count = copies)) }
             @if !row.result.reason.is_empty() { ": " (row.result.reason) }
         } } } }
     }
@@ -221,8 +221,8 @@ fn month_links(month: &FarmMonth, before: &FarmMonth, after: Option<&FarmMonth>)
         form.filters method="get" action="/month" {
             a.button rel="prev" href=(format!("/month?at={}", before.key())) { (before.name()) }
             @if let Some(after) = after { a.button rel="next" href=(format!("/month?at={}", after.key())) { (after.name()) } }
-            label { "Month" input type="month" name="at" value=(month.key()) pattern="[0-9]{4}-[0-9]{2}" placeholder="2026-10"; }
-            button type="submit" { "Show" }
+            label { (say!("nav-month")) input type="month" name="at" value=(month.key()) pattern="[0-9]{4}-[0-9]{2}" placeholder="2026-10"; }
+            button type="submit" { (say!("show")) }
         }
     }
 }
@@ -231,9 +231,9 @@ fn month_links(month: &FarmMonth, before: &FarmMonth, after: Option<&FarmMonth>)
 fn output_table(report: &MonthResponse, before: &str) -> Markup {
     let columns = people_columns(MONTH_COLUMNS, &[report.machines.as_slice(), &report.before].concat());
     html! {
-        div.wide tabindex="0" role="region" aria-label="Machines" {
+        div.wide tabindex="0" role="region" aria-label=(fields::MACHINES.said()) {
             table {
-                caption { "Published in this month; in small what it was in " (before) }
+                caption { (say!("month-caption", before = before)) }
                 thead { tr { @for column in &columns { (heading(&column.field)) } } }
                 tbody { @for machine in &report.machines {
                     @let last = report.before.iter().find(|other| other.machine == machine.machine);
@@ -258,19 +258,23 @@ fn late_section(report: &MonthResponse, view: &TimeView) -> Markup {
         orders.entry(part.order_name.as_str()).or_default().push(part);
     }
     html! {
-        h2 #late { "Late" }
-        @if late.is_empty() && report.will_be_late.is_empty() { p { "Nothing that was due in this month came late, or will." } }
+        h2 #late { (say!("late")) }
+        @if late.is_empty() && report.will_be_late.is_empty() { p { (say!("nothing-late")) } }
         @if !report.will_be_late.is_empty() {
             ul.rows { @for risk in &report.will_be_late { (risk_row(risk, view)) } }
         }
         @if !late.is_empty() {
-            p { (count(late.len() as u32, "part", "parts")) " of " (count(orders.len() as u32, "order", "orders")) " came after the due date, or are not printed yet." }
+            p { (say!("late-text", parts = late.len(), orders = orders.len())) }
             ul { @for (order, parts) in &orders { li {
-                @if order.is_empty() { "Without an order" } @else { a href=(order_address(order)) { (order) } }
+                @if order.is_empty() { (say!("without-order")) } @else { a href=(order_address(order)) { (order) } }
                 ul { @for part in parts { li {
-                    a href=(format!("/parts/{}", part.part)) { (part.name) } " on " (part.machine)
-                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", due " (due_of(&due, view)) }
-                    @match part.done_at { Some(at) => { ", done " @if part.is_estimated { "about " } (time_of(at, view)) @if part.is_estimated { ", as nobody told" } } None => { " " (chip(&part.state.to_string())) } }
+                    (phrase!("link-on-machine", link = html! { a href=(format!("/parts/{}", part.part)) { (part.name) } }, machine = &part.machine))
+                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", " (phrase!("due-on", due = due_of(&due, view))) }
+                    @match part.done_at {
+                        Some(at) if part.is_estimated => { ", " (phrase!("done-about-untold", time = time_of(at, view))) }
+                        Some(at) => { ", " (phrase!("done-at", time = time_of(at, view))) }
+                        None => { " " (chip(&part.state.to_string())) }
+                    }
                 } } }
             } } }
         }

@@ -7,6 +7,7 @@ use axum::{
     extract::{Path, State},
 };
 use jiff::Timestamp;
+use language::say;
 use ledger::{
     EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
 };
@@ -23,7 +24,6 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::count,
             listing::table_of,
             page::html_page,
             query::{Query, customer_address, parse_field},
@@ -32,7 +32,7 @@ use crate::{
         forms::order_forms::order_forms,
         labels::label_form::order_labels,
         look::{
-            chip::chip,
+            chip::{chip, state_text},
             pieces::empty,
             times::{due_of, promise_of, time_of},
         },
@@ -99,12 +99,13 @@ pub(crate) struct OrderLineResource {
 
 /// The orders that match the filter, and whether more may follow.
 async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResult<(Vec<DatedOrder>, bool)> {
-    let limit = parse_field::<u32>(&filter.limit, "a number of orders")?.unwrap_or(USUAL_ORDERS).clamp(1, MAX_ORDERS);
+    let limit =
+        parse_field::<u32>(&filter.limit, &say!("a-number-of-orders"))?.unwrap_or(USUAL_ORDERS).clamp(1, MAX_ORDERS);
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = OrderQuery {
         name: some(&filter.find),
         customer: some(&filter.customer),
-        state: parse_field(&filter.state, "a state of an order")?,
+        state: parse_field(&filter.state, &say!("a-state-of-order"))?,
         limit: limit + 1,
         ..OrderQuery::default()
     };
@@ -119,7 +120,7 @@ async fn read_orders(web: &DashboardState, filter: &OrderFilter) -> HandlerResul
 async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResponse> {
     let arriving = web.ledger.arriving_lines_of_order(name).await?;
     let order = match web.ledger.find_order(name).await? {
-        None if arriving.is_empty() => return Err(HandlerError::NotFound(format!("order named '{name}'"))),
+        None if arriving.is_empty() => return Err(HandlerError::NotFound(say!("order-named", order = name))),
         None => OrderRow::arriving(name),
         Some(order) => order,
     };
@@ -163,27 +164,30 @@ pub(crate) async fn list_orders(
     Query(filter): Query<OrderFilter>,
 ) -> HandlerResult<Markup> {
     let (orders, more) = read_orders(&web, &filter).await?;
-    let caption = count(orders.len() as u32, "order", "orders") + if more { ", the first of more" } else { "" };
+    let caption = match more {
+        true => say!("first-orders", count = orders.len()),
+        false => say!("count-orders", count = orders.len()),
+    };
     let states = [(OrderState::Open, "under way"), (OrderState::Short, "short"), (OrderState::Complete, "done")];
     let content = html! {
-        h1 { "Orders" }
+        h1 { (say!("nav-orders")) }
         form.filters method="get" action="/orders" {
-            label { "Name contains" input name="find" value=(filter.find); }
-            label { "Customer contains" input name="customer" value=(filter.customer); }
-            label { (fields::STATE.label) select name="state" {
-                option value="" { "all" }
-                @for (state, word) in states { option value=(state) selected[state.to_string() == filter.state] { (word) } }
+            label { (say!("name-contains")) input name="find" value=(filter.find); }
+            label { (say!("customer-contains")) input name="customer" value=(filter.customer); }
+            label { (fields::STATE.said()) select name="state" {
+                option value="" { (say!("all")) }
+                @for (state, word) in states { option value=(state) selected[state.to_string() == filter.state] { (state_text(word)) } }
             } }
-            button type="submit" { "Show" }
+            button type="submit" { (say!("show")) }
         }
         @if orders.is_empty() {
-            (empty("No such orders", &html! { "Files in a folder of an order's name, or with a ticket or list that names one, are listed here." }, &html! {
-                a.button href="/orders" { "All orders" }
+            (empty(&say!("no-such-orders"), &html! { (say!("no-such-orders-text")) }, &html! {
+                a.button href="/orders" { (say!("all-orders")) }
             }))
         }
-        @else { (table_of("Orders", Some(caption), ORDER_COLUMNS, &orders, &web.time_view())) }
+        @else { (table_of(&say!("nav-orders"), Some(caption), ORDER_COLUMNS, &orders, &web.time_view())) }
     };
-    Ok(html_page("Orders", "/orders", None, &content))
+    Ok(html_page(&say!("nav-orders"), "/orders", None, &content))
 }
 
 /// The page of an order.
@@ -200,26 +204,26 @@ pub(crate) async fn show_order(
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let content = html! {
-        h1 { "Order " (name) " " (chip(order.fact.word.word())) }
+        h1 { (say!("order-title", order = &name)) " " (chip(order.fact.word.word())) }
         (order_summary(&order, &view))
         (order_forms(&web, &order.order, &lines, order.arriving.len()))
-        section.card aria-label=(fields::CUSTOMER_NOTE.label) {
-            h2 { "To send to the customer" }
+        section.card aria-label=(fields::CUSTOMER_NOTE.said()) {
+            h2 { (say!("send-to-customer")) }
             p #customer-note { (order.customer_note) }
-            button type="button" data-copies="customer-note" hidden { "Copy" }
+            button type="button" data-copies="customer-note" hidden { (say!("copy-text")) }
         }
-        h2 { "Lines" }
-        (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
-        @if !order.arriving.is_empty() { p { (count(order.arriving.len() as u32, "line", "lines")) " more came by request and will be here in a moment." } }
+        h2 { (fields::LINES.said()) }
+        (table_of(&fields::LINES.said(), Some(say!("count-lines", count = lines.len())), ORDER_LINE_COLUMNS, &lines, &view))
+        @if !order.arriving.is_empty() { p { (say!("lines-arrive", count = order.arriving.len())) } }
         div.buttons.acts { (order_labels(&name)) }
-        h2 { "Where the copies are" }
-        @if waiting > 0 { p { (count(waiting, "copy waits", "copies wait")) " for a build." } }
-        @if builds.is_empty() { p { "No copy of it is in a build yet." } }
-        @else { (table_of("Builds", None, ORDER_BUILD_COLUMNS, &builds, &view)) }
-        h2 { "What happened, and who did it" }
-        (table_of("Events", None, ORDER_EVENT_COLUMNS, &events, &view))
+        h2 { (say!("where-copies-are")) }
+        @if waiting > 0 { p { (say!("copies-wait-for-build", count = waiting)) } }
+        @if builds.is_empty() { p { (say!("order-in-no-build")) } }
+        @else { (table_of(&fields::BUILDS.said(), None, ORDER_BUILD_COLUMNS, &builds, &view)) }
+        h2 { (say!("what-happened-who")) }
+        (table_of(&say!("events"), None, ORDER_EVENT_COLUMNS, &events, &view))
     };
-    Ok(html_page(&format!("Order {name}"), "/orders", Some("copy.js"), &content))
+    Ok(html_page(&say!("order-title", order = &name), "/orders", Some("copy.js"), &content))
 }
 
 /// The newest events of the parts of an order that say something, newest first.
@@ -241,18 +245,18 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
     html! {
         p class=[(order.fact.word == OrderWord::Short).then_some("warn")] {
             @if !customer.is_empty() {
-                "For " a href=(customer_address(customer)) { (customer) } ". "
+                (phrase!("order-for", customer = html! { a href=(customer_address(customer)) { (customer) } })) " "
             }
-            (copies_text(&order.copies)) "; since " (time_of(order.order.opened_at, view)) "."
-            @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " Due " (due_of(&due, view)) "." }
-            @if let Some(promise) = PromisedDate::of_order(&order.fact) { " Done " (promise_of(&promise, view)) "." }
-            @if let Some(closed) = closing_text(&order.order, view) { " Closed " (closed) "." }
+            (phrase!("order-since", copies = copies_text(&order.copies), time = time_of(order.order.opened_at, view)))
+            @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " " (phrase!("order-due", due = due_of(&due, view))) }
+            @if let Some(promise) = PromisedDate::of_order(&order.fact) { " " (phrase!("order-done", time = promise_of(&promise, view))) }
+            @if let Some(closed) = closing_text(&order.order, view) { " " (say!("order-closed", how = closed)) }
         }
         @if order.fact.word == OrderWord::Short {
-            p { "Not all of it is good, or will be: drop what was refused again, or accept the order as it is." }
+            p { (say!("order-short-text")) }
         }
         @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() {
-            p.bad role="status" { b { (order.fact.word.word()) } ": " (order.fact.risk_reason) "." }
+            p.bad role="status" { b { (state_text(order.fact.word.word())) } ": " (order.fact.risk_reason) "." }
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use language::say;
 use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
 use schemars::JsonSchema;
@@ -17,14 +18,14 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            format::{count, prose_with_code},
+            format::prose_with_code,
             listing::{fact_sheet, table_of, table_of_keys},
             page::html_page,
             query::{Query, order_address, parse_field, query_string},
         },
         core::{command::command_button, picture::part_picture, state::DashboardState},
         forms::part_forms::part_forms,
-        look::chip::{chip, said},
+        look::chip::{chip, state_text},
     },
 };
 
@@ -57,9 +58,9 @@ pub(crate) async fn read_page(web: &DashboardState, filter: &PartFilter) -> Hand
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = PartQuery {
         name: some(&filter.name),
-        state: parse_field(&filter.state, "a state of a part")?,
+        state: parse_field(&filter.state, &say!("a-state-of-part"))?,
         machine: some(&filter.machine),
-        before: parse_field::<i64>(&filter.after, "the number of a part")?.map(PartId),
+        before: parse_field::<i64>(&filter.after, &say!("the-number-of-part"))?.map(PartId),
         limit: MAX_PARTS + 1,
     };
     let mut parts = web.ledger.list_parts(&query).await?;
@@ -79,32 +80,35 @@ pub(crate) async fn list_parts(
     let settings = web.current_settings();
     let states = PartState::ALL.map(|s| s.to_string());
     let content = html! {
-        h1 { "Parts" }
+        h1 { (fields::PARTS.said()) }
         form.filters method="get" action="/parts" {
-            label { "File or order begins with" input name="name" value=(filter.name); }
-            label { (fields::STATE.label) select name="state" {
-                option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == filter.state] { (said(state)) } }
+            label { (say!("file-begins-with")) input name="name" value=(filter.name); }
+            label { (fields::STATE.said()) select name="state" {
+                option value="" { (say!("all")) }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (state_text(state)) } }
             } }
-            label { (fields::MACHINE.label) select name="machine" {
-                option value="" { "all" }
+            label { (fields::MACHINE.said()) select name="machine" {
+                option value="" { (say!("all")) }
                 @for name in settings.profiles.keys() { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
-            button type="submit" { "Show" }
+            button type="submit" { (say!("show")) }
         }
         @if filter.name.is_empty() && filter.state.is_empty() {
-            p { "Parts that are read, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
+            p { (say!("parts-text")) }
         }
         (parts_table(&parts, more, &web.time_view()))
-        @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
+        @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { (say!("next-parts")) } } }
     };
-    Ok(html_page("Parts", "/parts", None, &content))
+    Ok(html_page(&fields::PARTS.said(), "/parts", None, &content))
 }
 
 /// Parts as a table, of which there are more or not.
 fn parts_table(parts: &[PartRow], more: bool, view: &TimeView) -> Markup {
-    let caption = count(parts.len() as u32, "part", "parts") + if more { ", the newest of more" } else { "" };
-    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of_keys(("Parts", Some(caption)), PART_COLUMNS, &PART_PAGE_KEYS, parts, view, &|_, _| None)) } }
+    let caption = match more {
+        true => say!("newest-parts", count = parts.len()),
+        false => say!("count-parts", count = parts.len()),
+    };
+    html! { @if parts.is_empty() { p { (say!("no-parts")) } } @else { (table_of_keys((&fields::PARTS.said(), Some(caption)), PART_COLUMNS, &PART_PAGE_KEYS, parts, view, &|_, _| None)) } }
 }
 
 /// The page of one part.
@@ -113,7 +117,11 @@ pub(crate) async fn show_part(
     Path(number): Path<i64>,
 ) -> HandlerResult<Markup> {
     let id = PartId(number);
-    let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
+    let part = web
+        .ledger
+        .find_part(id)
+        .await?
+        .ok_or_else(|| HandlerError::NotFound(say!("part-named", part = number.to_string())))?;
     let placed = PlacedCopy::of_plans(web.ledger.placements_of_part(id).await?, &web.read_plans().await?);
     let is_published = |copy: &&PlacedCopy| copy.placed.published_at.is_some() && !copy.placed.is_bad;
     let published = placed.iter().filter(is_published).count() as u32;
@@ -126,7 +134,7 @@ pub(crate) async fn show_part(
     let view = web.time_view();
     let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
-        h1 { "Part " (number) ": " (part.full_name()) " " (chip(&part.state.to_string())) }
+        h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&part.state.to_string())) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.refused.reason)) } }
         @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part) {
@@ -137,31 +145,31 @@ pub(crate) async fn show_part(
             (part_picture(&part))
             div {
                 @if !part.terms.order_name.is_empty() {
-                    p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
+                    p { (phrase!("part-of-order", order = html! { a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } })) }
                 }
                 (fact_sheet(part_facts(&part, part.wanted_copies().to_string(), &view), &elsewhere, &view))
             }
         }
-        h2 { "Where its copies are" }
+        h2 { (say!("where-its-copies-are")) }
         (copies_section(&part, &placed, open, &view))
-        h2 { "What happened" }
-        (table_of("Events", None, EVENT_COLUMNS, &gathered_events(events), &view))
-        @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same, &view)) }
-        @if !named.is_empty() { h2 { "Other files of this name" } (newest_table(named, &view)) }
+        h2 { (say!("what-happened")) }
+        (table_of(&say!("events"), None, EVENT_COLUMNS, &gathered_events(events), &view))
+        @if !same.is_empty() { h2 { (say!("same-file")) } (newest_table(same, &view)) }
+        @if !named.is_empty() { h2 { (say!("other-files")) } (newest_table(named, &view)) }
     };
-    Ok(html_page(&format!("Part {number}"), "/parts", None, &content))
+    Ok(html_page(&say!("part-number", part = number.to_string()), "/parts", None, &content))
 }
 
 /// What can be done with a part, what a person most probably does first.
 fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup {
-    let about = format!("part {}", part.id);
+    let about = say!("part-named", part = part.id.to_string());
     let command = |kind: CommandKind, label: &str| command_button(web, kind, label, &about, "", Some(part.id));
     html! {
         div.buttons.acts {
-            @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, "Print as it is")) }
-            @if part.state == PartState::Refused { (command(CommandKind::Retry, "Read it again")) }
+            @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, &say!("print-as-is"))) }
+            @if part.state == PartState::Refused { (command(CommandKind::Retry, &say!("read-again"))) }
             (part_forms(web, part, published))
-            @if part.state == PartState::Waiting { (command(CommandKind::Cancel, "Cancel")) }
+            @if part.state == PartState::Waiting { (command(CommandKind::Cancel, &say!("cancel"))) }
         }
     }
 }
@@ -187,17 +195,16 @@ fn copies_section(part: &PartRow, placed: &[PlacedCopy], open: Option<(BuildId, 
     let live = placed.iter().filter(|copy| !copy.placed.is_bad).count() as u32;
     let waiting = part.wanted_copies().saturating_sub(live);
     html! {
-        @if part.state == PartState::Refused { p { "In no build: the part was refused or cancelled." } }
+        @if part.state == PartState::Refused { p { (say!("part-in-no-build")) } }
         @else if waiting > 0 {
-            p { (count(waiting, "copy waits", "copies wait"))
-                @if let Some((build, copies)) = open {
-                    "; in the open build " a href=(format!("/builds/{build}#part-{}", part.id)) { (build) }
-                    " so far: " (count(copies, "copy", "copies")) "."
-                } @else { ", in no build yet." }
-            }
+            p { @match open {
+                Some((build, copies)) => (phrase!("part-in-open-build",
+                    waiting = waiting, build = html! { a href=(format!("/builds/{build}#part-{}", part.id)) { (build) } }, copies = copies)),
+                None => (say!("part-waits", waiting = waiting)),
+            } }
         }
         @if !placed.is_empty() {
-            (table_of("Copies", None, PLACEMENT_COLUMNS, placed, view))
+            (table_of(&fields::COPIES.said(), None, PLACEMENT_COLUMNS, placed, view))
         }
     }
 }

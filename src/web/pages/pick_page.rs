@@ -6,6 +6,7 @@ use axum::{
     Json,
     extract::{Path, State},
 };
+use language::say;
 use ledger::{BuildRow, BuildState};
 use maud::{Markup, html};
 
@@ -14,7 +15,7 @@ use crate::{
     settings::MachineProfile,
     tables::{PickList, fields},
     web::{
-        base::{error::HandlerResult, format::count, page::html_page},
+        base::{error::HandlerResult, page::html_page},
         core::{
             cached_render::{CacheLocation, find_build, layout_version, render_cached},
             picture::cake_picture,
@@ -33,18 +34,18 @@ pub(crate) async fn show_pick_map(
     Path(number_of_build): Path<i64>,
 ) -> HandlerResult<Markup> {
     let (build, profile) = find_build(&web, number_of_build).await?;
-    let title = format!("Pick map of build {}", build.id);
+    let title = say!("pick-map-of", build = build.id.to_string());
     let CachedPickMap { copies, sheets, .. } = cached_map(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.machine) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
+        p { (build.machine) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (say!("count-copies", count = copies)) ", " (language::say_word("ledger", &build.state.to_string()))
             @if let Some(at) = build.times.published_at { " " (web.time_view().time_text(at)) }
             @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
-            p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
+            p.warn { (say!("pick-forecast")) }
         }
         @if build.times.published_at.is_some() {
-            p.links { a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" } }
+            p.links { a href=(format!("/builds/{}/break-out", build.id)) { (say!("break-out-steps")) } }
         }
         @if copies > 0 {
             (cake_picture(build.id.0))
@@ -74,7 +75,7 @@ pub(crate) async fn cached_map(
         BuildState::Open | BuildState::Nesting => web.ledger.last_event_id().await?,
         _ => 0,
     };
-    let key = format!("{} {news} {}", layout_version(build), profile.time_zone.name());
+    let key = format!("{} {news} {} {}", layout_version(build), profile.time_zone.name(), language::current().tag());
     let kept = CacheLocation { cache: |web| &web.caches.picks, key, only: None };
     let number_of_build = build.id.0;
     render_cached(web, build, profile, kept, move |cake: &CakeContents| {

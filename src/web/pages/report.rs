@@ -5,6 +5,7 @@ use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use build_file::{BuildMetadata, Viewpoint};
+use language::say;
 use ledger::BuildRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -13,10 +14,7 @@ use crate::{
     settings::{FarmZone, MachineProfile},
     tables::{CAKE_PART_COLUMNS, SheetFact, TimeView, build_facts, fields, height_in_volume},
     web::{
-        base::{
-            format::count,
-            listing::{fact_list, table_of},
-        },
+        base::listing::{fact_list, table_of},
         core::{
             scene::pack_scene,
             view_section::{ViewSection, ViewedPart},
@@ -62,7 +60,7 @@ impl HtmlReport<'_> {
         let title = self.report_title();
         let whole = html! {
             (DOCTYPE)
-            html lang="en" {
+            html lang=(language::current().tag()) {
                 head {
                     meta charset="utf-8";
                     meta http-equiv="Content-Security-Policy" content=(content_policy(&key));
@@ -73,7 +71,7 @@ impl HtmlReport<'_> {
                 }
                 body {
                     main #main { (self.body_markup(&title, number)) }
-                    footer { p { "Made by nestd " (env!("CARGO_PKG_VERSION")) ". Lengths are mm." } }
+                    footer { p { (say!("made-by", version = env!("CARGO_PKG_VERSION"))) } }
                     // Base64 text cannot contain `</script>`.
                     script #scene type="text/plain" { (PreEscaped(&scene)) }
                     script type="module" nonce=(key) { (PreEscaped(SCRIPT)) }
@@ -90,15 +88,15 @@ impl HtmlReport<'_> {
         html! {
             h1 { (title) }
             @if self.cake.missing_mesh_count() > 0 {
-                p.bad { (count(self.cake.missing_mesh_count() as u32, "part is", "parts are")) " not shown: the originals are no longer kept." }
+                p.bad { (say!("parts-not-shown", parts = self.cake.missing_mesh_count())) }
             }
             (ViewSection { build: number, version: String::new(), parts }.to_markup())
             (self.facts_markup(copies))
             (height_curve(&points))
-            h2 { "Parts" }
-            (table_of("Parts", None, CAKE_PART_COLUMNS, &self.cake.parts, &self.time_view()))
-            h2 { "Pick map" }
-            img.cake alt=(pick_map::PICTURE_ALT_TEXT) width=(PICTURE_SIZE.0) height=(PICTURE_SIZE.1) src=(self.picture_data_url());
+            h2 { (fields::PARTS.said()) }
+            (table_of(&fields::PARTS.said(), None, CAKE_PART_COLUMNS, &self.cake.parts, &self.time_view()))
+            h2 { (say!("pick-map")) }
+            img.cake alt=(pick_map::picture_text()) width=(PICTURE_SIZE.0) height=(PICTURE_SIZE.1) src=(self.picture_data_url());
             (pick_map::map_without_links(&cake))
         }
     }
@@ -113,7 +111,7 @@ impl HtmlReport<'_> {
 
     fn report_title(&self) -> String {
         match self.source {
-            ReportSource::Ledger(build, _) => format!("Build {} on {}", build.id, build.machine),
+            ReportSource::Ledger(build, _) => say!("build-on", build = build.id.to_string(), printer = &build.machine),
             ReportSource::File(file, info) => {
                 let name = || file.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 build_file::escape_invisible(&info.heading.title.clone().unwrap_or_else(name))
@@ -174,12 +172,15 @@ fn content_policy(key: &str) -> String {
 fn file_facts(file: &Path, info: &BuildMetadata, cake: &CakeContents) -> Vec<SheetFact> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = |text: &Option<String>| text.as_deref().map(build_file::escape_invisible);
-    let search = [info.heading.seed.map(|seed| format!("seed {seed}")), shown(&info.heading.application)];
+    let search =
+        [info.heading.seed.map(|seed| say!("seed", seed = seed.to_string())), shown(&info.heading.application)];
     let lines = [
         height_in_volume(cake.top_mm(), Some(cake.volume_mm.z)).map(|text| fields::HEIGHT.fact_of(text)),
         fields::DENSITY.fact(info.density),
         fields::COPIES.fact(cake.copy_count()),
-        fields::CLEARANCE.with_unit(info.rules.clearance_mm).map(|asked| fields::CLEARANCE.fact_of(asked + " asked")),
+        fields::CLEARANCE
+            .with_unit(info.rules.clearance_mm)
+            .map(|asked| fields::CLEARANCE.fact_of(say!("asked", clearance = asked))),
         fields::MACHINE.fact(shown(&info.heading.machine)),
         fields::SEARCH.fact(search.into_iter().flatten().collect::<Vec<_>>().join(", ")),
         fields::MADE.fact(shown(&info.heading.created)),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::State;
+use language::say;
 use ledger::{NamedBuildRow, NamedPartRow};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -13,12 +14,11 @@ use crate::{
     web::{
         base::{
             error::HandlerResult,
-            format::count,
             page::html_page,
             query::{Query, customer_address, order_address, query_string},
         },
         core::state::DashboardState,
-        look::{chip::said, pieces::thumbnail},
+        look::{chip::state_text, pieces::thumbnail},
     },
 };
 
@@ -50,69 +50,92 @@ pub(crate) async fn show_found(
     let more = query_string(&SearchQuestion { all: Some("yes".to_owned()), ..asked.clone() })?;
     let text = asked.q.trim();
     let content = html! {
-        h1 { @if text.is_empty() { "Search" } @else { "Search: " (text) } }
+        h1 { @if text.is_empty() { (say!("search")) } @else { (say!("search-for-text", text = text)) } }
         @if text.is_empty() { (search_help()) }
-        @else if found.is_empty() { p role="status" { "Nothing has this in its name." } (search_help()) }
+        @else if found.is_empty() { p role="status" { (say!("nothing-found")) } (search_help()) }
         @else { div.found { (found_kinds(&found, &format!("/search?{more}"))) } }
     };
-    Ok(html_page("Search", "/search", None, &content))
+    Ok(html_page(&say!("search"), "/search", None, &content))
 }
 
 fn search_help() -> Markup {
     html! {
-        p { "Search for any part of the name of a part, file, order, customer, build or machine, in upper or lower case; of several words \
-             a name must contain each. A number finds the build and the part with it: " code { "1182" } ", " code { "build 1182" } ", "
-             code { "b1182" } ", " code { "P-17" } "." }
+        p { (say!("search-help")) " "
+             code { "1182" } ", " code { "build 1182" } ", " code { "b1182" } ", " code { "P-17" } "." }
     }
 }
 
 fn found_kinds(found: &FoundNames, more: &str) -> Markup {
     let FoundNames { machines, orders, customers, builds, parts } = found;
     html! {
-        (found_kind(orders, ("order", "orders"), more, |order| html! {
+        (found_kind(orders, FoundKind::Orders, more, |order| html! {
             a href=(order_address(&order.name)) { (order.name) } @if !order.customer.is_empty() { " " span.soft { (order.customer) } }
         }))
-        (found_kind(customers, ("customer", "customers"), more, |customer| html! {
+        (found_kind(customers, FoundKind::Customers, more, |customer| html! {
             a href=(customer_address(&customer.name)) { (customer.name) } " "
-            span.soft { (count(customer.parts as u32, "part", "parts")) }
+            span.soft { (say!("count-parts", count = customer.parts as u32)) }
             @for order in &customer.orders { " " a href=(order_address(order)) { (order) } }
         }))
-        (found_kind(builds, ("build", "builds"), more, build_entry))
-        (found_kind(machines, ("machine", "machines"), more, |name| html! { a href=(format!("/#{name}")) { (name) } }))
-        (found_kind(parts, ("part", "parts"), more, part_entry))
+        (found_kind(builds, FoundKind::Builds, more, build_entry))
+        (found_kind(machines, FoundKind::Machines, more, |name| html! { a href=(format!("/#{name}")) { (name) } }))
+        (found_kind(parts, FoundKind::Parts, more, part_entry))
     }
 }
 
 fn build_entry(build: &NamedBuildRow) -> Markup {
     html! {
-        a href=(format!("/builds/{}", build.id)) { "Build " (build.id) } " "
-        span.soft { (build.machine) ", " (said(&build.state.to_string()))
+        a href=(format!("/builds/{}", build.id)) { (say!("build-number", build = build.id.to_string())) } " "
+        span.soft { (build.machine) ", " (state_text(&build.state.to_string()))
             @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { ", " (height) }
-            @if let Some(copies) = build.copies { ", " (count(copies, "copy", "copies")) } }
+            @if let Some(copies) = build.copies { ", " (say!("count-copies", count = copies)) } }
     }
 }
 
 fn part_entry(part: &NamedPartRow) -> Markup {
     html! {
         a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) } " "
-        span.soft { "part " (part.id) ", " (said(&part.state.to_string())) " on " (part.machine) }
-        @if !part.order_name.is_empty() { " order " a href=(order_address(&part.order_name)) { (part.order_name) } }
+        span.soft { (say!("found-part", part = part.id.to_string(), state = state_text(&part.state.to_string()), machine = &part.machine)) }
+        @if !part.order_name.is_empty() { " " (phrase!("order-of", order = html! { a href=(order_address(&part.order_name)) { (part.order_name) } })) }
         @if !part.note.is_empty() { " " span.soft { (part.note) } }
     }
 }
 
+/// What can be found.
+#[derive(Clone, Copy)]
+enum FoundKind {
+    Orders,
+    Customers,
+    Builds,
+    Machines,
+    Parts,
+}
+
+impl FoundKind {
+    /// Its name, and how many were found. `is_cut` = there may be more.
+    fn heading(self, count: usize, is_cut: bool) -> (String, String) {
+        let (name, number) = match self {
+            Self::Orders => (say!("found-orders"), say!("count-orders", count = count)),
+            Self::Customers => (say!("found-customers"), say!("count-customers", count = count)),
+            Self::Builds => (say!("found-builds"), say!("count-builds", count = count)),
+            Self::Machines => (say!("found-machines"), say!("count-machines", count = count)),
+            Self::Parts => (say!("found-parts"), say!("count-parts", count = count)),
+        };
+        (name, if is_cut { say!("or-more", number = number) } else { number })
+    }
+}
+
 /// What was found of one kind; nothing if that is nothing.
-fn found_kind<T>(found: &FoundRows<T>, (one, many): (&str, &str), more: &str, entry: impl Fn(&T) -> Markup) -> Markup {
+fn found_kind<T>(found: &FoundRows<T>, kind: FoundKind, more: &str, entry: impl Fn(&T) -> Markup) -> Markup {
     let left = found.total - found.rows.len();
-    let number =
-        if found.is_cut() { format!("{} {many} or more", found.total) } else { count(found.total as u32, one, many) };
+    let (name, number) = kind.heading(found.total, found.is_cut());
+    let left_text = if found.is_cut() { say!("or-more", number = left.to_string()) } else { left.to_string() };
     html! {
         @if found.total > 0 {
-            section aria-label=(many) {
+            section aria-label=(name) {
                 h2 { (number) }
                 ul { @for row in &found.rows { li { (entry(row)) } } }
                 @if left > 0 {
-                    p { a href=(more) { "Show more" } ": " (left) @if found.is_cut() { " or more" } " " (many) " are not shown." }
+                    p { (phrase!("more-not-shown", link = html! { a href=(more) { (say!("show-more")) } }, count = left_text, what = name)) }
                 }
             }
         }

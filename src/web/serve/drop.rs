@@ -10,6 +10,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
+use language::say;
 use maud::{Markup, html};
 
 use super::sent_form::{carry_out_form, check_form_key};
@@ -49,18 +50,18 @@ pub(super) async fn show_form(
 ) -> HandlerResult<Markup> {
     let profile = find_profile(&web, &name)?;
     let content = html! {
-        h1 { "Add files to " (name) }
+        h1 { (say!("add-files-to", machine = &name)) }
         @if web.orders {
-            p { "The files go into the hot folder of " (name) ", with what you say here, as if they were copied there. What cannot be printed is refused there, with the reason." }
+            p { (say!("add-files-text", machine = &name)) }
             (drop_form(&web, &profile, web.current_settings().limits.max_bytes))
-        } @else { p { "This farm takes no orders from pages; put files into the hot folder " code { (profile.folders.inbox.display()) } "." } }
+        } @else { p { (phrase!("no-orders-from-pages", folder = html! { code { (profile.folders.inbox.display()) } })) } }
     };
-    Ok(html_page(&format!("Add files to {name}"), "", Some("drop.js"), &content))
+    Ok(html_page(&say!("add-files-to", machine = &name), "", Some("drop.js"), &content))
 }
 
 fn find_profile(web: &DashboardState, name: &str) -> HandlerResult<MachineProfile> {
     let settings = web.current_settings();
-    settings.profiles.get(name).cloned().ok_or_else(|| HandlerError::NotFound(format!("machine {name}")))
+    settings.profiles.get(name).cloned().ok_or_else(|| HandlerError::NotFound(say!("machine-named", machine = name)))
 }
 
 fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
@@ -76,7 +77,7 @@ pub(super) async fn post_files(
     mut form: Multipart,
 ) -> HandlerResult<Response> {
     let profile = find_profile(&web, &name)?;
-    let busy = || HandlerError::TooMany(1, "others are adding files just now: try again in a moment".to_owned());
+    let busy = || HandlerError::TooMany(1, say!("others-add-files"));
     let _place = web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let (mut fields, mut files, mut asked) = (DropFields::default(), Vec::new(), blake3::Hasher::new());
     let (inbox, max_bytes) = (profile.folders.inbox.clone(), web.current_settings().limits.max_bytes);
@@ -93,7 +94,7 @@ pub(super) async fn post_files(
             // A browser sends an empty one where nothing was chosen.
             Some(file_name) if file_name.is_empty() => {}
             Some(_) if files.len() == MAX_FILES => {
-                return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, format!("a form takes {MAX_FILES} files at most")));
+                return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, say!("form-takes-files", files = MAX_FILES)));
             }
             Some(file_name) => {
                 check_form_key(&web, &client, &fields.key).await?;
@@ -105,7 +106,7 @@ pub(super) async fn post_files(
     progress.note_complete();
     check_form_key(&web, &client, &fields.key).await?;
     if files.is_empty() {
-        return Err(refused(StatusCode::BAD_REQUEST, "no file was chosen"));
+        return Err(refused(StatusCode::BAD_REQUEST, say!("no-file-chosen")));
     }
     let zone = web.current_settings().time_zone.clone();
     let ticket = fields.to_ticket(&zone).map_err(|why| refused(StatusCode::BAD_REQUEST, why))?;
@@ -122,7 +123,7 @@ pub(super) async fn post_files(
 fn answer_drop(profile: &MachineProfile, placed: &[Result<String, UploadError>]) -> FormAnswer {
     let sentences = placed_sentences(profile, placed);
     match placed.iter().any(Result::is_ok) {
-        true => FormAnswer::told("Files were added", sentences, "/"),
+        true => FormAnswer::told(&say!("files-were-added"), sentences, "/"),
         false => FormAnswer::refused(sentences, "/"),
     }
 }
@@ -134,20 +135,17 @@ fn place_files(files: Vec<UploadedFile>, ticket: &str) -> Vec<Result<String, Upl
 
 fn placed_sentences(profile: &MachineProfile, placed: &[Result<String, UploadError>]) -> Vec<String> {
     let sentence = |placed: &Result<String, UploadError>| match placed {
-        Ok(name) => format!("{name} is in the hot folder of {}.", profile.name),
-        Err(error) => format!("Not added: {error}."),
+        Ok(name) => say!("file-is-there", file = name, machine = &profile.name),
+        Err(error) => say!("file-not-added", why = error.to_string()),
     };
-    let taken = format!(
-        "nestd takes it when it has not changed for {:.0} s; what cannot be printed is refused with the reason.",
-        profile.intake.settle_secs
-    );
+    let taken = say!("file-is-taken-after", secs = format!("{:.0}", profile.intake.settle_secs));
     let is_any_there = placed.iter().any(Result::is_ok);
     placed.iter().map(sentence).chain(is_any_there.then_some(taken)).collect()
 }
 
 async fn read_text(field: Field<'_>) -> HandlerResult<String> {
     let bytes = read_field(field, MAX_FIELD_BYTES).await?;
-    String::from_utf8(bytes).map_err(|_| refused(StatusCode::BAD_REQUEST, "a field of the form is no text"))
+    String::from_utf8(bytes).map_err(|_| refused(StatusCode::BAD_REQUEST, say!("field-is-no-text")))
 }
 
 /// Receives one file into the hot folder, under a name that the farm does not look at; it is part of what is asked.

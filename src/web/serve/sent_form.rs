@@ -13,6 +13,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use jiff::{SignedDuration, Timestamp};
+use language::say;
 use ledger::AnsweredRequest;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -75,8 +76,8 @@ pub(super) async fn check_form_key(web: &DashboardState, client: &RequestClient,
     check_takes_orders(web)?;
     let is_known = web.form_keys.is_own(key)
         || web.ledger.find_answered_request(client.key_name(), number_of(key)).await?.is_some();
-    let text = "the page is older than the daemon: load it again and press once more";
-    if is_known { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned())) }
+    let text = || say!("form-too-old");
+    if is_known { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text())) }
 }
 
 /// Carries out a form, unless it was carried out before; then it is answered as it was. Once it has begun, it ends, also when its browser
@@ -102,7 +103,7 @@ pub(crate) async fn carry_out_form(
         let _turn = turn;
         record_and_answer(&web, &client_name, &number, fingerprint, work).await
     };
-    tokio::spawn(carry_out).await.context("a form was not carried out")?
+    tokio::spawn(language::current().scope(carry_out)).await.context("a form was not carried out")?
 }
 
 /// Waits while the same form is being carried out.
@@ -125,8 +126,8 @@ fn answer_again(
     number: &str,
 ) -> HandlerResult<Response> {
     if known.fingerprint != fingerprint {
-        let text = "this form was sent before, with something else in it: load its page again, and send it from there";
-        return Err(HandlerError::Refused(StatusCode::UNPROCESSABLE_ENTITY, text.to_owned()));
+        let text = say!("form-sent-otherwise");
+        return Err(HandlerError::Refused(StatusCode::UNPROCESSABLE_ENTITY, text));
     }
     Ok(answer.lead_on(number, answer.at.duration_until(Timestamp::now()) > SAME_PRESS))
 }
@@ -178,18 +179,18 @@ pub(super) async fn show_told(
     let known = web.ledger.find_answered_request(client.key_name(), &number).await?;
     let answer = known.as_ref().and_then(FormAnswer::parse);
     let FormAnswer { title, sentences, back, at, anyway, undo, .. } =
-        answer.ok_or_else(|| HandlerError::NotFound("form of that number".to_owned()))?;
+        answer.ok_or_else(|| HandlerError::NotFound(say!("form-of-number")))?;
     let content = html! {
         h1 { (title) }
         div #answer role="status" {
             @if query.again {
-                p { "This form was sent before, " (web.time_view().time_text(at.into())) ", and is not carried out a second time. To do the same once more, load its page again." }
+                p { (say!("form-sent-before", time = web.time_view().time_text(at.into()))) }
             }
             @for sentence in &sentences { p { (prose_with_pages(sentence)) } }
         }
         @if let Some(button) = &anyway { (button.to_form(&web, true)) }
         @if let Some(button) = &undo { div #undo { (button.to_form(&web, false)) } }
-        p { a href=(back) { "Back" } }
+        p { a href=(back) { (say!("back")) } }
     };
     Ok(html_page(&title, "", None, &content))
 }

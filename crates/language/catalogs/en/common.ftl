@@ -15,6 +15,19 @@ date-yesterday = yesterday
 date-clock = { $day } { $clock }
 # On the axis of the board.
 date-today-alone = Today
+# In a sentence to a customer: Friday 4 December.
+date-long = { $weekday } { $day } { $month }
+date-long-year = { $weekday } { $day } { $month } { $year }
+weekday-long =
+    { $weekday ->
+        [1] Monday
+        [2] Tuesday
+        [3] Wednesday
+        [4] Thursday
+        [5] Friday
+        [6] Saturday
+       *[7] Sunday
+    }
 weekday-short =
     { $weekday ->
         [1] Mon
@@ -294,3 +307,64 @@ http-too-many-requests = Too Many Requests
 http-internal-server-error = Internal Server Error
 http-service-unavailable = Service Unavailable
 http-error = Error
+
+## States of builds as the ledger has them
+
+ledger-open = open
+ledger-nesting = nesting
+ledger-verified = verified
+ledger-published = published
+ledger-printing = printing
+ledger-complete = complete
+ledger-interrupted = interrupted
+ledger-failed = failed
+
+## What happened, as the list of events says it
+
+event-in-a-build = in a build
+event-in-the-queue = in the queue
+event-waiting = waiting
+event-refused = refused
+event-open = open
+event-nesting = nesting
+event-verified = verified
+event-published = published
+event-printing = printing
+event-complete = complete
+event-interrupted = interrupted
+event-failed = failed
+event-paused = paused
+event-resumed = resumed
+event-unavailable = unavailable
+event-available = available
+event-adopted = adopted
+event-damaged = damaged
+event-size-differs = size differs
+event-healed = healed
+event-at-risk = at risk
+event-attempt-failed = attempt failed
+event-proof-failed = proof failed
+event-locked = locked
+event-put-out = put out
+event-no-room = no room
+event-clock-set = clock set
+event-messages-dropped = messages dropped
+event-put-back = put back
+event-copies-cancelled = copies cancelled
+event-copies-wanted = copies wanted
+event-edited = edited
+event-moved = moved
+event-confirmed = confirmed
+event-revised = revised
+event-seen = seen
+
+## What fired a build
+
+trigger-flush = flush
+trigger-full = full
+trigger-fill = fill
+trigger-copies = copies
+trigger-max-wait = max_wait
+trigger-due = due
+trigger-at = at
+trigger-withdrawn = withdrawn

@@ -1,0 +1,18 @@
+labels-for = For
+labels-of-bins = bins: one for each order
+labels-of-bags = bags: one for each part
+label-sheet = Sheet
+labels-used = Labels used up on the first sheet
+open-pdf = Open the PDF
+labels-bins-bags = Labels for bins and bags
+labels-bags = Labels for bags
+labels-of-build = Labels of build { $build }
+labels-of-order = Labels of order { $order }
+part-to-label = part to label
+sheet-roll = Roll of 62 mm
+bin-with = Bin { $number }: { $content }
+copies-of-build =
+    { $copies ->
+        [one] { $copies } copy
+       *[other] { $copies } copies
+    } of build { $build }

@@ -49,6 +49,8 @@ mod order_tests;
 mod plan_tests;
 #[path = "printer_tests.rs"]
 mod printer_tests;
+#[path = "serve/spoken_tests.rs"]
+mod spoken_tests;
 
 struct TestResponse {
     status: StatusCode,

@@ -29,8 +29,20 @@ macro_rules! areas {
 }
 
 /// All areas.
-pub(crate) static AREAS: &[Area] =
-    &areas!["common", "facts", "alerts", "farm", "forms", "builds", "orders", "history", "break_out", "labels", "help"];
+pub(crate) static AREAS: &[Area] = &areas![
+    "common",
+    "facts",
+    "alerts",
+    "farm",
+    "forms",
+    "builds",
+    "orders",
+    "history",
+    "break_out",
+    "labels",
+    "help",
+    "status"
+];
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 4]> = LazyLock::new(|| Language::ALL.map(bundle_of));
 

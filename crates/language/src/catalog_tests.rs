@@ -17,8 +17,20 @@ use crate::{
 const KINDS: [&str; 6] = ["field", "state", "ledger", "http", "event", "trigger"];
 
 /// Areas that are not translated yet.
-const IN_ENGLISH_ONLY: &[&str] =
-    &["common", "facts", "alerts", "farm", "forms", "builds", "orders", "history", "break_out", "labels", "help"];
+const IN_ENGLISH_ONLY: &[&str] = &[
+    "common",
+    "facts",
+    "alerts",
+    "farm",
+    "forms",
+    "builds",
+    "orders",
+    "history",
+    "break_out",
+    "labels",
+    "help",
+    "status",
+];
 
 /// Sentences that are the same in English and in a language: (language, name).
 const EQUAL: &[(&str, &str)] = &[];

@@ -1,7 +1,7 @@
 //! Open questions of waiting parts: what a person must say or do, and how. `STATUS.txt`, `status.json`, `nestd show` and the
 //! page of a part show them.
 
-use build_file::{COPIES_QUESTION, format_count};
+use language::say;
 use ledger::{PartRow, QuestionKind, QuestionedPart};
 use serde_json::json;
 
@@ -31,16 +31,15 @@ impl PartQuestion {
         let id = part.id;
         let (text, remedy) = match kind {
             QuestionKind::Confirmation => (
-                format!("It waits for a yes: {}.", part.owed.question.trim_end_matches('.')),
-                format!("`nestd confirm {id}` prints it as it is, `nestd cancel {id}` refuses it."),
+                say!("question-yes", question = part.owed.question.trim_end_matches('.')),
+                say!("question-yes-remedy", part = id.to_string()),
             ),
-            QuestionKind::Original => (
-                "Its original is missing or damaged, so it is not printed.".to_owned(),
-                format!("Drop {} once more, or take it back with `nestd cancel {id}`.", part.name),
-            ),
+            QuestionKind::Original => {
+                (say!("question-original"), say!("question-original-remedy", name = &part.name, part = id.to_string()))
+            }
             QuestionKind::Copies => (
-                format!("{} It is taken as 1.", COPIES_QUESTION),
-                format!("`{}` answers it, and `nestd confirm {id}` leaves it at 1.", copies_command(part)),
+                say!("question-copies"),
+                say!("question-copies-remedy", command = copies_command(part), part = id.to_string()),
             ),
         };
         Self { kind, text, remedy }
@@ -61,18 +60,13 @@ pub(crate) fn questions_text(machine: &str, asked: &[QuestionedPart]) -> String 
         .iter()
         .take(MAX_LINES)
         .map(|QuestionedPart { part, .. }| {
-            format!(
-                "Question: {} part {} ({}) is taken as 1; answer with `{}`.\n",
-                COPIES_QUESTION,
-                part.id,
-                part.name,
-                copies_command(part)
-            )
+            let (id, command) = (part.id.to_string(), copies_command(part));
+            say!("status-question", part = id, name = &part.name, command = command) + "\n"
         })
         .collect();
     let more = own.first().map_or(0, |row| row.total.saturating_sub(lines.len() as u32));
     if more > 0 {
-        lines.push(format!("The same is asked of {}.\n", format_count(more, "more part", "more parts")));
+        lines.push(say!("status-questions-more", parts = more) + "\n");
     }
     lines.concat()
 }
@@ -97,6 +91,7 @@ pub(crate) fn questions_json(machine: &str, asked: &[QuestionedPart]) -> serde_j
 
 #[cfg(test)]
 mod tests {
+    use build_file::COPIES_QUESTION;
     use ledger::{NewPartRow, SolidFacts};
     use ledger_fixtures::{fresh, new_part, solid};
 

@@ -10,6 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use language::say;
 use tracing::{debug, error, info, warn};
 
 use super::{
@@ -168,10 +169,12 @@ impl AlertRegistry {
         let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(machine)).collect();
         let mut text = String::new();
         for alert in shown.iter().take(MAX_LISTED_ALERTS) {
-            text += &format!("ATTENTION: {}\n    {}\n", alert.alert_text(), alert.kind.remedy());
+            text += &say!("attention", what = alert.alert_text());
+            text += &format!("\n    {}\n", alert.kind.remedy());
         }
         if shown.len() > MAX_LISTED_ALERTS {
-            text += &format!("ATTENTION: and {} more; `nestd status` tells all.\n", shown.len() - MAX_LISTED_ALERTS);
+            text += &say!("attention-more", count = shown.len() - MAX_LISTED_ALERTS);
+            text.push('\n');
         }
         text
     }

@@ -28,7 +28,7 @@ use crate::{
             hot_folder_scan::RefusedFile, hot_folder_scanner::HotFolderScanner, obeyed_controls::ObeyedControls,
         },
     },
-    settings::MachineProfile,
+    settings::{MachineProfile, Settings},
 };
 
 /// Wait after a failed search or scan.
@@ -174,18 +174,21 @@ impl MachineState {
 
 impl MachineState {
     /// The status files for its hot folder, including alerts; empty until the ledger was queried.
-    pub fn status_files(&self, alerts: &AlertRegistry, scan_secs: f64) -> (String, String) {
+    pub fn status_files(&self, alerts: &AlertRegistry, settings: &Settings) -> (String, String) {
         let (text, json) = &self.status;
         if json.is_null() {
             return Default::default();
         }
         let mut json = json.clone();
-        let (stamp, written_at, renewed_within_secs) = written_stamp(scan_secs, &self.profile.time_zone);
+        let language = settings.language;
+        let (stamp, written_at, renewed_within_secs) =
+            language.within(|| written_stamp(settings.scan_secs, &self.profile.time_zone));
         json["attention"] = alerts.status_json_for(&self.profile.name);
         json["running"] = true.into();
         json["written_at"] = written_at.to_string().into();
         json["renewed_within_secs"] = renewed_within_secs.into();
-        (alerts.status_text_for(&self.profile.name) + text + &stamp, format!("{json:#}\n"))
+        let attention = language.within(|| alerts.status_text_for(&self.profile.name));
+        (attention + text + &stamp, format!("{json:#}\n"))
     }
 }
 

@@ -251,6 +251,7 @@ fn an_order_is_done_when_the_last_of_its_copies_is_and_late_where_the_plan_says_
         done_at: Some(at(30.0).into()),
         is_late,
         cause: RiskCause::TooLong,
+        until: None,
         reason: "its print takes too long for that".to_owned(),
     };
     let fact = |risks: Vec<DateRisk>| order_fact(&order, &[plan(&[(5, Some(30.0))], risks)], at(1.0));

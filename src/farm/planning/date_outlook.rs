@@ -9,7 +9,10 @@ use super::{
     build_plan::{ComingBuild, add_secs},
     plan_facts::{PlanFacts, PlanHindrance},
 };
-use crate::{farm::decisions::printer_choice::BuildStage, settings::MachineProfile};
+use crate::{
+    farm::decisions::printer_choice::BuildStage,
+    settings::{FarmZone, MachineProfile},
+};
 
 /// What puts a due date at risk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -216,13 +219,14 @@ impl DateOutlook {
         let key = |outlook: &Self| (outlook.is_late, outlook.done_at.unwrap_or(Timestamp::MAX));
         if key(&other) > key(&self) { other } else { self }
     }
+}
 
-    /// Why the date is at risk, as the end of a sentence.
-    pub fn reason_text(&self, profile: &MachineProfile) -> String {
-        let zone = &profile.time_zone;
-        let until = self.until.filter(|at| *at < Timestamp::MAX).map(|at| zone.format_minute(at));
+impl RiskCause {
+    /// Why a date is at risk, as the end of a sentence. `until` = the time that it goes until, where there is one.
+    pub fn reason_text(self, until: Option<Timestamp>, zone: &FarmZone) -> String {
+        let until = until.filter(|at| *at < Timestamp::MAX).map(|at| zone.format_minute(at));
         let until = until.unwrap_or_default();
-        match self.cause {
+        match self {
             RiskCause::Passed => say!("risk-passed"),
             RiskCause::TooLong => say!("risk-too-long"),
             RiskCause::LeftOut => say!("risk-left-out"),

@@ -130,6 +130,9 @@ pub struct DateRisk {
     pub is_late: bool,
     /// What puts it at risk.
     pub cause: RiskCause,
+    /// The time that the cause goes until, where it has one.
+    #[serde(skip)]
+    pub until: Option<Timestamp>,
     /// The same in words, as the end of a sentence.
     pub reason: String,
 }
@@ -348,7 +351,8 @@ fn note_risk(
         done_at: outlook.done_at.and_then(known_minute),
         is_late: outlook.is_late,
         cause: outlook.cause,
-        reason: outlook.reason_text(profile),
+        until: outlook.until,
+        reason: outlook.cause.reason_text(outlook.until, &profile.time_zone),
     };
     let entry = found.entry((order.clone(), alone, due_at));
     let (worst, noted) = entry.or_insert_with(|| (outlook, risk(&outlook, Default::default())));
@@ -380,7 +384,8 @@ impl DateRisk {
     /// What follows the subject in a sentence: `due 2026-11-27, late, done about tomorrow 03:45: its print takes too long for that`.
     pub fn in_words(&self, zone: &FarmZone, now: Timestamp) -> String {
         let due = zone.format_due(self.due_at.0, &self.due_text);
-        let (word, why) = (language::say_word("state", self.word()), &self.reason);
+        // In the language of now, which may be another than that of the plan.
+        let (word, why) = (language::say_word("state", self.word()), self.cause.reason_text(self.until, zone));
         match self.done_at.map(|at| zone.format_near(at.0, now)) {
             Some(done) => say!("risk-due-done", due = due, word = word, done = done, why = why),
             None => say!("risk-due", due = due, word = word, why = why),

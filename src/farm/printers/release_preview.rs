@@ -2,7 +2,8 @@
 //! dates it would miss: what the plan of its machine says of it.
 
 use anyhow::Result;
-use build_file::format_count;
+use language::say;
+
 use jiff::Timestamp;
 use ledger::{BuildId, BuildRow, Ledger, MachineStatus, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
@@ -114,45 +115,49 @@ fn late_part(part: &PartRow, ends_at: Option<UtcTimestamp>) -> Option<LatePrevie
 impl ReleasePreview {
     /// `119 copies, 249.0 of 380 mm high, 17.5 % dense, about 31.1 h of printing`.
     pub fn brief_text(&self) -> String {
-        format!(
-            "{}, {:.1} of {:.0} mm high, {:.1} % dense, about {:.1} h of printing",
-            format_count(self.copies, "copy", "copies"),
-            self.height_mm,
-            self.volume_z_mm,
-            100.0 * self.density,
-            self.print_hours
+        let decimal = |number: f64| language::decimal(format!("{number:.1}"));
+        say!(
+            "release-brief",
+            copies = self.copies,
+            height = decimal(self.height_mm),
+            limit = format!("{:.0}", self.volume_z_mm),
+            density = decimal(100.0 * self.density),
+            hours = decimal(self.print_hours)
         )
     }
 
     /// All of it in sentences.
     pub fn sentences(&self, zone: &FarmZone) -> Vec<String> {
         if let Some(why) = &self.made_again_for {
-            return vec![format!("Build {} is made again, for {why}.", self.build)];
+            return vec![say!("release-made-again", build = self.build.to_string(), why = why)];
         }
         let time = |at: UtcTimestamp| zone.format_minute(at.0);
-        let mut sentences = vec![format!("Build {}: {}.", self.build, self.brief_text())];
+        let mut sentences = vec![say!("release-build", build = self.build.to_string(), content = self.brief_text())];
         sentences.push(match (self.begins_at, self.ends_at) {
             (Some(begins), Some(ends)) => {
-                format!("On {} it could begin at {} and be unpacked at {}.", self.printer, time(begins), time(ends))
+                say!("release-could-begin", printer = &self.printer, begins = time(begins), ends = time(ends))
             }
-            _ => format!("It is not known when {} could begin with it.", self.printer),
+            _ => say!("release-not-known", printer = &self.printer),
         });
         sentences.push(match self.waiting_copies {
-            0 => "Nothing else waits.".to_owned(),
-            1 => "1 copy waits for the next build.".to_owned(),
-            copies => format!("{copies} copies wait for the next build."),
+            0 => say!("release-nothing-waits"),
+            copies => say!("release-copies-wait", copies = copies),
         });
         let named: Vec<String> = (self.late.iter().take(MAX_NAMED))
             .map(|part| {
-                let order = if part.order.is_empty() { String::new() } else { format!(" of {}", part.order) };
-                format!("{}{order} (due {})", part.name, zone.format_due(part.due_at.0, &part.due_text))
+                let due = zone.format_due(part.due_at.0, &part.due_text);
+                match part.order.as_str() {
+                    "" => say!("release-late-part", name = &part.name, due = due),
+                    order => say!("release-late-part-of", name = &part.name, order = order, due = due),
+                }
             })
             .collect();
         let more = self.late.len().saturating_sub(named.len());
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        sentences.push(match named.is_empty() {
-            true => "No part in it would be late.".to_owned(),
-            false => format!("Late would be {}{more}.", named.join(", ")),
+        let named = named.join(", ");
+        sentences.push(match more {
+            _ if named.is_empty() => say!("release-none-late"),
+            0 => say!("release-late", names = named),
+            more => say!("release-late", names = say!("name-and-more", name = named, count = more)),
         });
         sentences
     }

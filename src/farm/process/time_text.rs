@@ -1,7 +1,7 @@
 //! The line in `STATUS.txt` that shows whether the file is current.
 
-use build_file::format_count;
 use jiff::Timestamp;
+use language::say;
 use ledger::UtcTimestamp;
 
 use crate::settings::FarmZone;
@@ -11,11 +11,7 @@ pub(crate) fn written_stamp(scan_secs: f64, zone: &FarmZone) -> (String, Timesta
     // A scan of very many files takes time too.
     let minutes = (scan_secs / 60.0).ceil() as u64 + 1;
     let now = floor_to_minute(Timestamp::now());
-    let line = format!(
-        "Written {}, and renewed at least every {} while nestd runs: if this is older, nestd is not running.\n",
-        zone.format_minute(now),
-        format_count(minutes, "minute", "minutes")
-    );
+    let line = say!("status-stamp", time = zone.format_minute(now), minutes = minutes) + "\n";
     (line, now, 60 * minutes)
 }
 

@@ -104,7 +104,7 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         }
         let (profile, store) = (machine.profile.clone(), desk.meshes.store.clone());
         let mut leases = machine.leases.clone();
-        let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings.scan_secs));
+        let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings));
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
         let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
         let carried = CarriedScanner { machine: name.clone(), scanner };

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use intake::ContentStore;
 use jobs::JobRunner;
+use language::say;
 use ledger::{Ledger, LedgerError, ServingRight};
 use tracing::warn;
 
@@ -75,10 +76,10 @@ pub(super) async fn open_with_retry(
             None => {}
         }
         if !is_transient(&failure) {
-            report_not_open(&settings, &mut alerts, "does not run");
+            report_not_open(&settings, &mut alerts, false);
             return Err(failure);
         }
-        report_not_open(&settings, &mut alerts, "waits before it begins");
+        report_not_open(&settings, &mut alerts, true);
         systemd::notify_start_delayed(&text);
         waits.record_failure(());
         while waits.is_waiting(&()) {
@@ -231,14 +232,21 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     Ok(ledger)
 }
 
-/// Reports for `nestd status` and in every hot folder what the daemon does instead of its work, where there is a reason to tell.
-fn report_not_open(settings: &Settings, alerts: &mut AlertRegistry, does: &str) {
+/// Reports for `nestd status` and in every hot folder that the daemon does not work, where there is a reason to tell. `waits` = it will
+/// begin by itself.
+fn report_not_open(settings: &Settings, alerts: &mut AlertRegistry, waits: bool) {
     if alerts.active_alerts().next().is_none() {
         return;
     }
     alerts.write_if_changed(&settings.state_dir);
     for (name, profile) in &settings.profiles {
-        let text = format!("{name}: nestd {does}; what is dropped here waits.\n{}", alerts.status_text_for(name));
+        let text = settings.language.within(|| {
+            let said = match waits {
+                true => say!("status-waits-to-begin", machine = name),
+                false => say!("status-does-not-run", machine = name),
+            };
+            format!("{said}\n{}", alerts.status_text_for(name))
+        });
         let json = serde_json::json!({ "machine": name, "runs": false, "attention": alerts.status_json_for(name) });
         if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
             warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());

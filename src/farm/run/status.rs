@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::Result;
-use build_file::{MESH_FORMATS, format_count};
+use build_file::MESH_FORMATS;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
 use language::say;
@@ -17,7 +17,7 @@ use serde_json::json;
 use super::status_alerts;
 use crate::farm::{
     again::part_questions,
-    alerts::{alert::AlertKind, alert_registry::AlertRegistry},
+    alerts::alert::AlertKind,
     core::{
         desks::{Shared, Showing},
         farm::{Farm, TICK_INTERVAL},
@@ -85,10 +85,14 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
         desk.display.dates.take_in(dates_at_risk(plans), event, desk.shared.now(), began.elapsed());
     }
     let risks = &desk.display.dates.risks;
-    for ((name, machine), fact) in desk.machines.iter_mut().zip(&facts) {
+    // Programs read English, people their own language.
+    let language = desk.shared.settings.language;
+    let told = language.within(|| reading.facts());
+    for (((name, machine), fact), told) in desk.machines.iter_mut().zip(&facts).zip(&told) {
         let risks: Vec<&DateRisk> = risks.iter().filter(|risk| risk.machine == *name).collect();
         let row = MachineStatus::of_machine(rows, name);
-        let text = status_text(machine, &row, (fact, &risks), now) + &part_questions::questions_text(name, &asked);
+        let text = language
+            .within(|| status_text(machine, &row, (told, &risks), now) + &part_questions::questions_text(name, &asked));
         let mut json = status_json(machine, &row, (fact, &risks), now);
         json["questions"] = part_questions::questions_json(name, &asked);
         machine.status = (text, json);
@@ -128,7 +132,7 @@ pub(super) fn publish_alerts(desk: &mut Showing<'_>) {
     desk.display.updated_at = Some(desk.shared.now());
     for (name, machine) in desk.machines.iter() {
         let (machine_name, inbox, (text, json)) =
-            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, desk.shared.alerts, true));
+            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, &desk.shared, true));
         desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
             if let Err(error) = intake::write_status(&inbox, &text, &json) {
                 tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
@@ -180,8 +184,8 @@ pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
         }
         let row = rows.iter().find(|row| row.machine == *name).cloned().unwrap_or_default();
         let (text, json) = match desk.shared.lifecycle.is_halted {
-            true => halted_status(machine, desk.shared.alerts, false),
-            false => stopped_status(machine, &row),
+            true => halted_status(machine, &desk.shared, false),
+            false => stopped_status(machine, &desk.shared, &row),
         };
         let (machine_name, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
         let mut lease = machine.leases.inbox.clone();
@@ -227,62 +231,54 @@ fn status_text(
     now: Timestamp,
 ) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
-    let mut lines = vec![format!("{}: drop {MESH_FORMATS} files here.", profile.name), format!("Now: {}.", fact.doing)];
+    let mut lines = vec![
+        say!("status-drop", machine = &profile.name, formats = MESH_FORMATS),
+        say!("status-now", doing = &fact.doing),
+    ];
     lines.extend(risks.iter().map(|risk| format!("{}: {}.", risk.subject_text(), risk.in_words(zone, now))));
     if let Some(paused) = &row.paused {
-        lines.push(format!(
-            "PAUSED by {} since {}: nothing is fired.",
-            paused.paused_by,
-            zone.format_minute(paused.paused_at.0)
-        ));
+        let since = zone.format_minute(paused.paused_at.0);
+        lines.push(say!("status-paused", by = &paused.paused_by, time = since));
     }
     if machine.printers.are_all_down() {
-        lines.push("No printer is in use: nothing is fired.".to_owned());
+        lines.push(say!("status-no-printer"));
     }
     lines.push(match row.waiting_parts {
-        0 => "Nothing waits.".to_owned(),
+        0 => say!("nothing-waits"),
         _ => waiting_text(row) + ".",
     });
     if row.claimed_parts > 0 {
-        lines.push(format_count(row.claimed_parts, "file is being read.", "files are being read."));
+        lines.push(say!("status-being-read", files = row.claimed_parts));
     }
     if is_layout_current(machine, row) {
         let (height_mm, volume_z_mm) = (machine.open.layout.height_mm, profile.build_volume().size_mm.z);
-        lines.push(format!(
-            "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
-            100.0 * height_mm / volume_z_mm
-        ));
+        let (height, share) =
+            (language::decimal(format!("{height_mm:.1}")), format!("{:.0}", 100.0 * height_mm / volume_z_mm));
+        lines.push(say!("status-open-build", height = height, share = share));
         if let Some(night) = row.open.as_ref().and_then(night_text) {
-            lines.push(format!("While it waits: {night}."));
+            lines.push(say!("status-while-waiting", night = night));
         }
     }
     if let Some(fires) = forecast_fire(profile, row, now) {
-        lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
+        lines.push(say!("status-fires", when = fires.fire_text(profile, row)));
     }
-    lines.extend(held_text(profile, row).map(|held| format!("The open build waits: {held}.")));
+    lines.extend(held_text(profile, row).map(|held| say!("status-held", why = held)));
     if !machine.inbox.controls.answer.is_empty() {
         lines.push(machine.inbox.controls.answer.clone());
     }
     lines.extend(machine.left_out.texts().map(str::to_owned));
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
-        lines.push(format!(
-            "Last build: {} on {}, {height_mm:.1} mm.",
-            last.build,
-            zone.format_minute(last.published_at.0)
-        ));
+        let (time, height) = (zone.format_minute(last.published_at.0), language::decimal(format!("{height_mm:.1}")));
+        lines.push(say!("status-last-build", build = last.build.to_string(), time = time, height = height));
     }
     lines.join("\n") + "\n"
 }
 
 /// The waiting copies and parts, in words.
 fn waiting_text(row: &MachineStatus) -> String {
-    let parts = format_count(row.waiting_parts, "part", "parts");
-    format!(
-        "{} of {parts} {}",
-        format_count(row.waiting_copies, "copy", "copies"),
-        if row.waiting_copies == 1 { "waits" } else { "wait" }
-    )
+    let parts = say!("count-parts", count = row.waiting_parts);
+    say!("status-waiting", copies = row.waiting_copies, parts = parts)
 }
 
 /// Whether the open layout belongs to the parts that wait now.
@@ -346,16 +342,14 @@ fn status_json(
 }
 
 /// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
-fn stopped_status(machine: &MachineState, row: &MachineStatus) -> (String, String) {
+fn stopped_status(machine: &MachineState, shared: &Shared<'_>, row: &MachineStatus) -> (String, String) {
     let (name, now) = (&machine.profile.name, Timestamp::now());
-    let mut text = format!(
-        "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
-         taken when it runs again.\n",
-        machine.profile.time_zone.format_minute(now)
-    );
-    if row.waiting_parts > 0 {
-        text += &format!("{} until then.\n", waiting_text(row));
-    }
+    let time = machine.profile.time_zone.format_minute(now);
+    let text = shared.settings.language.within(|| {
+        let stopped = say!("status-stopped", machine = name, time = time);
+        let waiting = (row.waiting_parts > 0).then(|| say!("status-until-then", waiting = waiting_text(row)));
+        [Some(stopped), waiting].into_iter().flatten().map(|line| line + "\n").collect::<String>()
+    });
     let json = json!({
         "machine": name,
         "running": false,
@@ -369,14 +363,13 @@ fn stopped_status(machine: &MachineState, row: &MachineStatus) -> (String, Strin
 }
 
 /// `STATUS.txt` and `status.json` of a farm that cannot rely on its ledger: what waits is not known.
-fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: bool) -> (String, String) {
-    let (name, now) = (&machine.profile.name, Timestamp::now());
-    let text = format!(
-        "{}{name}: this folder is not scanned, and nothing is built, until that is mended. What is dropped here stays \
-         here.\nWritten {}.\n",
-        alerts.status_text_for(name),
-        machine.profile.time_zone.format_minute(now)
-    );
+fn halted_status(machine: &MachineState, shared: &Shared<'_>, is_running: bool) -> (String, String) {
+    let (name, now, alerts) = (&machine.profile.name, Timestamp::now(), &*shared.alerts);
+    let time = machine.profile.time_zone.format_minute(now);
+    let text = shared.settings.language.within(|| {
+        let halted = say!("status-halted", machine = name);
+        format!("{}{halted}\n{}\n", alerts.status_text_for(name), say!("status-written", time = time))
+    });
     let json = json!({
         "machine": name,
         "running": is_running,

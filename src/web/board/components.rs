@@ -30,6 +30,8 @@ use crate::{
 pub(crate) async fn show_components(State(web): State<Arc<DashboardState>>) -> Markup {
     let view = web.time_view();
     let content = html! {
+        // For who makes pages: it stays English.
+        div lang="en" translate="no" {
         h1 { "Components" }
         p.soft { "What the pages are made of." }
         h2 { "Chips" }
@@ -66,6 +68,7 @@ pub(crate) async fn show_components(State(web): State<Arc<DashboardState>>) -> M
         details { summary { "Details" } p { "What only some need." } }
         h2 { "Nothing there" }
         (empty("No orders yet", &html! { "An order begins with its first file." }, &html! { a.button.first href="/" { "Add files" } }))
+        }
     };
     html_page("Components", "/components", None, &content)
 }

@@ -5,7 +5,7 @@ async function copy(button) {
   const text = document.getElementById(button.dataset.copies);
   // A page that came without TLS has no clipboard.
   try { await navigator.clipboard.writeText(text.textContent); } catch { getSelection().selectAllChildren(text); document.execCommand("copy"); }
-  button.textContent = "Copied";
+  button.textContent = JSON.parse(document.querySelector("#texts").textContent).copied;
 }
 
 document.addEventListener("click", (event) => {

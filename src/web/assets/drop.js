@@ -2,7 +2,12 @@
 // them is chosen. Shows what is chosen in the form of a machine, and how much of it is sent. Without this script the form works as any
 // form does.
 const KB = 1024, MB = KB * KB;
-const size = (bytes) => (bytes < MB ? `${Math.ceil(bytes / KB)} kB` : `${(bytes / MB).toFixed(1)} MB`);
+// What this script says comes with the page, in its language; values stand in braces.
+const texts = JSON.parse(document.querySelector("#texts").textContent);
+const lang = document.documentElement.lang === "en" ? "en-GB" : document.documentElement.lang;
+const text = (name, values = {}) => texts[name].replace(/\{(\w+)\}/g, (_, key) => values[key] ?? "");
+const fixed = (number) => number.toLocaleString(lang, { minimumFractionDigits: 1, maximumFractionDigits: 1, useGrouping: false });
+const size = (bytes) => (bytes < MB ? `${Math.ceil(bytes / KB)} kB` : `${fixed(bytes / MB)} MB`);
 const formOf = (target) => {
   const place = target instanceof Element && target.closest("section.machine, main");
   return place && (place.matches("form.drop") ? place : place.querySelector("form.drop"));
@@ -14,8 +19,8 @@ function show(form) {
   const large = files.filter((file) => file.size > most);
   const total = files.reduce((sum, file) => sum + file.size, 0);
   const said = form.querySelector(".chosen");
-  said.textContent = files.length === 0 ? "" : large.length > 0 ? `${large[0].name} is larger than this farm takes (${size(most)}).`
-    : `${files.length === 1 ? files[0].name : `${files.length} files`}, ${size(total)}`;
+  said.textContent = files.length === 0 ? "" : large.length > 0 ? text("too_large", { name: large[0].name, size: size(most) })
+    : `${files.length === 1 ? files[0].name : text("files", { count: files.length })}, ${size(total)}`;
   form.querySelector("button").disabled = large.length > 0;
 }
 
@@ -31,18 +36,18 @@ function send(form) {
   const said = form.querySelector(".chosen"), bar = form.querySelector("progress"), button = form.querySelector("button");
   const request = new XMLHttpRequest();
   const failed = (text) => { said.textContent = text; bar.hidden = true; button.disabled = false; };
-  request.upload.addEventListener("progress", ({ loaded, total }) => { bar.value = 100 * loaded / total; said.textContent = `${size(loaded)} of ${size(total)} sent`; });
-  request.upload.addEventListener("load", () => { said.textContent = "Sent; the farm writes it down."; });
+  request.upload.addEventListener("progress", ({ loaded, total }) => { bar.value = 100 * loaded / total; said.textContent = text("sent_of", { sent: size(loaded), all: size(total) }); });
+  request.upload.addEventListener("load", () => { said.textContent = text("sent"); });
   request.addEventListener("load", async () => {
     const main = new DOMParser().parseFromString(request.responseText, "text/html").querySelector("#main");
     const answer = main?.querySelector("#answer, #problem");
-    if (request.status !== 200 || !answer) return failed(answer?.textContent || `The farm answers ${request.status}.`);
+    if (request.status !== 200 || !answer) return failed(answer?.textContent || text("answers", { status: request.status }));
     form.reset();
     await renewKey(form);
     failed([...answer.children].map((line) => line.textContent).join(" "));
     form.dataset.sent = "yes";
   });
-  request.addEventListener("error", () => failed("The connection was lost. Send it again: what was added is not added twice."));
+  request.addEventListener("error", () => failed(text("connection_lost")));
   request.open("POST", form.action);
   request.setRequestHeader("accept", "text/html");
   bar.hidden = false; button.disabled = true;
@@ -65,14 +70,14 @@ function offer(files, target, board) {
   const machines = [...document.querySelectorAll("form.drop")].map((form) => form.dataset.machine);
   machines.sort((a, b) => Number(b === target.dataset.machine) - Number(a === target.dataset.machine));
   const names = [...files].map((file) => file.name).join(", ");
-  const close = node("button", { type: "button", className: "close", textContent: "Close" });
+  const close = node("button", { type: "button", className: "close", textContent: text("close") });
   const list = node("ul", { className: "rows" });
-  const sheet = node("div", { className: "sheet-box", popover: "auto" }, node("div", { className: "sheet-head" }, node("h2", { textContent: "Which machine?" }), close), node("p", { textContent: names }), list);
+  const sheet = node("div", { className: "sheet-box", popover: "auto" }, node("div", { className: "sheet-head" }, node("h2", { textContent: text("which_machine") }), close), node("p", { textContent: names }), list);
   sheet.setAttribute("role", "dialog");
-  sheet.setAttribute("aria-label", "Which machine?");
+  sheet.setAttribute("aria-label", text("which_machine"));
   const ending = new AbortController();
   const answers = machines.map((name) => {
-    const said = node("span", { className: "row-more", textContent: "asking when they could be done" });
+    const said = node("span", { className: "row-more", textContent: text("asking") });
     const choice = node("button", { type: "button", className: "row" }, node("span", { className: "row-name", textContent: name }), said);
     choice.addEventListener("click", () => { sheet.hidePopover(); give(document.querySelector(`form.drop[data-machine="${CSS.escape(name)}"]`), files); });
     list.append(node("li", {}, choice));
@@ -95,10 +100,10 @@ async function quoteAll(answers, files, zone, signal) {
     try {
       const answer = await fetch("/api/v1/quote", { method: "POST", body: form, headers: { accept: "application/json" }, signal });
       const quote = await answer.json();
-      said.textContent = answer.ok ? inWords(quote, zone) : quote.error || `the farm answers ${answer.status}`;
+      said.textContent = answer.ok ? inWords(quote, zone) : quote.error || text("answers", { status: answer.status });
     } catch (error) {
       if (error.name === "AbortError") return;
-      said.textContent = "no answer";
+      said.textContent = text("no_answer");
     }
   }
 }
@@ -106,10 +111,11 @@ async function quoteAll(answers, files, zone, signal) {
 /** What a quote says: when all is done, how much height that adds, and whom it makes late. */
 function inWords(quote, zone) {
   const format = { weekday: "short", day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
-  const time = (at) => new Date(at).toLocaleString("en-GB", { ...format, timeZone: zone || undefined });
+  const time = (at) => new Date(at).toLocaleString(lang, { ...format, timeZone: zone || undefined });
   const late = quote.delays.length, added = quote.added_at_most_mm === null ? quote.added_mm : Math.min(quote.added_mm, quote.added_at_most_mm);
-  const done = quote.earliest_at ? `done ${time(quote.earliest_at)}` : "no date known";
-  return `${done}, adds ${added.toFixed(1)} mm${late ? `; ${late === 1 ? "a date" : `${late} dates`} would be late` : ""}`;
+  const done = quote.earliest_at ? text("done", { time: time(quote.earliest_at) }) : text("no_date_known");
+  const added_text = text("adds", { done, height: fixed(added) });
+  return late ? `${added_text}; ${text(late === 1 ? "one_late" : "several_late", { count: late })}` : added_text;
 }
 
 addEventListener("change", ({ target }) => { if (target.matches?.("form.drop input[type=file]")) show(target.form); });

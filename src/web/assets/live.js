@@ -3,6 +3,9 @@
 const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000, TOAST_MS = 8000;
 const main = document.querySelector("#main");
 let events = null, again = 0, busy = false, dirty = false, lost = null, zone = "";
+// What this script says comes with the page, in its language.
+const texts = JSON.parse(document.querySelector("#texts")?.textContent ?? "{}");
+const lang = document.documentElement.lang === "en" ? "en-GB" : document.documentElement.lang;
 
 const OPEN = CSS.supports("selector(:popover-open)") ? "details[open] form, :popover-open form" : "details[open] form";
 const isTyping = () => main.querySelector(OPEN) || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
@@ -22,14 +25,14 @@ function say(id, text, link) {
 /** A time of day in the farm's time zone, with its mark; in that of the browser while the farm's is not known. */
 function clock(time) {
   const format = { hour: "2-digit", minute: "2-digit", hourCycle: "h23", timeZoneName: "short" };
-  try { return time.toLocaleTimeString("en-GB", { ...format, timeZone: zone || undefined }); } catch { return time.toLocaleTimeString("en-GB", format); }
+  try { return time.toLocaleTimeString(lang, { ...format, timeZone: zone || undefined }); } catch { return time.toLocaleTimeString(lang, format); }
 }
 
 function disconnected() {
   if (lost) return;
   lost = new Date();
   document.body.dataset.lost = "";
-  say("lost", `No connection to the farm since ${clock(lost)}. What is shown is from before.`);
+  say("lost", texts.lost.replace("{time}", clock(lost)));
 }
 
 function connected() {
@@ -45,7 +48,7 @@ function place(fresh) {
   const form = main.querySelector("form.filters"), newForm = fresh.querySelector("form.filters");
   if (form && newForm) newForm.replaceWith(form);
   if (!view || !newView) return main.replaceChildren(...fresh.childNodes);
-  if (newView.dataset.version !== view.dataset.version) say("changed", "Something else stands in this build now.", "Load the 3D view again");
+  if (newView.dataset.version !== view.dataset.version) say("changed", texts.changed, texts.load_again);
   const nodes = [...fresh.childNodes], at = nodes.indexOf(newView);
   for (const node of [...main.childNodes]) if (node !== view) node.remove();
   view.before(...nodes.slice(0, at));

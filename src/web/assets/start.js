@@ -6,7 +6,7 @@ let begun = false;
 function begin() {
   if (begun) return;
   begun = true;
-  import(section.dataset.script).catch(() => { section.querySelector("#hover").textContent = "No 3D view: its script did not arrive."; });
+  import(section.dataset.script).catch(() => { section.querySelector("#hover").textContent = JSON.parse(document.querySelector("#texts").textContent).no_script; });
 }
 
 if (section && (!poster || poster.complete)) begin();

@@ -5,6 +5,7 @@ use language::say;
 use maud::{DOCTYPE, Markup, html};
 
 use super::assets::{asset_address, font_address};
+use crate::web::look::script_texts::{LIVE, script_texts, texts_of_script};
 
 /// A whole page. `script` is an asset that is loaded in addition to the script that keeps pages up to date.
 pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
@@ -24,6 +25,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 link rel="stylesheet" href=(asset_address("style.css"));
                 script type="module" src=(asset_address("live.js")) {}
                 @if let Some(script) = script { script type="module" src=(asset_address(script)) {} }
+                (script_texts(&[LIVE, texts_of_script(script.unwrap_or_default())]))
             }
             body {
                 a.skip href="#main" { (say!("skip")) }

@@ -5,5 +5,6 @@ pub(super) mod phrase;
 
 pub(super) mod chip;
 pub(super) mod pieces;
+pub(super) mod script_texts;
 pub(super) mod style;
 pub(super) mod times;

@@ -20,7 +20,10 @@ use crate::{
             view_section::{ViewSection, ViewedPart},
         },
         figures::{chart::height_curve, pick_map, search_report::ReportExcerpt},
-        look::style::STYLE,
+        look::{
+            script_texts::{VIEW, script_texts},
+            style::STYLE,
+        },
     },
 };
 
@@ -72,6 +75,7 @@ impl HtmlReport<'_> {
                 body {
                     main #main { (self.body_markup(&title, number)) }
                     footer { p { (say!("made-by", version = env!("CARGO_PKG_VERSION"))) } }
+                    (script_texts(&[VIEW]))
                     // Base64 text cannot contain `</script>`.
                     script #scene type="text/plain" { (PreEscaped(&scene)) }
                     script type="module" nonce=(key) { (PreEscaped(SCRIPT)) }

@@ -69,7 +69,8 @@ fn texts_of(page: &str) -> Vec<String> {
             texts.push(text.to_owned());
         }
     }
-    let plain = |text: &String| text.replace("&quot;", "\"").replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">");
+    let plain =
+        |text: &String| text.replace("&quot;", "\"").replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">");
     texts.iter().map(plain).collect()
 }
 
@@ -88,8 +89,29 @@ fn unsaid_words(text: &str) -> Vec<String> {
 /// What is no text of ours: names, units, formats, and durations such as `3h`.
 fn is_data(word: &str) -> bool {
     const DATA: &[&str] = &[
-        "nestd", "cube", "bracket.stl", "plate.stl", "Brandt", "A-7", "ann", "ann@vm", "host", "mm", "mm³", "cm3", "kB", "h", "s", "l",
-        "UTC", "b1182", "P-17", "none", "paper-200", "x", "y",
+        "nestd",
+        "cube",
+        "bracket.stl",
+        "plate.stl",
+        "Brandt",
+        "A-7",
+        "ann",
+        "ann@vm",
+        "host",
+        "mm",
+        "mm³",
+        "cm3",
+        "kB",
+        "h",
+        "s",
+        "l",
+        "UTC",
+        "b1182",
+        "P-17",
+        "none",
+        "paper-200",
+        "x",
+        "y",
     ];
     let is_span = word.ends_with(['d', 'h', 'm', 's']) && word[..word.len() - 1].bytes().all(|b| b.is_ascii_digit());
     let is_name = word.contains(".stl") || word.contains(".3mf") || word.contains('@');
@@ -118,7 +140,7 @@ async fn farm_in_trouble() -> TestDashboard {
         .collect();
     let state_dir = dashboard.web.current_settings().state_dir.clone();
     std::fs::create_dir_all(&state_dir).unwrap();
-    std::fs::write(state_dir.join("alerts.json"), serde_json::to_string(&alerts).unwrap()).unwrap();
+    std::fs::write(state_dir.join("attention.json"), serde_json::to_string(&alerts).unwrap()).unwrap();
     dashboard
 }
 
@@ -126,7 +148,9 @@ async fn farm_in_trouble() -> TestDashboard {
 async fn all_that_pages_say_comes_from_the_catalogs() {
     let mut faults = BTreeSet::new();
     for dashboard in [TestDashboard::new(|_| ()).await, with_a_build("bracket.stl").await, farm_in_trouble().await] {
-        for page in PAGES.into_iter().chain(["/orders/A-7", "/parts/2", "/nothing", "/history?sort=height", "/builds/x"]) {
+        for page in
+            PAGES.into_iter().chain(["/orders/A-7", "/parts/2", "/nothing", "/history?sort=height", "/builds/x"])
+        {
             let asked = dashboard.get_in("art-x-marked", page).await;
             for text in texts_of(&asked.text) {
                 let unsaid: Vec<String> = unsaid_words(&text).into_iter().filter(|word| !is_data(word)).collect();

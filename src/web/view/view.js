@@ -8,7 +8,10 @@ import { load } from "./load.js";
 import { kindColour, orderColour, pale, scaleColour } from "./palette.js";
 
 const section = document.querySelector("#view");
-const HINT = "Point at a copy or at a line of the list to see what it is; press to keep it chosen.";
+// What this script says comes with the page, in its language; values stand in braces.
+const texts = JSON.parse(document.querySelector("#texts")?.textContent ?? "{}");
+const text = (name, values = {}) => (texts[name] ?? name).replace(/\{(\w+)\}/g, (_, key) => values[key] ?? "");
+const fixed = (number, digits) => number.toLocaleString(document.documentElement.lang, { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
 const least = (numbers) => numbers.reduce((a, b) => Math.min(a, b), Infinity), most = (numbers) => numbers.reduce((a, b) => Math.max(a, b), -Infinity);
 
 /** What colours can mean: the colour of a copy, and a legend of colours with words. */
@@ -23,10 +26,10 @@ function colourings(data) {
   const few = dues.length > 6 ? [dues[0], dues[dues.length >> 1], dues[dues.length - 1]] : dues;
   return {
     part: { colour: (mesh) => kindColour(number.get(mesh)), legend: [] },
-    order: { colour: (mesh) => orderColour(orders.indexOf(mesh.order)), legend: orders.map((name, at) => [orderColour(at), name || "no order"]) },
-    due: { colour: (mesh) => scaleColour(dueShare(mesh)), legend: [...steps(few), [scaleColour(null), "no date"]] },
+    order: { colour: (mesh) => orderColour(orders.indexOf(mesh.order)), legend: orders.map((name, at) => [orderColour(at), name || text("no_order")]) },
+    due: { colour: (mesh) => scaleColour(dueShare(mesh)), legend: [...steps(few), [scaleColour(null), text("no_date")]] },
     height: { colour: (_, copy) => scaleColour((middle(copy) - low) / (top - low || 1)), legend: steps([low, (low + top) / 2, top].map((mm) => `${mm.toFixed(0)} mm`)) },
-    step: { colour: (_, copy) => scaleColour(copy.step ? 1 - (copy.step - 1) / Math.max(lastStep - 1, 1) : null), legend: lastStep ? steps([`${lastStep}: last out`, "1: first out"]) : [[scaleColour(null), "no proved order of removal"]] },
+    step: { colour: (_, copy) => scaleColour(copy.step ? 1 - (copy.step - 1) / Math.max(lastStep - 1, 1) : null), legend: lastStep ? steps([`${lastStep}: ${text("last_out")}`, `1: ${text("first_out")}`]) : [[scaleColour(null), text("no_proved_order")]] },
   };
 }
 
@@ -67,22 +70,23 @@ function show(data) {
       if (swatch) swatch.style.background = copy ? colour(mesh, copy) : "none";
     }
     for (const heading of section.querySelectorAll("[data-order]")) heading.setAttribute("aria-pressed", String(same(chosen, { order: heading.dataset.order })));
-    section.querySelector("#legend")?.replaceChildren(...legend.map(([colour, text]) => {
+    section.querySelector("#legend")?.replaceChildren(...legend.map(([colour, words]) => {
       const line = document.createElement("span"), swatch = Object.assign(document.createElement("span"), { className: "swatch" });
-      swatch.style.background = colour; line.append(swatch, ` ${text}`);
+      swatch.style.background = colour; line.append(swatch, ` ${words}`);
       return line;
     }));
   }
   // What is chosen is said where what is pointed at is said; the button that shows all undoes the choice.
   const chosenText = () => {
     const meshes = data.meshes.filter((mesh) => fits(mesh, chosen)), count = meshes.reduce((sum, mesh) => sum + mesh.copies.length, 0);
-    return `Chosen: ${chosen.part === undefined ? chosen.order || "what has no order" : meshes[0]?.name ?? "a part that is not here"}, ${count} ${count === 1 ? "copy" : "copies"}. "Show all" ends this.`;
+    const what = chosen.part === undefined ? chosen.order || text("what_has_no_order") : meshes[0]?.name ?? text("part_not_here");
+    return text(count === 1 ? "chosen_one" : "chosen", { what, count });
   };
-  const rest = () => (chosen ? chosenText() : HINT);
+  const rest = () => (chosen ? chosenText() : text("hint"));
   const choose = (what) => {
     chosen = same(what, chosen) ? null : what; pointed = null; mark(); paint();
     hover.textContent = rest();
-    section.querySelector("#home").textContent = chosen ? "Show all" : "Whole view";
+    section.querySelector("#home").textContent = chosen ? text("show_all") : text("whole_view");
   };
   const point = (what) => { if (same(what, pointed)) return; pointed = what; paint(); };
   addEventListener("hashchange", () => { chosen = linked(); mark(); paint(); });
@@ -109,7 +113,7 @@ function show(data) {
   const slice = () => {
     const height = top * cut.value / 1000, layer = Math.round(layers * cut.value / 1000);
     knife.constant = cut.value === "1000" ? 10 * z : height;
-    said.textContent = `${height.toFixed(1)} mm, layer ${layer} of ${layers} `; cut.setAttribute("aria-valuetext", said.textContent); draw();
+    said.textContent = `${text("layer", { height: fixed(height, 1), layer, layers })} `; cut.setAttribute("aria-valuetext", said.textContent); draw();
   };
   cut.addEventListener("input", slice);
   section.querySelector("#explode").addEventListener("input", (e) => { cake.explode = e.target.value / 60; paint(); });
@@ -125,7 +129,10 @@ function show(data) {
   };
   let hot = null;
   const tell = (found) => {
-    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}${found.mesh.due ? `, due ${found.mesh.due}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm${found.copy.step ? `, step ${found.copy.step} of removal` : ""}${found.mesh.is_simplified ? " (drawn simplified)" : ""}` : rest();
+    const { mesh, copy } = found ?? {};
+    hover.textContent = found ? [mesh.name, mesh.order && text("of_order", { order: mesh.order }), mesh.due && text("due", { due: mesh.due }),
+      text("copy_from_to", { copy: copy.copy, low: fixed(copy.low_mm, 1), top: fixed(copy.top_mm, 1) }), copy.step && text("step", { step: copy.step })].filter(Boolean).join(", ")
+      + (mesh.is_simplified ? ` ${text("simplified")}` : "") : rest();
     hot?.classList.remove("hot");
     hot = found ? entries.find((entry) => Number(entry.dataset.part) === found.mesh.part) : null;
     hot?.classList.add("hot");
@@ -160,11 +167,11 @@ function show(data) {
   }
   if (data.missing_copies > 0) {
     const gone = document.createElement("p"), all = section.dataset.copies;
-    gone.className = "bad"; gone.textContent = `${data.missing_copies} of ${all} ${all === "1" ? "copy is" : "copies are"} not shown: the originals are no longer kept.`;
+    gone.className = "bad"; gone.textContent = text(all === "1" ? "missing_one" : "missing", { count: data.missing_copies, all });
     section.prepend(gone);
   }
   mark(); theme(); slice(); fit(); home();
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme);
 }
 
-if (section) load(section.dataset.build).then(show).catch((error) => { section.querySelector("#hover").textContent = `No 3D view: ${error.message}.`; });
+if (section) load(section.dataset.build).then(show).catch((error) => { section.querySelector("#hover").textContent = text("no_view", { why: error.message }); });

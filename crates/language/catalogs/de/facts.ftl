@@ -27,7 +27,7 @@ then-more-builds =
        *[other] { $count } weitere Baujobs
     }
 printer-down = außer Betrieb seit { $since }, gemeldet von { $by }
-fires-when-full-or = wenn er voll ist, sonst { $at }, wenn nichts mehr kommt (spätestens { $latest }), { $content }: { $why }
+fires-when-full-or = wenn er voll ist oder, falls nichts mehr kommt, { $at } (spätestens { $latest }), { $content }: { $why }
 fires-when-full = wenn er voll ist, spätestens { $latest }, { $content }: { $why }
 fires-due = ein Termin rückt näher
 fires-due-of = Termin von { $name }
@@ -95,4 +95,4 @@ ledger-was-replaced = wurde entfernt, ersetzt oder überschrieben
 ledger-is-taken-over = wird an Stelle dieses nestd von einem anderen bedient
 silent-locked = { $by } sperrt die Datenbank gegen Änderungen: nestd wartet, bis die Änderung dort fertig oder dieser Prozess beendet ist
 silent-disk = Wenn das Laufwerk des state-Ordners voll ist, Platz schaffen
-silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, oder alle Änderungen warten auf eine einzige Verbindung, die dann in den Meldungen genannt ist
+silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, oder alle Änderungen warten auf eine einzige Verbindung, die dann ein Alarm nennt

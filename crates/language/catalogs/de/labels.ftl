@@ -1,0 +1,14 @@
+labels-for = Für
+labels-of-bins = Kisten: eine je Auftrag
+labels-of-bags = Beutel: einer je Teil
+label-sheet = Bogen
+labels-used = Verbrauchte Etiketten auf dem ersten Bogen
+open-pdf = PDF öffnen
+labels-bins-bags = Etiketten für Kisten und Beutel
+labels-bags = Etiketten für Beutel
+labels-of-build = Etiketten von Baujob { $build }
+labels-of-order = Etiketten von Auftrag { $order }
+part-to-label = ein Teil für ein Etikett
+sheet-roll = Rolle mit 62 mm
+bin-with = Kiste { $number }: { $content }
+copies-of-build = { $copies } Stück aus Baujob { $build }

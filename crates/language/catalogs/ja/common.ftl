@@ -139,11 +139,11 @@ field-outcome = 結果
 field-by = 記録者
 field-printer = プリンター
 field-free-from = 空き予定
-field-since = 開始
+field-since = いつから
 field-print-times = 造形にかかる時間
 field-fires = 確定予定
 field-begins = 造形開始
-field-unpacked = 取り出し
+field-unpacked = 取り出し予定
 field-closed = 完了扱い
 field-to-send = 送る文面
 field-done = 完了
@@ -266,3 +266,53 @@ ledger-printing = 造形中
 ledger-complete = 完了
 ledger-interrupted = 中断
 ledger-failed = 失敗
+
+## Kinds of events
+
+event-in-a-build = ビルド内
+event-in-the-queue = キュー内
+event-waiting = 待機
+event-refused = 受付不可
+event-open = 準備開始
+event-nesting = 確定
+event-verified = 検証済み
+event-published = 発行
+event-printing = 造形中
+event-complete = 完了
+event-interrupted = 中断
+event-failed = 失敗
+event-paused = 一時停止
+event-resumed = 再開
+event-unavailable = 利用不可
+event-available = 利用可能
+event-adopted = 引き継ぎ
+event-damaged = ファイル破損
+event-size-differs = 寸法の相違
+event-healed = ファイル復旧
+event-at-risk = 遅れのおそれ
+event-attempt-failed = 作成の失敗
+event-proof-failed = 検証の失敗
+event-locked = かみ合って抜けない
+event-put-out = 配置から除外
+event-no-room = 場所なし
+event-clock-set = 時計の変更
+event-messages-dropped = メッセージ破棄
+event-put-back = 再び待機
+event-copies-cancelled = 個数のキャンセル
+event-copies-wanted = 個数の追加
+event-edited = 変更
+event-moved = 移動
+event-confirmed = 承認
+event-revised = 改訂
+event-seen = 対応済み
+
+## What fired a build
+
+trigger-flush = 今すぐ確定
+trigger-full = 満杯
+trigger-fill = 設定の高さに到達
+trigger-copies = 設定の個数に到達
+trigger-max-wait = 待ち時間の上限
+trigger-due = 納期
+trigger-at = 確定時刻
+trigger-withdrawn = ビルドの取り下げ

@@ -1,0 +1,12 @@
+help-for = ヘルプ: { $text }
+chapter-named = 章「{ $name }」
+contents = 目次
+in-this-chapter = この章の内容
+chapter-before = 前: { $title }
+chapter-next = 次: { $title }
+search-book = マニュアルを検索
+words-in-book = マニュアル内の語
+words-in-book-example = 例: hot folder, paused, backup
+no-section = これらの語をすべて含む節はありません。
+count-sections = { $count } 節
+more-sections = ほかに { $count } 節がこれらの語を含みます。語を追加して絞り込んでください。

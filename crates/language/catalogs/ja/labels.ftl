@@ -1,0 +1,14 @@
+labels-for = 用途
+labels-of-bins = 仕分け箱: 注文ごとに 1 枚
+labels-of-bags = 袋: パーツごとに 1 枚
+label-sheet = 用紙
+labels-used = 1 枚目の用紙で使用済みのラベル数
+open-pdf = PDF を開く
+labels-bins-bags = 仕分け箱と袋のラベル
+labels-bags = 袋のラベル
+labels-of-build = ビルド { $build } のラベル
+labels-of-order = 注文 { $order } のラベル
+part-to-label = ラベルを作るパーツ
+sheet-roll = ロール紙 62 mm
+bin-with = 仕分け箱 { $number }: { $content }
+copies-of-build = ビルド { $build } の { $copies } 個

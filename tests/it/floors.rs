@@ -11,9 +11,10 @@ use toml::Table;
 mod imports;
 
 /// Crates of the workspace and their floors, as in `ARCHITECTURE.md`.
-const CRATES: [(&str, u32); 9] = [
+const CRATES: [(&str, u32); 10] = [
     ("solids", 0),
     ("jobs", 0),
+    ("language", 0),
     ("sample-parts", 1),
     ("nester", 2),
     ("build-file", 2),

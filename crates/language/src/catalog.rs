@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use fluent_bundle::{FluentArgs, FluentResource, FluentValue, concurrent::FluentBundle};
-use unic_langid::LanguageIdentifier;
+
 
 use crate::{Language, current};
 
@@ -47,8 +47,7 @@ pub(crate) static AREAS: &[Area] = &areas![
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 4]> = LazyLock::new(|| Language::ALL.map(bundle_of));
 
 fn bundle_of(language: Language) -> FluentBundle<FluentResource> {
-    let tag: LanguageIdentifier = language.tag().parse().unwrap_or_default();
-    let mut bundle = FluentBundle::new_concurrent(vec![tag]);
+    let mut bundle = FluentBundle::new_concurrent(vec![language.tag().parse().unwrap_or_default()]);
     // Marks around values are seen by whoever copies a text, and by tests; no language here is written from right to left.
     bundle.set_use_isolating(false);
     if language.has_decimal_comma() {

@@ -350,7 +350,7 @@ event-copies-cancelled = Stücke storniert
 event-copies-wanted = mehr Stücke
 event-edited = geändert
 event-moved = verschoben
-event-confirmed = bestätigt
+event-confirmed = freigegeben
 event-revised = neue Fassung
 event-seen = erledigt
 

@@ -138,6 +138,6 @@ read-again = Neu einlesen
 all-refused = Alle abgelehnten
 seen-to = Erledigt
 unseen-seen-to = : dort liegen lassen ({ $machine })
-how-many = Wie viele Stück werden gebraucht? Angenommen ist jeweils 1.
+how-many = Wie viele Stück werden gebraucht? Vorerst gilt jeweils 1.
 say-how-many = Stückzahl angeben
 machine-named = Maschine { $machine }

@@ -17,7 +17,7 @@ status-waiting =
         [one] { $copies } Stück ({ $parts }) wartet
        *[other] { $copies } Stück ({ $parts }) warten
     }
-status-stopped = { $machine }: nestd wurde angehalten, { $time }: dieser Ordner wird nicht durchsucht, und nichts wird gebaut. Hier abgelegte Dateien werden angenommen, wenn er wieder läuft.
+status-stopped = { $machine }: nestd wurde angehalten ({ $time }): dieser Ordner wird nicht durchsucht, und nichts wird gebaut. Hier abgelegte Dateien werden angenommen, wenn nestd wieder läuft.
 status-until-then = Bis dahin: { $waiting }.
 status-halted = { $machine }: dieser Ordner wird nicht durchsucht, und nichts wird gebaut, bis das behoben ist. Was hier abgelegt wird, bleibt hier.
 status-written = Geschrieben { $time }.
@@ -34,9 +34,9 @@ question-yes = Es wartet auf Freigabe: { $question }.
 question-yes-remedy = `nestd confirm { $part }` druckt es so, `nestd cancel { $part }` lehnt es ab.
 question-original = Das Original fehlt oder ist beschädigt, deshalb wird es nicht gedruckt.
 question-original-remedy = { $name } noch einmal ablegen oder mit `nestd cancel { $part }` zurückziehen.
-question-copies = Wie viele Stück? Angenommen ist 1.
+question-copies = Wie viele Stück? Vorerst gilt 1.
 question-copies-remedy = `{ $command }` beantwortet das, und `nestd confirm { $part }` lässt es bei 1.
-status-question = Frage: Wie viele Stück? Bei Teil { $part } ({ $name }) ist 1 angenommen; antworten mit `{ $command }`.
+status-question = Frage: Wie viele Stück? Für Teil { $part } ({ $name }) gilt vorerst 1; antworten mit `{ $command }`.
 status-questions-more =
     Dieselbe Frage stellt sich bei { $parts ->
         [one] { $parts } weiteren Teil

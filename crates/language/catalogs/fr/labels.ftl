@@ -1,0 +1,19 @@
+labels-for = Pour
+labels-of-bins = bacs : une par commande
+labels-of-bags = sachets : une par pièce
+label-sheet = Planche
+labels-used = Étiquettes déjà prises sur la première planche
+open-pdf = Ouvrir le PDF
+labels-bins-bags = Étiquettes pour bacs et sachets
+labels-bags = Étiquettes pour sachets
+labels-of-build = Étiquettes du plateau { $build }
+labels-of-order = Étiquettes de la commande { $order }
+part-to-label = pièce à étiqueter
+sheet-roll = Rouleau de 62 mm
+# On the PDF, whose font has no narrow no-break space.
+bin-with = Bac { $number } : { $content }
+copies-of-build =
+    { $copies ->
+        [one] { $copies } exemplaire
+       *[other] { $copies } exemplaires
+    } du plateau { $build }

@@ -63,10 +63,10 @@ told-bad = signalé mauvais
 the-end = Fin
 cake-is-empty = Le gâteau est vide
 good-of-all =
-    { $good } sur { $copies ->
-        [one] { $copies } exemplaire : bon
-       *[other] { $copies } exemplaires : bons
-    }.
+    { $good ->
+        [one] { $good } exemplaire bon
+       *[other] { $good } exemplaires bons
+    } sur { $copies }.
 outcome-is-told = Le résultat est signalé.
 tell-some-again = Signaler : imprimé, et ceux-ci à refaire
 tell-all-good = Signaler : imprimé, tout est bon

@@ -55,10 +55,10 @@ with-copies =
         [one] { $copies } exemplaire
        *[other] { $copies } exemplaires
     }
-night-goes-on = continue
+night-goes-on = se poursuit
 night-stands-still = s’arrête : plus de temps rapporte trop peu
 night-used-up = s’arrête : son temps est épuisé
-night-given-up = abandonné
+night-given-up = recherche abandonnée
 night-since-arrival = { $gain } depuis la dernière arrivée, { $state }
 night-gain = { $gain } mm plus bas après { $secs } s de CPU
 held-queue-full = la file d’attente est pleine (queue_depth = { $depth }) : il part quand une imprimante prend un fichier, quand le résultat d’un plateau de la file est signalé, ou si on le lance

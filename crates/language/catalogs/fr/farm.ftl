@@ -16,7 +16,7 @@ more-dates =
     }
 due-done = échéance { $due }, fin vers { $done }
 due-on = échéance { $due }
-board = Tableau
+board = Planning
 legend-solid = en impression
 legend-outlined = en préparation, ou dans la file d’attente
 legend-dashed = à venir, si plus rien n’arrive

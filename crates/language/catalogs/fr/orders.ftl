@@ -94,10 +94,10 @@ or-more = { $number } ou plus
 more-not-shown = { $link } : { $count } { $what } pas montrés.
 show-more = Montrer plus
 closed-by =
-    { $time } par { $by }, avec { $accepted } sur { $copies ->
-        [one] { $copies } exemplaire
-       *[other] { $copies } exemplaires
-    }
+    { $time } par { $by }, avec { $accepted ->
+        [one] { $accepted } exemplaire
+       *[other] { $accepted } exemplaires
+    } sur { $copies }
 no-copies = aucun exemplaire
 waits-for-yes-to = Attend un accord : { $question }
 in-build-state = { $copies } dans le plateau { $build } ({ $state })
@@ -149,10 +149,10 @@ note-some-printed =
     }
 note-complete = Votre commande { $order } est complète : { $printed }.
 note-closed =
-    Votre commande { $order } est terminée avec { $accepted } sur { $parts ->
-        [one] { $parts } pièce
-       *[other] { $parts } pièces
-    }.
+    Votre commande { $order } est terminée avec { $accepted ->
+        [one] { $accepted } pièce
+       *[other] { $accepted } pièces
+    } sur { $parts }.
 note-order = Votre commande { $order } : { $how }.
 note-all-expected = le tout est attendu pour le { $day }
 note-rest-expected = le reste est attendu pour le { $day }

@@ -58,6 +58,6 @@ release-copies-wait =
        *[other] { $copies } exemplaires attendent
     } le prochain plateau.
 release-late-part = { $name } (échéance { $due })
-release-late-part-of = { $name } de { $order } (échéance { $due })
+release-late-part-of = { $name }, commande { $order } (échéance { $due })
 release-none-late = Aucune pièce n’y serait en retard.
 release-late = Serait en retard : { $names }.

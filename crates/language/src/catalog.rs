@@ -4,7 +4,6 @@ use std::sync::LazyLock;
 
 use fluent_bundle::{FluentArgs, FluentResource, FluentValue, concurrent::FluentBundle};
 
-
 use crate::{Language, current};
 
 /// The texts of an area of the pages, in the order of [`Language::ALL`].

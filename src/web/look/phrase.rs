@@ -4,7 +4,7 @@ use language::{Arg, IntoArg, Piece};
 use ledger::{BuildId, PartId};
 use maud::{Markup, html};
 
-/// A sentence of the catalogs with elements among its values: `phrase!("build-of", build = html! { b { (7) } }, count = 3)`.
+/// A sentence of the catalogs with elements among its values: `build = html! { b { (7) } }, count = 3`.
 macro_rules! phrase {
     ($id:literal $(, $name:ident = $value:expr)* $(,)?) => {{
         let mut _elements: Vec<::maud::Markup> = Vec::new();

@@ -152,6 +152,7 @@ async fn all_that_pages_say_comes_from_the_catalogs() {
             PAGES.into_iter().chain(["/orders/A-7", "/parts/2", "/nothing", "/history?sort=height", "/builds/x"])
         {
             let asked = dashboard.get_in("art-x-marked", page).await;
+            assert!(!asked.text.contains("{$"), "{page}: a value is missing");
             for text in texts_of(&asked.text) {
                 let unsaid: Vec<String> = unsaid_words(&text).into_iter().filter(|word| !is_data(word)).collect();
                 if !unsaid.is_empty() {

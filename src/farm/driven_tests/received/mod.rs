@@ -1,6 +1,7 @@
 //! What is dropped, ordered and told of a file.
 
 pub(super) mod camspec;
+pub(super) mod languages;
 pub(super) mod late;
 pub(super) mod lists;
 pub(super) mod orders;

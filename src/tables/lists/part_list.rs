@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use language::say;
-use ledger::{BuildId, LineCopies, PartRow, PlacementRow};
+use ledger::{BuildId, LineCopies, PartRow, PlacementRow, RefusalCause};
 use serde::Serialize;
 
 use crate::{
@@ -131,7 +131,8 @@ pub const PLACEMENT_COLUMNS: &[TableColumn<PlacedCopy>] = &[
 /// Why a part was refused; otherwise what it waits for and its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
     if !part.refused.reason.is_empty() {
-        return CellValue::Prose(part.refused.reason.replace('\n', "; "));
+        let reason = part.refused.reason.replace('\n', "; ");
+        return CellValue::Prose(RefusalCause::introduce(part.refused.refusal, &reason));
     }
     let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
     // What is asked was a warning before.
@@ -144,7 +145,7 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
 fn where_or_why(row: &OrderedPart) -> CellValue {
     match row.part.refused.reason.as_str() {
         "" => whereabouts(&row.placed).into(),
-        reason => CellValue::Prose(reason.to_owned()),
+        reason => CellValue::Prose(RefusalCause::introduce(row.part.refused.refusal, reason)),
     }
 }
 

@@ -177,7 +177,7 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             @let reason = part.refused.reason.lines().next().unwrap_or_default();
             // What was found; what to do is on the page of the part.
             @let found = reason.split_once(". ").map_or(reason.to_owned(), |(first, _)| format!("{first}."));
-            (part_line(part, &found, &html! {
+            (part_line(part, &RefusalCause::introduce(part.refused.refusal, &found), &html! {
                 @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }

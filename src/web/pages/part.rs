@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::{Path, State};
 use language::say;
-use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState};
+use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, RefusalCause};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -135,7 +135,7 @@ pub(crate) async fn show_part(
     let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
         h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&part.state.to_string())) }
-        @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.refused.reason)) } }
+        @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&RefusalCause::introduce(part.refused.refusal, &part.refused.reason))) } }
         @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }

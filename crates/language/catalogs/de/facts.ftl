@@ -96,3 +96,17 @@ ledger-is-taken-over = wird an Stelle dieses nestd von einem anderen bedient
 silent-locked = { $by } sperrt die Datenbank gegen Änderungen: nestd wartet, bis die Änderung dort fertig oder dieser Prozess beendet ist
 silent-disk = Wenn das Laufwerk des state-Ordners voll ist, Platz schaffen
 silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, oder alle Änderungen warten auf eine einzige Verbindung, die dann ein Alarm nennt
+
+## Why a part was refused
+
+cause-format = die Datei ist kein STL oder 3MF oder ist abgeschnitten
+cause-not-closed = die Oberfläche ist nicht geschlossen
+cause-too-large = es passt nicht in die Maschine
+cause-limit = die Datei überschreitet eine Grenze
+cause-ticket = das Ticket oder die Liste ist falsch oder gehört zu keinem Teil
+cause-duplicate = dieselbe Datei kam schon einmal
+cause-unreadable = nestd darf es nicht lesen, oder es ist keine Datei
+cause-failure = nestd konnte es nicht verarbeiten
+cause-cancelled = jemand hat es storniert
+cause-replaced = eine neuere Fassung hat seinen Platz eingenommen
+cause-other = abgelehnt

@@ -116,3 +116,17 @@ ledger-is-taken-over = is served by another nestd in place of this one
 silent-locked = { $by } keeps the ledger from being changed: nestd waits until it has finished its change, or is ended
 silent-disk = Where the disk of the state folder is full, free some room
 silent-database = Its way to the database is cut or slow, or all changes wait for one connection, which its alerts then name
+
+## Why a part was refused
+
+cause-format = the file is not STL or 3MF, or is truncated
+cause-not-closed = the surface is not closed
+cause-too-large = it does not fit into the machine
+cause-limit = the file exceeds a limit
+cause-ticket = its ticket or list is wrong, or belongs to no part
+cause-duplicate = the same file was dropped before
+cause-unreadable = nestd may not read it, or it is no file
+cause-failure = nestd could not process it
+cause-cancelled = somebody cancelled it
+cause-replaced = a newer revision took its place
+cause-other = refused

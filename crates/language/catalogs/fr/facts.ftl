@@ -116,3 +116,17 @@ ledger-is-taken-over = est servi par un autre nestd à la place de celui-ci
 silent-locked = { $by } empêche de modifier le registre : nestd attend que ce soit fini, ou arrêté
 silent-disk = Si le disque du dossier d’état est plein, libérer de la place
 silent-database = L’accès à la base de données est coupé ou lent, ou toutes les modifications attendent une connexion, que ses alertes nomment alors
+
+## Why a part was refused
+
+cause-format = le fichier n’est ni STL ni 3MF, ou il est tronqué
+cause-not-closed = la surface n’est pas fermée
+cause-too-large = la pièce ne tient pas dans la machine
+cause-limit = le fichier dépasse une limite
+cause-ticket = sa fiche ou sa liste est erronée, ou ne correspond à aucune pièce
+cause-duplicate = le même fichier a déjà été déposé
+cause-unreadable = nestd ne peut pas le lire, ou ce n’est pas un fichier
+cause-failure = nestd n’a pas pu le traiter
+cause-cancelled = quelqu’un l’a annulé
+cause-replaced = une révision plus récente l’a remplacé
+cause-other = refusé

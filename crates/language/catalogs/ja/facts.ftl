@@ -72,3 +72,17 @@ ledger-is-taken-over = は別の nestd が引き継いでいます
 silent-locked = { $by } が台帳の変更を妨げています。変更が終わるか、そのプロセスが終了するまで nestd は待ちます
 silent-disk = 状態フォルダーのディスクがいっぱいの場合は、空きを作ってください
 silent-database = データベースへの経路が切れているか遅い、またはすべての変更が 1 つの接続を待っています(その場合は接続名がアラートに出ます)
+
+## Why a part was refused
+
+cause-format = ファイルが STL・3MF でないか、途中で切れている
+cause-not-closed = 表面が閉じていない
+cause-too-large = 装置に収まらない
+cause-limit = ファイルが制限を超えている
+cause-ticket = チケットまたはリストが誤りか、対応するパーツがない
+cause-duplicate = 同じファイルが以前に投入されている
+cause-unreadable = nestd が読み取れないか、ファイルではない
+cause-failure = nestd が処理できなかった
+cause-cancelled = 取り消された
+cause-replaced = 新しい版に置き換えられた
+cause-other = 受付不可

@@ -1,5 +1,6 @@
 //! Causes of refusals as an enum. Reasons are sentences for people and cannot be counted.
 
+use language::{Language, say};
 use serde::{Deserialize, Serialize};
 
 use super::text_column::own_word;
@@ -38,6 +39,31 @@ impl RefusalCause {
     /// Whether a person wanted it so: nobody must see to it.
     pub fn is_intended(self) -> bool {
         matches!(self, Self::Cancelled | Self::Replaced)
+    }
+
+    /// The cause in a few words, in the language that is current.
+    pub fn text(self) -> String {
+        match self {
+            Self::Format => say!("cause-format"),
+            Self::NotClosed => say!("cause-not-closed"),
+            Self::TooLarge => say!("cause-too-large"),
+            Self::Limit => say!("cause-limit"),
+            Self::Ticket => say!("cause-ticket"),
+            Self::Duplicate => say!("cause-duplicate"),
+            Self::Unreadable => say!("cause-unreadable"),
+            Self::Failure => say!("cause-failure"),
+            Self::Cancelled => say!("cause-cancelled"),
+            Self::Replaced => say!("cause-replaced"),
+            Self::Other => say!("cause-other"),
+        }
+    }
+
+    /// A reason, which is English, with its cause before it in the language that is current.
+    pub fn introduce(cause: Option<Self>, reason: &str) -> String {
+        match cause.filter(|_| language::current() != Language::English) {
+            Some(cause) => format!("{}: {reason}", cause.text()),
+            None => reason.to_owned(),
+        }
     }
 
     /// All causes.

@@ -40,6 +40,7 @@ pub(crate) static AREAS: &[Area] = &areas![
     "break_out",
     "labels",
     "help",
+    "scripts",
     "status"
 ];
 

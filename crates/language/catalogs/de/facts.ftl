@@ -99,12 +99,12 @@ silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, od
 
 ## Why a part was refused
 
-cause-format = die Datei ist kein STL oder 3MF oder ist abgeschnitten
+cause-format = die Datei ist weder STL noch 3MF, oder sie ist abgeschnitten
 cause-not-closed = die Oberfläche ist nicht geschlossen
 cause-too-large = es passt nicht in die Maschine
 cause-limit = die Datei überschreitet eine Grenze
 cause-ticket = das Ticket oder die Liste ist falsch oder gehört zu keinem Teil
-cause-duplicate = dieselbe Datei kam schon einmal
+cause-duplicate = dieselbe Datei wurde schon einmal abgelegt
 cause-unreadable = nestd darf es nicht lesen, oder es ist keine Datei
 cause-failure = nestd konnte es nicht verarbeiten
 cause-cancelled = jemand hat es storniert

@@ -75,14 +75,14 @@ silent-database = データベースへの経路が切れているか遅い、�
 
 ## Why a part was refused
 
-cause-format = ファイルが STL・3MF でないか、途中で切れている
+cause-format = ファイルが STL または 3MF でないか、途中で切れている
 cause-not-closed = 表面が閉じていない
 cause-too-large = 装置に収まらない
 cause-limit = ファイルが制限を超えている
-cause-ticket = チケットまたはリストが誤りか、対応するパーツがない
-cause-duplicate = 同じファイルが以前に投入されている
-cause-unreadable = nestd が読み取れないか、ファイルではない
+cause-ticket = チケットまたはリストに誤りがあるか、対応するパーツがない
+cause-duplicate = 同じファイルが以前に入れられている
+cause-unreadable = nestd に読み取りの許可がないか、ファイルではない
 cause-failure = nestd が処理できなかった
-cause-cancelled = 取り消された
+cause-cancelled = キャンセルされた
 cause-replaced = 新しい版に置き換えられた
 cause-other = 受付不可

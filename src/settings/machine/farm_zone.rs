@@ -89,8 +89,13 @@ impl FarmZone {
     }
 }
 
+/// Zone and language of the farm file.
+pub(crate) fn validate_place(zone: &str, language: &str, validator: &mut ConfigValidator) -> (FarmZone, Language) {
+    (validate_time_zone(zone, validator), validate_language(language, validator))
+}
+
 /// The zone of a `time_zone` of the farm file. Reports a zone that is not known.
-pub(crate) fn validate_time_zone(name: &str, validator: &mut ConfigValidator) -> FarmZone {
+fn validate_time_zone(name: &str, validator: &mut ConfigValidator) -> FarmZone {
     if name == SYSTEM {
         return FarmZone::default();
     }
@@ -113,7 +118,7 @@ pub(crate) fn validate_time_zone(name: &str, validator: &mut ConfigValidator) ->
 }
 
 /// The language of a `language` of the farm file. Reports one that is not known.
-pub(crate) fn validate_language(tag: &str, validator: &mut ConfigValidator) -> Language {
+fn validate_language(tag: &str, validator: &mut ConfigValidator) -> Language {
     match Language::ALL.into_iter().find(|language| language.tag() == tag) {
         Some(language) => language,
         None => {

@@ -114,10 +114,9 @@ fn read_settings(
     let inputs: FarmInputs = from_table(farm.to_table(), file, problems)?;
     let mut validator = ConfigValidator::new(vec![(&farm, "")]);
     validation_rules::validate_farm(&inputs, &mut validator);
-    let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
-    let language = farm_zone::validate_language(&inputs.language, &mut validator);
+    let (time_zone, language) = farm_zone::validate_place(&inputs.time_zone, &inputs.language, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
-    let resources = ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes };
+
     let node = crate::settings::service::node::validate_node(&inputs.node, &mut validator);
     let web = crate::settings::service::web::validate_web(&inputs.web, &mut validator);
     let metrics = crate::settings::service::metrics::validate_metrics(&inputs.metrics, &mut validator);
@@ -162,7 +161,7 @@ fn read_settings(
         state_dir,
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,
-        resources,
+        resources: ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes },
         limits: inputs.limits,
         files,
         interfaces: InterfaceSettings { log, web, metrics, notify },

@@ -99,7 +99,7 @@ silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, od
 
 ## Why a part was refused
 
-cause-format = die Datei ist weder STL noch 3MF, oder sie ist abgeschnitten
+cause-format = das Format ist unbekannt oder die Datei abgeschnitten
 cause-not-closed = die Oberfläche ist nicht geschlossen
 cause-too-large = es passt nicht in die Maschine
 cause-limit = die Datei überschreitet eine Grenze

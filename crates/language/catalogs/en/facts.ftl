@@ -119,7 +119,7 @@ silent-database = Its way to the database is cut or slow, or all changes wait fo
 
 ## Why a part was refused
 
-cause-format = the file is not STL or 3MF, or is truncated
+cause-format = its format is not known, or the file is truncated
 cause-not-closed = the surface is not closed
 cause-too-large = it does not fit into the machine
 cause-limit = the file exceeds a limit

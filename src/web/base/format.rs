@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use jiff::Timestamp;
+use language::say;
 use maud::{Markup, html};
 
 use ledger::UtcTimestamp;
@@ -25,7 +26,7 @@ pub(crate) fn prose_with_pages(text: &str) -> Markup {
     let pages: BTreeSet<(String, String)> = text.split('`').skip(1).step_by(2).filter_map(page_of_command).collect();
     html! {
         (prose_with_code(text))
-        @for (name, path) in pages { " On these pages: " a href=(path) { (name) } "." }
+        @for (name, path) in pages { " " (phrase!("on-these-pages", link = html! { a href=(path) { (name) } })) }
     }
 }
 
@@ -41,7 +42,11 @@ fn page_of_command(command: &str) -> Option<(String, String)> {
         _ => return None,
     };
     let number: u64 = number.parse().ok()?;
-    Some((format!("{kind} {number}"), format!("/{kind}s/{number}")))
+    let name = match kind {
+        "build" => say!("build-named", build = number.to_string()),
+        _ => say!("part-named", part = number.to_string()),
+    };
+    Some((name, format!("/{kind}s/{number}")))
 }
 
 /// The time from `since` to `now` in two units, such as `2d 3h`.

@@ -15,6 +15,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
+use language::say;
 
 use super::role_rules::needed_role;
 use crate::web::{
@@ -92,7 +93,7 @@ fn identify_client(web: &DashboardState, request: &Request) -> Result<RequestCli
 }
 
 fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
-    let refused = |status, text: &str| Err(HandlerError::Refused(status, text.to_owned()));
+    let refused = |status, text: String| Err(HandlerError::Refused(status, text));
     let header = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
     let client = match request.uri().path() {
         // A watchdog asks without a token whether the process is alive.
@@ -100,25 +101,19 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClien
         _ => identify_client(web, request)?,
     };
     if !client.has_token && !is_known_host(web, request.headers()) {
-        return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");
+        return refused(StatusCode::MISDIRECTED_REQUEST, say!("guard-host"));
     }
     let needed = needed_role(request.method(), request.uri().path());
     if client.role < needed {
-        let text = format!("this needs the role {}, and you have {}", needed.as_str(), client.role.as_str());
+        let text = say!("guard-role", needed = needed.as_str(), own = client.role.as_str());
         return Err(HandlerError::Refused(StatusCode::FORBIDDEN, text));
     }
     let is_link = *request.method() == Method::GET && is_followed_link(&header);
     if !is_link && !is_same_origin(&header) {
-        return refused(
-            StatusCode::FORBIDDEN,
-            "to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages",
-        );
+        return refused(StatusCode::FORBIDDEN, say!("guard-other-site"));
     }
     if !request.method().is_safe() && !is_from_own_page(web, &header) {
-        return refused(
-            StatusCode::FORBIDDEN,
-            "orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts",
-        );
+        return refused(StatusCode::FORBIDDEN, say!("guard-other-page"));
     }
     Ok(client)
 }

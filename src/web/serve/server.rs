@@ -9,6 +9,7 @@ use axum::{
     middleware,
     routing::{get, post},
 };
+use language::say;
 use ledger::Ledger;
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
@@ -179,7 +180,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/metrics", get(metrics::get_metrics))
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::get_readiness))
-        .fallback(|| async { HandlerError::NotFound("page of that address".to_owned()) })
+        .fallback(|| async { HandlerError::NotFound(say!("page-of-address")) })
         .layer(middleware::from_fn_with_state(web.clone(), sent_form::carry_out_once))
         .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))

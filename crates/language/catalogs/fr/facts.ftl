@@ -119,7 +119,7 @@ silent-database = L’accès à la base de données est coupé ou lent, ou toute
 
 ## Why a part was refused
 
-cause-format = le format est inconnu ou le fichier est tronqué
+cause-format = son format n’est pas connu, ou le fichier est tronqué
 cause-not-closed = la surface n’est pas fermée
 cause-too-large = la pièce ne tient pas dans la machine
 cause-limit = le fichier dépasse une limite

@@ -75,7 +75,7 @@ silent-database = データベースへの経路が切れているか遅い、�
 
 ## Why a part was refused
 
-cause-format = 形式が不明か、ファイルが途中で切れている
+cause-format = ファイル形式が不明か、ファイルが途中で切れている
 cause-not-closed = 表面が閉じていない
 cause-too-large = 装置に収まらない
 cause-limit = ファイルが制限を超えている

@@ -74,8 +74,8 @@ fn a_name_that_is_code_is_text() {
     for name in NAMES {
         let html = report(name);
         let without_ours = html.replace(SCRIPT, "");
-        assert_eq!(without_ours.matches("<script").count(), 2, "{name}: only the scene and the view");
-        assert_eq!(without_ours.matches("</script").count(), 2, "{name}");
+        assert_eq!(without_ours.matches("<script").count(), 3, "{name}: only the texts, the scene and the view");
+        assert_eq!(without_ours.matches("</script").count(), 3, "{name}");
         assert!(!without_ours.contains("<img src=x") && !without_ours.contains("\"onload=\""), "{name}");
     }
 }

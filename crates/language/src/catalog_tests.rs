@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Kinds of words, and what stands before a word of the kind in the code where all of them are.
-const KINDS: [&str; 6] = ["field", "state", "ledger", "http", "event", "trigger"];
+const KINDS: [&str; 7] = ["field", "state", "ledger", "http", "event", "trigger", "turned"];
 
 /// Kinds of words that are not written in the code: those of HTTP, and the names of kinds of events.
 const MADE_KINDS: [&str; 2] = ["http", "event"];

@@ -39,7 +39,10 @@ impl FireForecast {
     pub fn fire_reason(&self, profile: &MachineProfile, row: &MachineStatus) -> String {
         match self.by {
             FireTrigger::Due if row.due_of.is_empty() => say!("fires-due"),
-            FireTrigger::Due => say!("fires-due-of", name = &row.due_of),
+            FireTrigger::Due => match row.due_of.strip_prefix("order ") {
+                Some(order) => say!("fires-due-of", name = say!("order-of", order = order)),
+                None => say!("fires-due-of", name = &row.due_of),
+            },
             FireTrigger::At => {
                 let at = self.at.to_zoned(profile.time_zone.time_zone().clone());
                 say!("fires-at", time = at.strftime("%H:%M %Z").to_string())

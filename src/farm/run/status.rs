@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::Result;
-use build_file::MESH_FORMATS;
+
 use jiff::Timestamp;
 use jobs::BackgroundJob;
 use language::say;
@@ -232,7 +232,7 @@ fn status_text(
 ) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
     let mut lines = vec![
-        say!("status-drop", machine = &profile.name, formats = MESH_FORMATS),
+        say!("status-drop", machine = &profile.name, formats = say!("mesh-formats")),
         say!("status-now", doing = &fact.doing),
     ];
     lines.extend(risks.iter().map(|risk| format!("{}: {}.", risk.subject_text(), risk.in_words(zone, now))));

@@ -45,5 +45,6 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
 
 fn orientation(row: &PartRow) -> String {
     let tilts = row.terms.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words()));
-    format!("{:?}", row.terms.orientation).to_lowercase() + &tilts.collect::<String>()
+    let word = format!("{:?}", row.terms.orientation).to_lowercase();
+    language::say_word("turned", &word) + &tilts.collect::<String>()
 }

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use anyhow::Context;
+use language::say;
 use ledger::{BuildId, BuildRow, PartId};
 
 use super::state::DashboardState;
@@ -28,7 +29,7 @@ pub(crate) struct CacheLocation<T: 'static> {
 
 /// Finds a build, and its profile as it was when the build was made.
 pub(crate) async fn find_build(web: &DashboardState, number: i64) -> HandlerResult<(BuildRow, MachineProfile)> {
-    let missing = || HandlerError::NotFound(format!("build {number}"));
+    let missing = || HandlerError::NotFound(say!("build-named", build = number.to_string()));
     let build = web.ledger.find_build(BuildId(number)).await?.ok_or_else(missing)?;
     let settings = web.current_settings();
     let now = settings.profiles.get(&build.machine);

@@ -1,7 +1,7 @@
 //! The form that puts files into the hot folder of a machine, and what it says of them: the ticket that is written beside each.
 
 use build_file::MAX_COPIES;
-use build_file::{MESH_FORMATS, part_endings};
+use build_file::part_endings;
 use intake::Ticket;
 use language::say;
 use maud::{Markup, html};
@@ -95,7 +95,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
         form.tell.drop method="post" enctype="multipart/form-data" action=(format!("/machines/{name}/files"))
             data-max-bytes=(max_bytes) data-machine=(name) {
             (key_field(web))
-            label.files { (say!("files-of", formats = MESH_FORMATS)) input name="file" type="file" multiple required accept=(accepted_endings()); }
+            label.files { (say!("files-of", formats = say!("mesh-formats"))) input name="file" type="file" multiple required accept=(accepted_endings()); }
             div.pair {
                 label { (fields::ORDER.said()) input name="order" maxlength="200"; }
                 label { (fields::CUSTOMER.said()) input name="customer" maxlength="200"; }
@@ -142,6 +142,11 @@ mod tests {
             assert!(form.set_field(name, (*text).to_owned()), "{name}");
         }
         form.to_ticket(&FarmZone::default())
+    }
+
+    #[test]
+    fn the_formats_are_those_that_are_read() {
+        assert_eq!(say!("mesh-formats"), build_file::MESH_FORMATS);
     }
 
     #[test]

@@ -75,7 +75,7 @@ fn section_address(chapter: &ReadChapter, section: &Section) -> String {
 
 fn contents() -> Markup {
     html! {
-        div.found { @for chapter in BOOK.iter() {
+        div.found lang="en" { @for chapter in BOOK.iter() {
             section aria-label=(chapter.title()) {
                 h2 { a href=(chapter_address(chapter.name)) { (chapter.title()) } }
                 (section_list(chapter))
@@ -87,7 +87,7 @@ fn contents() -> Markup {
 /// The sections of a chapter.
 fn section_list(chapter: &ReadChapter) -> Markup {
     html! {
-        ul.still { @for section in chapter.sections.iter().filter(|section| section.level > 1) {
+        ul.still lang="en" { @for section in chapter.sections.iter().filter(|section| section.level > 1) {
             li { a href=(section_address(chapter, section)) { (section.title) } }
         } }
     }
@@ -102,7 +102,7 @@ fn found_list(found: &[FoundSection]) -> Markup {
         } @else {
             div.found {
                 h2 { (say!("count-sections", count = found.len())) }
-                ul { @for one in found.iter().take(MAX_FOUND) { li {
+                ul lang="en" { @for one in found.iter().take(MAX_FOUND) { li {
                     a href=(section_address(one.chapter, one.section)) { (one.section.title) }
                     @if one.section.level > 1 { " " span.soft { (one.chapter.title()) } }
                     p { @for (piece, is_asked) in &one.snippet { @if *is_asked { mark { (piece) } } @else { (piece) } } }

@@ -364,3 +364,8 @@ trigger-max-wait = Wartezeit
 trigger-due = Termin
 trigger-at = Uhrzeit
 trigger-withdrawn = Rücknahme
+
+turned-free = frei
+turned-upright = aufrecht
+turned-axis = achsparallel
+turned-fixed = fest

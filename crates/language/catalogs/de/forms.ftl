@@ -136,3 +136,5 @@ guard-host = diese Farm antwortet nicht auf diesen Namen; siehe web.hosts
 guard-role = dafür ist die Rolle { $needed } nötig, vorhanden ist { $own }
 guard-other-site = Seiten anderer Websites antwortet diese Farm nur, wenn jemand einem Link folgt, und Befehle nimmt sie nur von ihren eigenen Seiten an
 guard-other-page = Befehle werden nur von den eigenen Seiten dieser Farm angenommen, und hier fragt die Seite einer anderen Website; hinter einem Proxy muss dessen Name in web.hosts stehen
+
+mesh-formats = STL, 3MF, OBJ oder PLY

@@ -368,3 +368,8 @@ trigger-max-wait = max_wait
 trigger-due = due
 trigger-at = at
 trigger-withdrawn = withdrawn
+
+turned-free = free
+turned-upright = upright
+turned-axis = axis
+turned-fixed = fixed

@@ -136,3 +136,5 @@ guard-host = this farm does not answer to that name; see web.hosts
 guard-role = this needs the role { $needed }, and you have { $own }
 guard-other-site = to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages
 guard-other-page = orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts
+
+mesh-formats = STL, 3MF, OBJ or PLY

@@ -384,3 +384,8 @@ trigger-max-wait = attente maximale
 trigger-due = échéance
 trigger-at = heure fixée
 trigger-withdrawn = retrait
+
+turned-free = libre
+turned-upright = debout
+turned-axis = axes
+turned-fixed = fixe

@@ -136,3 +136,5 @@ guard-host = ce parc ne répond pas à ce nom ; voir web.hosts
 guard-role = il faut le rôle { $needed }, et vous avez { $own }
 guard-other-site = aux pages d’autres sites, ce parc ne répond que si une personne suit un lien, et il ne prend d’ordres que de ses propres pages
 guard-other-page = ce parc ne prend d’ordres que de ses propres pages, et la demande vient de la page d’un autre site ; derrière un proxy, son nom doit être dans web.hosts
+
+mesh-formats = STL, 3MF, OBJ ou PLY

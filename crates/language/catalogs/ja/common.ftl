@@ -316,3 +316,8 @@ trigger-max-wait = 待ち時間の上限
 trigger-due = 納期
 trigger-at = 確定時刻
 trigger-withdrawn = ビルドの取り下げ
+
+turned-free = 自由
+turned-upright = 直立
+turned-axis = 軸に沿う
+turned-fixed = 固定

@@ -1,6 +1,6 @@
 drop-time-needs-date = eine Uhrzeit braucht ihr Datum
 no-whole-number = { $field }: „{ $text }“ ist keine ganze Zahl
-files-of = { $formats }-Dateien
+files-of = Dateien ({ $formats })
 drop-copies = Stück je Datei; leer = wie der Name sagt (bracket_x10.stl), sonst 1
 drop-due = Termin (Ende dieses Tages, wenn ohne Uhrzeit)
 drop-more = Drehen, Priorität, Notiz

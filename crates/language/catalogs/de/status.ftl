@@ -1,4 +1,4 @@
-status-drop = { $machine }: { $formats }-Dateien hier ablegen.
+status-drop = { $machine }: Dateien ({ $formats }) hier ablegen.
 status-now = Jetzt: { $doing }.
 status-paused = PAUSIERT von { $by } seit { $time }: nichts wird ausgelöst.
 status-no-printer = Kein Drucker ist in Betrieb: nichts wird ausgelöst.

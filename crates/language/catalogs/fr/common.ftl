@@ -387,5 +387,5 @@ trigger-withdrawn = retrait
 
 turned-free = libre
 turned-upright = debout
-turned-axis = axes
+turned-axis = angles droits
 turned-fixed = fixe

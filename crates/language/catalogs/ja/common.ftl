@@ -318,6 +318,6 @@ trigger-at = 確定時刻
 trigger-withdrawn = ビルドの取り下げ
 
 turned-free = 自由
-turned-upright = 直立
-turned-axis = 軸に沿う
-turned-fixed = 固定
+turned-upright = 垂直軸まわりのみ
+turned-axis = 直角単位
+turned-fixed = ファイルのまま

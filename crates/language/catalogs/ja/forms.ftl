@@ -117,4 +117,4 @@ guard-role = これには { $needed } の権限が必要です。現在の権限
 guard-other-site = ほかのサイトのページには、人がリンクをたどったときだけ応答します。指示は、このファーム自身のページからのみ受け付けます
 guard-other-page = 指示はこのファーム自身のページからのみ受け付けます。これは別のサイトのページからの要求です。プロキシ経由の場合は、その名前を web.hosts に入れてください
 
-mesh-formats = STL・3MF・OBJ・PLY
+mesh-formats = STL、3MF、OBJ、PLY

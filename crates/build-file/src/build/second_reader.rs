@@ -106,9 +106,11 @@ impl<'a> ObjectIndex<'a> {
 }
 
 fn read_mesh(mesh: &OtherMesh, outer: &[Option<&Transform>]) -> SecondReading {
-    let used = mesh.triangles.triangle.iter().flat_map(|t| [t.v1, t.v2, t.v3]);
-    let corners = used.map(|v| {
-        let vertex = &mesh.vertices.vertex[v as usize];
+    let vertices = &mesh.vertices.vertex;
+    let mut is_used = vec![false; vertices.len()];
+    mesh.triangles.triangle.iter().flat_map(|t| [t.v1, t.v2, t.v3]).for_each(|v| is_used[v as usize] = true);
+    let used = vertices.iter().zip(is_used).filter(|(_, is_used)| *is_used);
+    let corners = used.map(|(vertex, _)| {
         let start: [f64; 3] = [vertex.x.into(), vertex.y.into(), vertex.z.into()];
         outer.iter().rev().flatten().fold(start, |point, transform| transform_row_vector(point, &transform.0))
     });

@@ -134,8 +134,7 @@ fn read_settings(
     for (name, own) in machines {
         let Some(own) = own else { continue };
         let validator = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
-        let profile = build_profile(name, &own, &farm, &root, &inputs, validator);
-        if let Some(mut profile) = profile {
+        if let Some(mut profile) = build_profile(name, &own, &farm, &root, &inputs, validator) {
             profile.time_zone = time_zone.clone();
             claims.extend(folder_claims(&profile, validator));
             places.insert(name.to_owned(), validator.locate_key("printer"));

@@ -126,9 +126,10 @@ pub(crate) fn dates_chip(dates: DatesKept) -> Markup {
 
 fn height(build: &PlannedBuild) -> String {
     match (build.is_nested, build.height_mm > 0.0) {
-        (true, _) => language::decimal(format!("{:.1} mm", build.height_mm)),
+        (true, true) => language::decimal(format!("{:.1} mm", build.height_mm)),
         (false, true) => say!("about-mm", height = format!("{:.0}", build.height_mm)),
-        (false, false) => String::new(),
+        // Its search has found nothing yet.
+        (_, false) => String::new(),
     }
 }
 

@@ -5,7 +5,10 @@ use std::io;
 use solids::MeshError;
 use thiserror::Error;
 
-use super::file_name::{MESH_FORMATS, mesh_formats};
+use super::{
+    file_name::{MESH_FORMATS, mesh_formats},
+    limits::ReadLimits,
+};
 
 /// Why a dropped file or a build file cannot be read.
 #[derive(Debug, Error)]
@@ -95,6 +98,12 @@ impl FileReadError {
 
     pub(crate) fn invalid_stl(reason: impl Into<String>) -> Self {
         Self::Invalid { format: "STL", reason: reason.into() }
+    }
+
+    /// More triangles than `limits` has.
+    pub(crate) fn too_many_triangles(limits: &ReadLimits) -> Self {
+        let what = "it has too many triangles".to_owned();
+        Self::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" }
     }
 
     pub(crate) fn invalid_threemf(reason: impl Into<String>) -> Self {

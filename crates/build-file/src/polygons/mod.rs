@@ -13,6 +13,9 @@ const FLAT: f64 = 1e-9;
 /// The areas of a face and of its triangles may differ by this share.
 const ROUNDED: f64 = 1e-6;
 
+/// Remedy for surfaces that are no faces, and for faces that are no surface.
+const TRIANGLES_ONLY: &str = "Export the part once more with triangles only, or as STL or 3MF.";
+
 /// The faces of a file, as triangles.
 struct PolygonSurface<'l> {
     surface: WeldedSurface,
@@ -31,22 +34,17 @@ impl<'l> PolygonSurface<'l> {
         self.faces += 1;
         self.triangles += (corners.len() as u64).saturating_sub(2);
         if self.triangles > self.limits.max_triangles {
-            return Err(too_many_triangles(self.limits));
+            return Err(FileReadError::too_many_triangles(self.limits));
         }
         let Some(triangles) = triangles_of(corners) else {
             return Err(FileReadError::Unsupported {
                 what: format!("face {} has {} corners, and they enclose no area", self.faces, corners.len()),
-                remedy: "Export the part once more with triangles only, or as STL or 3MF.",
+                remedy: TRIANGLES_ONLY,
             });
         };
         triangles.into_iter().for_each(|triangle| self.surface.add_triangle(triangle.map(|at| corners[at])));
         Ok(())
     }
-}
-
-fn too_many_triangles(limits: &ReadLimits) -> FileReadError {
-    let what = "it has too many triangles".to_owned();
-    FileReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" }
 }
 
 /// Splits a face into triangles that have all its corners: a fan where one corner sees all of it, else by cutting ears. `None` = its

@@ -10,7 +10,7 @@ use std::{
 
 use glam::DVec3;
 
-use super::PolygonSurface;
+use super::{PolygonSurface, TRIANGLES_ONLY};
 use crate::{
     FileReadError, LengthUnit, PartFileContents, ReadLimits,
     common::{
@@ -157,7 +157,7 @@ impl<'l> ObjReader<'l> {
             return Err(self.invalid("a corner is not three finite decimal numbers"));
         };
         if self.corners.len() as u64 >= self.faces.limits.max_triangles.saturating_mul(3) {
-            return Err(super::too_many_triangles(self.faces.limits));
+            return Err(FileReadError::too_many_triangles(self.faces.limits));
         }
         self.corners.push(DVec3::new(x, y, z));
         Ok(())
@@ -197,8 +197,7 @@ impl<'l> ObjReader<'l> {
     fn take_other(&mut self, word: &[u8]) -> Result<(), FileReadError> {
         if let Some((_, what)) = NOT_READ.iter().find(|(known, _)| *known == word) {
             let what = format!("{what} (line {})", self.line);
-            let remedy = "Export the part once more with triangles only, or as STL or 3MF.";
-            return Err(FileReadError::Unsupported { what, remedy });
+            return Err(FileReadError::Unsupported { what, remedy: TRIANGLES_ONLY });
         }
         self.objects += u64::from(word == b"o");
         if WITHOUT_AREA.contains(&word) {

@@ -11,7 +11,7 @@ use ply_rs_bw::{
     ply::{ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 
-use super::{PolygonSurface, too_many_triangles};
+use super::PolygonSurface;
 use crate::{FileReadError, LengthUnit, PartFileContents, ReadLimits, escape_invisible};
 
 /// A longer head is none.
@@ -89,9 +89,9 @@ pub(crate) fn read_ply(
     unit: LengthUnit,
     limits: &ReadLimits,
 ) -> Result<PartFileContents, FileReadError> {
-    let header = read_head(&mut file)?.1;
-    check_counts(&header, file.metadata()?.len(), limits)?;
-    let mut input = read_head(&mut file)?.0;
+    let len = file.metadata()?.len();
+    let (mut input, header) = read_head(&mut file)?;
+    check_counts(&header, len, limits)?;
     let (mut corners, mut faces): (Vec<PlyCorner>, Vec<PlyFace>) = (Vec::new(), Vec::new());
     for element in header.elements.values() {
         let read = match element.name.as_str() {
@@ -184,7 +184,7 @@ fn check_counts(header: &Header, len: u64, limits: &ReadLimits) -> Result<(), Fi
         return Err(invalid("it holds no face: points have nothing to print".to_owned()));
     }
     if count("face") > limits.max_triangles || count("vertex") > limits.max_triangles.saturating_mul(3) {
-        return Err(too_many_triangles(limits));
+        return Err(FileReadError::too_many_triangles(limits));
     }
     for element in header.elements.values() {
         if element.count > 0 && element.properties.is_empty() {

@@ -39,8 +39,7 @@ pub(super) fn read_text_stl(
     let mut soup = TextStlContents::default();
     let mut add_facet = |words: &mut StlTokenizer<_>, facets: &mut u64, in_loop: bool| {
         if *facets >= limits.max_triangles {
-            let what = "it has too many triangles".to_owned();
-            return Err(FileReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
+            return Err(FileReadError::too_many_triangles(limits));
         }
         *facets += 1;
         hand_on(read_facet(words, *facets, in_loop)?);

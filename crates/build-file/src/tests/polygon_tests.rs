@@ -20,9 +20,14 @@ const CORNERS: [[f64; 3]; 8] = [
 const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
 fn read(bytes: &[u8], name: &str) -> Result<PartFileContents, FileReadError> {
+    read_in(None, bytes, name)
+}
+
+/// Reads with the unit of a ticket.
+fn read_in(unit: Option<LengthUnit>, bytes: &[u8], name: &str) -> Result<PartFileContents, FileReadError> {
     let file = tempfile::NamedTempFile::new().unwrap();
     fs::write(file.path(), bytes).unwrap();
-    read_part_file(file.path(), name, None, LengthUnit::Millimeter, &ReadLimits::for_testing())
+    read_part_file(file.path(), name, unit, LengthUnit::Millimeter, &ReadLimits::for_testing())
 }
 
 fn ends(bytes: &[u8], name: &str) -> bool {
@@ -65,18 +70,7 @@ fn an_obj_file_is_read_however_its_faces_name_their_corners() {
     let named = [b"o Geh\xe4use \xbb1\xab\n", plain.as_bytes()].concat();
     is_the_box(&read(&named, "box.obj").unwrap());
     is_the_box(&read(plain.as_bytes(), "box.stl").unwrap());
-    let inches = read_part_file(
-        &{
-            let path = std::env::temp_dir().join(format!("nestd-box-{}.obj", std::process::id()));
-            fs::write(&path, &plain).unwrap();
-            path
-        },
-        "box.obj",
-        Some(LengthUnit::Inch),
-        LengthUnit::Millimeter,
-        &ReadLimits::for_testing(),
-    )
-    .unwrap();
+    let inches = read_in(Some(LengthUnit::Inch), plain.as_bytes(), "box.obj").unwrap();
     assert!((inches.solids[0].mesh.bounds().size().z - 762.0).abs() < 1e-3);
 }
 

@@ -24,7 +24,7 @@ use crate::{
 };
 
 /// Workbooks that are read.
-const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
+pub(crate) const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
 /// Spreadsheets that are not.
 const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 /// Texts of other programs that may say how many are wanted of the parts beside them.
@@ -112,10 +112,9 @@ impl<'a> FolderLists<'a> {
 
     fn choose_list(lists: &[(ListFormat, &'a InboxEntry)]) -> Self {
         let of = |wanted| lists.iter().filter(move |(format, _)| *format == wanted).map(|&(_, one)| one);
-        let mut orders = of(ListFormat::OrderCsv);
+        let mut orders = of(ListFormat::OrderCsv).peekable();
         let mut others: Vec<&InboxEntry> = of(ListFormat::OtherText).collect();
         let mut beside: Vec<&InboxEntry> = of(ListFormat::Workbook).collect();
-        let mut orders = orders.by_ref().peekable();
         if orders.peek().is_none() && others.is_empty() {
             std::mem::swap(&mut others, &mut beside);
         }

@@ -16,13 +16,14 @@ use crate::{
         disk::{create_fresh_file, fsync_dir, rename_noreplace, try_path_exists},
         ignore::{is_ignored, is_status_file},
     },
+    lists::folder_lists::WORKBOOKS,
     names::name::{MAX_NAME_BYTES, numbered_name},
 };
 
 /// How the name of a file begins that has not arrived as a whole.
 const UNFINISHED_PREFIX: &str = ".nestd-upload-";
-/// Endings of files that say something about other files.
-const SIDECAR_ENDINGS: [&str; 7] = ["csv", "tsv", "xlsx", "xlsm", "txt", "toml", "json"];
+/// Endings of texts that say something about other files, as workbooks do.
+const SIDECAR_ENDINGS: [&str; 5] = ["csv", "tsv", "txt", "toml", "json"];
 /// A name is tried with numbers up to this.
 const MAX_NUMBER: u32 = 1000;
 /// Room in a name for a number and the ending of a ticket, bytes.
@@ -84,7 +85,7 @@ pub fn check_upload_name(name: &str) -> Result<OsString, UploadError> {
         () if is_status_file(raw) || named_control(raw).is_some() => {
             refused("the hot folder has its own use for this name")
         }
-        () if SIDECAR_ENDINGS.contains(&ending.as_str()) => {
+        () if SIDECAR_ENDINGS.iter().chain(&WORKBOOKS).any(|sidecar| *sidecar == ending) => {
             refused("a list or ticket speaks of other files: put it into the hot folder itself, beside them")
         }
         () => Ok(raw.to_owned()),

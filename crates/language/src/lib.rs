@@ -1,7 +1,8 @@
 //! What people read, in their language: English, German, French or Japanese.
 //!
-//! A sentence has a name, and stands in a catalog (`catalogs/en/*.ftl`, Project Fluent). [`say!`] gives it in the language that is current: that of the request ([`Language::scope`]) or of the file that is written ([`Language::within`]). Without one it is English,
-//! as logs, commands and JSON are. A sentence that a language lacks is said in English.
+//! A sentence has a name, and stands in a catalog (`catalogs/en/*.ftl`, Project Fluent). [`say!`] gives it in the language that is
+//! current: that of the request ([`Language::scope`]) or of the file that is written ([`Language::within`]). Without one it is English, as
+//! logs, commands and JSON are. A sentence that a language lacks is said in English.
 
 mod catalog;
 mod current;

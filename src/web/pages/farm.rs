@@ -225,8 +225,8 @@ fn no_machine() -> Markup {
 
 fn nothing_came(takes_orders: bool) -> Markup {
     let text = match takes_orders {
-        true => say!("nothing-came-drop"),
-        false => say!("nothing-came-copy"),
+        true => say!("nothing-came-drop", formats = say!("mesh-formats")),
+        false => say!("nothing-came-copy", formats = say!("mesh-formats")),
     };
     let help = html! { a.button.first href="/help/technician" { (say!("nothing-came-help")) } };
     empty(&say!("nothing-came"), &html! { (text) }, &help)

@@ -314,6 +314,11 @@ ledger-printing = im Druck
 ledger-complete = vollständig
 ledger-interrupted = unterbrochen
 ledger-failed = fehlgeschlagen
+ledger-claimed = wird eingelesen
+ledger-waiting = wartet
+ledger-batched = wird erstellt
+ledger-built = gebaut
+ledger-refused = abgelehnt
 
 ## What happened, as the list of events says it
 

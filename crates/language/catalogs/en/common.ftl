@@ -318,6 +318,11 @@ ledger-printing = printing
 ledger-complete = complete
 ledger-interrupted = interrupted
 ledger-failed = failed
+ledger-claimed = claimed
+ledger-waiting = waiting
+ledger-batched = batched
+ledger-built = built
+ledger-refused = refused
 
 ## What happened, as the list of events says it
 

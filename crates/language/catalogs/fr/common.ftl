@@ -334,6 +334,11 @@ ledger-printing = en impression
 ledger-complete = réussi
 ledger-interrupted = interrompu
 ledger-failed = échoué
+ledger-claimed = en lecture
+ledger-waiting = en attente
+ledger-batched = en préparation
+ledger-built = fabriqué
+ledger-refused = refusé
 
 ## What happened, as the list of events says it
 

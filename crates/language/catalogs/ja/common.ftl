@@ -266,6 +266,11 @@ ledger-printing = 造形中
 ledger-complete = 完了
 ledger-interrupted = 中断
 ledger-failed = 失敗
+ledger-claimed = 読み取り中
+ledger-waiting = 待機中
+ledger-batched = 作成中
+ledger-built = ビルド済み
+ledger-refused = 受付不可
 
 ## Kinds of events
 

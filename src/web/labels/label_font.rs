@@ -1,4 +1,4 @@
-//! The font of labels: Inter with the letters of European languages, and how wide a text is in it.
+//! The font of labels: Inter with the letters of European languages, and the Japanese signs that labels say; how wide a text is in it.
 
 use anyhow::{Context, Result};
 use ttf_parser::{Face, GlyphId};
@@ -71,6 +71,8 @@ impl LabelFont {
 
 #[cfg(test)]
 mod tests {
+    use language::{Language, say};
+
     use super::*;
 
     #[test]
@@ -88,5 +90,20 @@ mod tests {
         }
         assert_eq!(font.wrapped("hinge_left.stl", 6.0), ["hinge_left.", "stl"]);
         assert!("Zażółć gęślą für Söhne Ελλάς Щука €".chars().all(|letter| font.glyph(letter).is_some()));
+    }
+
+    #[test]
+    fn the_font_has_every_letter_that_labels_say_in_every_language() {
+        let font = LabelFont::read().unwrap();
+        for language in Language::ALL {
+            let said = language.within(|| {
+                let counts = [say!("count-copies", count = 12), say!("count-parts", count = 3), say!("no-order")];
+                let [copies, parts, no_order] = counts;
+                let places = say!("copies-of-build", copies = 7, build = "4");
+                [say!("bin-with", number = 1, content = copies), parts, no_order, places].concat()
+            });
+            let lacks: String = said.chars().filter(|letter| font.glyph(*letter).is_none()).collect();
+            assert_eq!(lacks, "", "{}: {said}", language.name());
+        }
     }
 }

@@ -7,7 +7,6 @@ use axum::{
     http::{HeaderMap, header},
     response::{IntoResponse, Response},
 };
-use language::Language;
 use language::say;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -87,10 +86,10 @@ pub(crate) async fn get_build_labels(
     let placed = load_placed_parts(&web.ledger, &build, &profile).await?;
     let bags: Vec<Bag> = placed.iter().map(|(part, copies)| Bag::of_part(part, copies.len() as u32)).collect();
     let root = LinkRoot::of_request(&headers);
-    let labels = label_language().within(|| match query.of {
+    let labels = match query.of {
         Labelled::Bins => bin_labels(&bags, number, &root),
         Labelled::Bags => bag_labels(&bags, Some(number), &root),
-    });
+    };
     answer_pdf(&say!("labels-of-build", build = number.to_string()), &labels, &query)
 }
 
@@ -103,16 +102,8 @@ pub(crate) async fn get_order_labels(
 ) -> HandlerResult<Response> {
     let lines = web.ledger.order_lines(&name).await?;
     let bags: Vec<Bag> = lines.iter().map(|line| Bag::of_line(&name, line)).collect();
-    let labels = label_language().within(|| bag_labels(&bags, None, &LinkRoot::of_request(&headers)));
+    let labels = bag_labels(&bags, None, &LinkRoot::of_request(&headers));
     answer_pdf(&say!("labels-of-order", order = &name), &labels, &query)
-}
-
-/// The language of what is printed: the font of labels has European letters alone.
-fn label_language() -> Language {
-    match language::current() {
-        Language::Japanese => Language::English,
-        other => other,
-    }
 }
 
 fn answer_pdf(title: &str, labels: &[Label], query: &LabelQuery) -> HandlerResult<Response> {

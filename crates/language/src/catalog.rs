@@ -8,7 +8,6 @@ use crate::{Language, current};
 
 /// The texts of an area of the pages, in the order of [`Language::ALL`].
 pub(crate) struct Area {
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests name the area"))]
     pub(crate) name: &'static str,
     pub(crate) texts: [&'static str; 4],
 }
@@ -41,7 +40,10 @@ pub(crate) static AREAS: &[Area] = &areas![
     "labels",
     "help",
     "scripts",
-    "status"
+    "status",
+    "told_files",
+    "told_lists",
+    "told_farm"
 ];
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 4]> = LazyLock::new(|| Language::ALL.map(bundle_of));
@@ -125,11 +127,16 @@ pub enum Piece {
 const FIRST_SLOT: u32 = 0xE000;
 const LAST_SLOT: u32 = 0xE0FF;
 
-fn is_slot(letter: char) -> bool {
+pub(crate) fn is_slot(letter: char) -> bool {
     (FIRST_SLOT..=LAST_SLOT).contains(&u32::from(letter))
 }
 
-fn slot_letter(slot: u8) -> String {
+/// The place that a letter stands for.
+pub(crate) fn slot_of(letter: char) -> u8 {
+    (u32::from(letter) - FIRST_SLOT) as u8
+}
+
+pub(crate) fn slot_letter(slot: u8) -> String {
     char::from_u32(FIRST_SLOT + u32::from(slot)).into_iter().collect()
 }
 
@@ -168,7 +175,7 @@ pub fn say_pieces(id: &str, args: &[(&'static str, Arg)]) -> Vec<Piece> {
             if !words.is_empty() {
                 pieces.push(Piece::Text(std::mem::take(&mut words)));
             }
-            pieces.push(Piece::Slot((u32::from(letter) - FIRST_SLOT) as u8));
+            pieces.push(Piece::Slot(slot_of(letter)));
         } else {
             words.push(letter);
         }
@@ -179,7 +186,7 @@ pub fn say_pieces(id: &str, args: &[(&'static str, Arg)]) -> Vec<Piece> {
     pieces
 }
 
-fn sentence(language: Language, id: &str, args: &[(&'static str, Arg)]) -> String {
+pub(crate) fn sentence(language: Language, id: &str, args: &[(&'static str, Arg)]) -> String {
     let mut values = FluentArgs::new();
     for (name, arg) in args {
         match arg {
@@ -214,7 +221,7 @@ fn say_marked(id: &str, args: &[(&'static str, Arg)]) -> String {
         if !words.is_empty() {
             marked.push_str(&format!("⟦{words}⟧"));
         }
-        match slot.map(|letter| (u32::from(letter) - FIRST_SLOT) as usize) {
+        match slot.map(|letter| usize::from(slot_of(letter))) {
             Some(at) if at >= 128 => {
                 if let Some((_, Arg::Text(text))) = args.get(at - 128) {
                     marked.push_str(text);

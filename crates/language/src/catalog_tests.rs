@@ -132,7 +132,7 @@ fn all_languages_say_the_same_sentences_with_the_same_values() {
 }
 
 /// All source files of the workspace but this crate's tests.
-fn source_files(dir: &Path, found: &mut Vec<PathBuf>) {
+pub(crate) fn source_files(dir: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(dir).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
@@ -178,7 +178,10 @@ fn every_name_that_the_code_says_exists_and_every_sentence_is_said() {
     }
     let is_made =
         |name: &str| MADE_KINDS.iter().any(|kind| name.strip_prefix(kind).is_some_and(|rest| rest.starts_with('-')));
-    let unsaid: Vec<_> = known.iter().filter(|(name, _)| !said.contains(*name) && !is_made(name)).collect();
+    // Sentences that are known by their words are another test's.
+    let is_told = |name: &str| name.starts_with("told-");
+    let unsaid: Vec<_> =
+        known.iter().filter(|(name, _)| !said.contains(*name) && !is_made(name) && !is_told(name)).collect();
     assert!(missing.is_empty(), "no catalog has: {missing:#?}");
     assert!(unsaid.is_empty(), "nobody says: {unsaid:#?}");
 }

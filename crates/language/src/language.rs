@@ -67,6 +67,16 @@ impl Language {
         best.map(|(language, _)| language)
     }
 
+    /// What ends a sentence.
+    pub(crate) fn full_stop(self) -> &'static str {
+        if self == Self::Japanese { "。" } else { "." }
+    }
+
+    /// What stands between two sentences.
+    pub(crate) fn space_between_sentences(self) -> &'static str {
+        if self == Self::Japanese { "" } else { " " }
+    }
+
     /// Whether its decimal sign is a comma.
     pub(crate) fn has_decimal_comma(self) -> bool {
         matches!(self, Self::German | Self::French)

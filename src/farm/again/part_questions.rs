@@ -31,7 +31,7 @@ impl PartQuestion {
         let id = part.id;
         let (text, remedy) = match kind {
             QuestionKind::Confirmation => (
-                say!("question-yes", question = part.owed.question.trim_end_matches('.')),
+                say!("question-yes", question = language::told(part.owed.question.trim_end_matches('.'))),
                 say!("question-yes-remedy", part = id.to_string()),
             ),
             QuestionKind::Original => {

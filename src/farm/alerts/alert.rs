@@ -285,12 +285,17 @@ pub struct FarmAlert {
 }
 
 impl FarmAlert {
-    /// What is wrong, as a sentence.
+    /// What is wrong, as a sentence in the language that is current. A detail that the catalogs do not know is quoted in English.
     pub fn alert_text(&self) -> String {
-        let of = if self.machine.is_empty() { String::new() } else { format!("{}: ", self.machine) };
-        match self.detail.trim_end_matches('.') {
-            "" => format!("{of}{}.", self.kind.headline()),
-            detail => format!("{of}{}: {detail}.", self.kind.headline()),
+        let (headline, detail) = (self.kind.headline(), self.detail.trim_end_matches('.'));
+        let what = match (detail, language::retold(detail)) {
+            ("", _) => say!("alert-alone", headline = headline),
+            (_, Some(detail)) => say!("alert-detailed", headline = headline, detail = detail),
+            (detail, None) => say!("alert-quoted", headline = headline, detail = detail),
+        };
+        match self.machine.is_empty() {
+            true => what,
+            false => say!("alert-of", machine = &self.machine, what = what),
         }
     }
 

@@ -15,7 +15,10 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
         |at: UtcTimestamp| day_text(&at.0.to_zoned(zone.time_zone().clone()), &now.to_zoned(zone.time_zone().clone()));
     let (name, printed) = (&order.name, copies.good + copies.printed);
     let refused = (copies.refused > 0).then(|| say!("note-refused", parts = copies.refused));
-    let refused = refused.map_or_else(String::new, |text| format!("; {text}"));
+    let and_refused = |how: String| match &refused {
+        Some(refused) => say!("note-and-refused", how = how, refused = refused),
+        None => how,
+    };
     let of = match (printed, copies.wanted) {
         (0, 1) => say!("note-one-not-printed"),
         (0, parts) => say!("note-none-printed", parts = parts),
@@ -32,7 +35,7 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
             let all = order.closing.closed_of.unwrap_or(copies.wanted);
             say!("note-closed", order = name, accepted = accepted, parts = all)
         }
-        OrderWord::Short if copies.under_way() == 0 => say!("note-order", order = name, how = of + &refused),
+        OrderWord::Short if copies.under_way() == 0 => say!("note-order", order = name, how = and_refused(of)),
         _ => {
             let expected = match (fact.done_at, printed) {
                 _ if printed + copies.refused >= copies.wanted => None,
@@ -41,11 +44,14 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
                 (None, 0) => Some(say!("note-all-made")),
                 (None, _) => Some(say!("note-rest-made")),
             };
-            let expected = expected.map_or_else(String::new, |text| format!(", {text}"));
-            let note = say!("note-order", order = name, how = of + &expected + &refused);
+            let how = match expected {
+                Some(expected) => say!("note-and-expected", how = of, expected = expected),
+                None => of,
+            };
+            let note = say!("note-order", order = name, how = and_refused(how));
             match fact.missed_at {
                 Some(due) if fact.lateness().is_some() || due.0 <= now => {
-                    format!("{note} {}", say!("note-sorry", day = day(due)))
+                    say!("note-then-sorry", note = note, sorry = say!("note-sorry", day = day(due)))
                 }
                 _ => note,
             }

@@ -114,7 +114,7 @@ pub fn machine_fact(
     };
     let mut pieces = Vec::new();
     if !trouble.is_empty() {
-        pieces.push(say!("machine-unavailable", trouble = trouble));
+        pieces.push(say!("machine-unavailable", trouble = language::told(trouble)));
     }
     if let Some(paused) = &status.paused {
         let by = if paused.paused_by.is_empty() { "-" } else { &paused.paused_by };
@@ -125,7 +125,7 @@ pub fn machine_fact(
     MachineFact {
         machine: status.machine.clone(),
         state,
-        doing: if pieces.is_empty() { say!("free-now") } else { pieces.join("; ") },
+        doing: if pieces.is_empty() { say!("free-now") } else { language::join_sentences(pieces) },
         free_at: printers.iter().filter_map(|printer| printer.free_at).min(),
         printers,
     }

@@ -190,7 +190,7 @@ impl PrinterFact {
         };
         let more = (more > 0).then(|| say!("then-more-builds", count = more));
         let free = free.filter(|_| self.state != PrinterWord::Ended);
-        [Some(doing), more, free].into_iter().flatten().collect::<Vec<_>>().join(", ")
+        language::join_names([Some(doing), more, free].into_iter().flatten())
     }
 
     fn down_text(&self, zone: &FarmZone, now: Timestamp) -> String {

@@ -6,6 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use language::{Language, say};
 use ledger::{PartId, PartRow, RefusalCause};
 
 /// End of the name of the reason file.
@@ -30,7 +31,9 @@ pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathB
 }
 
 fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
-    let line = part_line(part);
+    // It may have been written in another language.
+    let lines = Language::ALL.map(|language| language.within(|| part_line(part)));
+    let names_part = |line_of_reason: &str| lines.iter().any(|line| line_of_reason.starts_with(line.as_str()));
     let files = match intake::files_below(error_dir) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         other => other.with_context(|| format!("listing {}", error_dir.display()))?,
@@ -38,7 +41,7 @@ fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
     let mut found = Vec::new();
     for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())) {
         let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
-        if !text.is_some_and(|text| text.lines().any(|line_of_reason| line_of_reason.starts_with(&line))) {
+        if !text.is_some_and(|text| text.lines().any(names_part)) {
             continue;
         }
         // The name without the suffix, unless the name was shortened. A copy that a crash cut short has all its bytes, perhaps,
@@ -96,23 +99,27 @@ pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
 
 /// Start of the line in the reason that names the part.
 pub fn part_line(part: &PartRow) -> String {
-    format!("Part {} of the machine {}.", part.id, part.machine)
+    say!("reason-part", part = part.id.to_string(), machine = &part.machine)
 }
 
 /// The part of a machine that the text of a reason names; `None` = the file was refused before it became a part.
 pub(super) fn find_part_number(text: &str, machine: &str) -> Option<PartId> {
+    const NUMBER: &str = "\u{0}";
+    let lines = Language::ALL.map(|language| language.within(|| say!("reason-part", part = NUMBER, machine = machine)));
     // An earlier version called a machine by its profile.
-    let ends = ["machine", "profile"].map(|word| format!(" of the {word} {machine}."));
-    let number = |line: &str| ends.iter().find_map(|end| line.strip_prefix("Part ")?.split_once(end)?.0.parse().ok());
+    let earlier = format!("Part {NUMBER} of the profile {machine}.");
+    let ends: Vec<(&str, &str)> = lines.iter().chain([&earlier]).filter_map(|line| line.split_once(NUMBER)).collect();
+    let number =
+        |line: &str| ends.iter().find_map(|(start, end)| line.strip_prefix(start)?.split_once(end)?.0.parse().ok());
     text.lines().find_map(number).map(PartId)
 }
 
-/// The complete text of a reason file.
+/// The complete text of a reason file, in the language that is current.
 pub(crate) fn reason_text(part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> String {
     let again = match cause {
         // Its copies would be guessed; and the same bytes are no other format the next time.
         Some(RefusalCause::Ticket | RefusalCause::Format) => String::new(),
-        _ => format!(" To take it back: nestd retry {}", part.id),
+        _ => format!(" {}", say!("reason-retry", part = part.id.to_string())),
     };
-    format!("{}\n\n{}{again}\n", reason.trim_end(), part_line(part))
+    format!("{}\n\n{}{again}\n", RefusalCause::introduce(cause, reason.trim_end()), part_line(part))
 }

@@ -153,7 +153,7 @@ impl ReleasePreview {
             })
             .collect();
         let more = self.late.len().saturating_sub(named.len());
-        let named = named.join(", ");
+        let named = language::join_names(named);
         sentences.push(match more {
             _ if named.is_empty() => say!("release-none-late"),
             0 => say!("release-late", names = named),

@@ -318,6 +318,7 @@ fn applied_reason(meant: &str, failure: &anyhow::Error) -> String {
 async fn finish(desk: &mut Receiving<'_>, name: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
     let Some(machine) = desk.machines.get(name) else { return Ok(()) };
     let (folders, leases) = (machine.profile.folders.clone(), machine.leases.clone());
+    let language = desk.shared.settings.language;
     let job =
         LateTicketJob { machine: name.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
     match decision {
@@ -332,7 +333,7 @@ async fn finish(desk: &mut Receiving<'_>, name: &str, late: LateTicket, decision
                 Err(failure) if late.is_last_offer && late.source.source == SpecSource::Sidecar => {
                     leases.check_error_folder()?;
                     let reason = applied_reason(&meant, &failure);
-                    late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;
+                    language.within(|| late.refuse_late_ticket(&folders.inbox, &folders.error, &reason))?;
                     Err(failure.context("it was applied, and is in the error folder now"))
                 }
                 ended => ended.map(drop),
@@ -344,7 +345,7 @@ async fn finish(desk: &mut Receiving<'_>, name: &str, late: LateTicket, decision
             desk.shared.ledger.record_file_refusal(name, RefusalCause::Ticket, &detail).await?;
             desk.jobs.start(job, move || {
                 leases.check_error_folder()?;
-                late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;
+                language.within(|| late.refuse_late_ticket(&folders.inbox, &folders.error, &reason))?;
                 Ok(())
             });
         }

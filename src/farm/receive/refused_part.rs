@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use language::Language;
 use ledger::{PartRow, PartState, RefusalCause};
 
 use crate::farm::{
@@ -19,6 +20,8 @@ use crate::farm::{
 /// A refused part whose file must be moved into the error folder.
 pub(crate) struct RefusedPart {
     part: PartRow,
+    /// That of the settings: people read the reason in the folder.
+    language: Language,
     text: String,
     inbox: PathBuf,
     error_dir: PathBuf,
@@ -50,7 +53,7 @@ impl RefusedPart {
                 intake::release_claim(&claim.claim, &self.part.file.content_hash)?;
                 return Ok(ClaimOutcome::Done);
             }
-            intake::refuse_claim(&claim.claim, &self.error_dir, &self.text)?;
+            self.language.within(|| intake::refuse_claim(&claim.claim, &self.error_dir, &self.text))?;
             return Ok(ClaimOutcome::Done);
         }
         // The original of a claim that is not listed yet is moved once the claim is listed.
@@ -93,9 +96,8 @@ impl RefusedPart {
             None => match self.meshes.verified_file(row) {
                 Ok(stored) => intake::copy_to_error_folder(Some(&stored), error_dir, &folder, &row.name, text),
                 Err(failure) if LostFileError::find_in_chain(&failure).is_some() => {
-                    let text = format!(
-                        "{text}\nThe file is not here, for nestd does not have it whole any more: {failure:#}.\n"
-                    );
+                    let why = format!("The file is not here, for nestd does not have it whole any more: {failure:#}.");
+                    let text = format!("{text}\n{}\n", self.language.within(|| language::told(&why)));
                     intake::copy_to_error_folder(None, error_dir, &folder, &row.name, &text)
                 }
                 Err(failure) => return Err(failure),
@@ -113,10 +115,11 @@ pub(super) fn describe_refused_part(
     reason: &str,
 ) -> Option<RefusedPart> {
     let machine = desk.machines.get(&part.machine)?;
-    let folders = &machine.profile.folders;
+    let (folders, language) = (&machine.profile.folders, desk.shared.settings.language);
     Some(RefusedPart {
         part: part.clone(),
-        text: reason_text(part, cause, reason),
+        language,
+        text: language.within(|| reason_text(part, cause, reason)),
         inbox: folders.inbox.clone(),
         error_dir: folders.error.clone(),
         meshes: desk.meshes.clone(),

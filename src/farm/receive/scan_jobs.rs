@@ -108,10 +108,13 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
         let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
         let carried = CarriedScanner { machine: name.clone(), scanner };
+        let language = desk.shared.settings.language;
         desk.jobs.start_with(HotFolderScanJob { machine: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
             let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
-            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
+            // What it refuses gets its reason beside it.
+            let mut scan = language
+                .within(|| scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part));
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
             if status.1.is_empty() || scan.unavailable.is_some() || leases.inbox.check_usable().is_err() {
                 return scan;

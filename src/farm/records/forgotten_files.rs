@@ -124,10 +124,9 @@ impl ForgottenFileRecovery<'_> {
                 let mut reason = file.into_os_string();
                 reason.push(REASON_SUFFIX);
                 if PathBuf::from(&reason).is_file() {
-                    self.report.folder_steps.push(DeferredFolderStep::RewriteReason(
-                        reason.into(),
-                        reason_text(row, row.refused.refusal, &row.refused.reason),
-                    ));
+                    let (cause, why, language) = (row.refused.refusal, &row.refused.reason, self.settings.language);
+                    let text = language.within(|| reason_text(row, cause, why));
+                    self.report.folder_steps.push(DeferredFolderStep::RewriteReason(reason.into(), text));
                 }
                 Ok(())
             }

@@ -98,7 +98,8 @@ impl ErrorFolderIndex {
 /// Copies a refused part's file from the store into the error folder, with its reason.
 pub(crate) fn copy_to_error_folder(settings: &Settings, profile: &MachineProfile, part: &PartRow) -> Result<()> {
     let stored = ContentStore::from_dir(settings.state_dir.join("store")).file_path(&part.file.content_hash)?;
-    let (folder, text) = (format!("part-{}", part.id), reason_text(part, part.refused.refusal, &part.refused.reason));
+    let folder = format!("part-{}", part.id);
+    let text = settings.language.within(|| reason_text(part, part.refused.refusal, &part.refused.reason));
     intake::copy_to_error_folder(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
         .with_context(|| format!("copying {} into the error folder", part.name))
 }

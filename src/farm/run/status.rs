@@ -235,7 +235,9 @@ fn status_text(
         say!("status-drop", machine = &profile.name, formats = say!("mesh-formats")),
         say!("status-now", doing = &fact.doing),
     ];
-    lines.extend(risks.iter().map(|risk| format!("{}: {}.", risk.subject_text(), risk.in_words(zone, now))));
+    lines.extend(
+        risks.iter().map(|risk| say!("job-described", name = risk.subject_text(), what = risk.in_words(zone, now))),
+    );
     if let Some(paused) = &row.paused {
         let since = zone.format_minute(paused.paused_at.0);
         lines.push(say!("status-paused", by = &paused.paused_by, time = since));
@@ -264,9 +266,9 @@ fn status_text(
     }
     lines.extend(held_text(profile, row).map(|held| say!("status-held", why = held)));
     if !machine.inbox.controls.answer.is_empty() {
-        lines.push(machine.inbox.controls.answer.clone());
+        lines.push(language::told(&machine.inbox.controls.answer));
     }
-    lines.extend(machine.left_out.texts().map(str::to_owned));
+    lines.extend(machine.left_out.texts().map(language::told));
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
         let (time, height) = (zone.format_minute(last.published_at.0), language::decimal(format!("{height_mm:.1}")));
@@ -297,7 +299,7 @@ pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r MachineS
     let machines = say!("count-machines", count = machines);
     let waiting = say!("count-copies-wait", count = waiting);
     let nesting = say!("count-builds-in-work", count = nesting);
-    format!("{machines}, {waiting}, {nesting}")
+    language::join_names([machines, waiting, nesting])
 }
 
 fn status_json(

@@ -106,7 +106,7 @@ impl FieldDefinition {
     pub fn page_heading(&self) -> String {
         match self.unit() {
             "" => self.said(),
-            unit => format!("{}, {unit}", self.said()),
+            unit => language::join_names([self.said(), unit.to_owned()]),
         }
     }
 

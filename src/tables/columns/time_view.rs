@@ -101,15 +101,14 @@ impl TimeView {
 
     /// When something will be done, with its delay: `tomorrow 03:45, 28 h late`.
     pub fn promise_text(&self, promise: &PromisedDate) -> String {
-        let late = promise.late_text().map_or_else(String::new, |late| format!(", {late}"));
-        self.near_text(promise.done_at) + &late
+        language::join_names([Some(self.near_text(promise.done_at)), promise.late_text()].into_iter().flatten())
     }
 
     /// A due date with the time that is left: `2026-12-24, in 32d 4h`.
     pub fn due_text(&self, due: &GivenDate) -> String {
         let date = self.zone.format_due(due.due_at.0, &due.text);
         match self.now.and_then(|now| due.due_at.distance_text(now)) {
-            Some(distance) => format!("{date}, {distance}"),
+            Some(distance) => language::join_names([date, distance]),
             None => date,
         }
     }

@@ -46,10 +46,8 @@ fn one_row(mut group: Vec<EventRow>) -> Option<EventRow> {
         }
     }
     let more = details.len().saturating_sub(MAX_DETAILS);
-    let mut detail = details[..details.len().min(MAX_DETAILS)].join("; ");
-    if more > 0 {
-        detail += &format!("; {}", say!("and-more", count = more));
-    }
+    let named = details.iter().take(MAX_DETAILS).map(|detail| language::told(detail));
+    let detail = language::join_sentences(named.chain((more > 0).then(|| say!("and-more", count = more))));
     let first = group.swap_remove(0);
     let part_id = group.iter().all(|event| event.part_id == first.part_id).then_some(first.part_id).flatten();
     Some(EventRow { part_id, detail, ..first })

@@ -38,7 +38,7 @@ pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::for_programs("repeats", fields::REPEATS, |row| row.search.repeats.into()),
     TableColumn::for_programs("fired_by", fields::FIRED_BY, |row| (&row.fired_by).into()),
     TableColumn::for_programs("file_name", fields::FILE, |row| row.result.file_name.as_ref().into()),
-    TableColumn::for_programs("reason", fields::REASON, |row| (&row.result.reason).into()),
+    TableColumn::for_programs("reason", fields::REASON, |row| CellValue::Prose(row.result.reason.clone())),
     TableColumn::for_programs("note", fields::NOTE, |row| (&row.result.note).into()),
     TableColumn::for_people("file_or_reason", fields::FILE_OR_REASON, file_or_reason),
 ];
@@ -48,7 +48,10 @@ pub const HISTORY_PAGE_KEYS: [&str; 11] =
     ["build", "machine", "printer", "state_word", "at", "height_mm", "used", "density", "parts", "copies", "reason"];
 
 fn file_or_reason(row: &HistoryRow) -> CellValue {
-    row.result.file_name.as_ref().unwrap_or(&row.result.reason).into()
+    match &row.result.file_name {
+        Some(file) => file.into(),
+        None => CellValue::Prose(row.result.reason.clone()),
+    }
 }
 
 /// The totals of the published builds of a machine.

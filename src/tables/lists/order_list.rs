@@ -136,5 +136,5 @@ pub fn copies_text(copies: &LineCopies) -> String {
     if let Some((first, word)) = counted_words(copies).next().filter(|(first, _)| *first < copies.wanted) {
         texts[0] = word.counted(say!("number-of", number = first, all = copies.wanted));
     }
-    if texts.is_empty() { say!("no-copies") } else { texts.join(", ") }
+    if texts.is_empty() { say!("no-copies") } else { language::join_names(texts) }
 }

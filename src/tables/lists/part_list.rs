@@ -131,15 +131,14 @@ pub const PLACEMENT_COLUMNS: &[TableColumn<PlacedCopy>] = &[
 /// Why a part was refused; otherwise what it waits for and its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
     if !part.refused.reason.is_empty() {
-        let reason = part.refused.reason.replace('\n', "; ");
-        return CellValue::Prose(RefusalCause::introduce(part.refused.refusal, &reason));
+        let reasons = part.refused.reason.lines().map(|reason| RefusalCause::introduce(part.refused.refusal, reason));
+        return CellValue::Prose(language::join_sentences(reasons));
     }
     let asked = Some(part.owed.question.trim_end_matches('.')).filter(|asked| !asked.is_empty());
     // What is asked was a warning before.
     let warnings = part.told_warnings().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
-    let texts =
-        asked.map(|asked| say!("waits-for-yes-to", question = asked)).into_iter().chain(warnings.map(str::to_owned));
-    CellValue::Prose(texts.collect::<Vec<_>>().join("; "))
+    let asked = asked.map(|asked| say!("waits-for-yes-to", question = language::told(asked)));
+    CellValue::Prose(language::join_sentences(asked.into_iter().chain(warnings.map(language::told))))
 }
 
 fn where_or_why(row: &OrderedPart) -> CellValue {
@@ -165,5 +164,5 @@ pub fn whereabouts(placed: &[PlacedCopy]) -> String {
             say!("in-build-state", copies = *n, build = id.to_string(), state = language::say_word("state", state))
         })
         .collect();
-    if texts.is_empty() { say!("none-in-build") } else { texts.join(", ") }
+    if texts.is_empty() { say!("none-in-build") } else { language::join_names(texts) }
 }

@@ -91,5 +91,5 @@ pub fn removal_in_words([x, y, z]: [f64; 3]) -> String {
         side(x, say!("way-right"), say!("way-left")),
         side(y, say!("way-back"), say!("way-front")),
     ];
-    sides.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    language::join_names(sides.into_iter().flatten())
 }

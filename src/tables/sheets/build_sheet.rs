@@ -137,7 +137,7 @@ fn search(method: &str, row: &BuildRow) -> String {
     let pieces = [
         Some(method.to_owned()),
         row.search.seed.map(|seed| say!("seed", seed = seed.to_string())),
-        row.search.evaluations.map(|evaluations| say!("evaluations", count = evaluations.to_string())),
+        row.search.evaluations.map(|evaluations| say!("evaluations", count = evaluations)),
         fields::CPU.plain_text(&row.search.cpu_secs.into()).map(|secs| say!("cpu-secs", secs = secs)),
         fields::WALL.plain_text(&row.search.wall_secs.into()).map(|secs| say!("wall-secs", secs = secs)),
         row.search.version.as_ref().map(|version| format!("nestd {version}")),

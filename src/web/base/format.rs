@@ -11,8 +11,9 @@ use ledger::UtcTimestamp;
 /// Stands for a value that is not known.
 pub(crate) const DASH: &str = "\u{2013}";
 
-/// A text whose commands and options in backticks become `<code>` elements.
+/// A text that may be stored in English, in the language of the reader; its commands and options in backticks become `<code>` elements.
 pub(crate) fn prose_with_code(text: &str) -> Markup {
+    let text = language::told(text);
     let pieces: Vec<&str> = text.split('`').collect();
     // A backtick without a partner stays a character.
     if pieces.len().is_multiple_of(2) {

@@ -60,12 +60,12 @@ pub(super) fn search_field(text: &str, label: &str) -> Markup {
 
 /// A page that shows an error.
 pub(super) fn error_page(status: StatusCode, text: &str) -> Markup {
-    let title = status_title(status);
+    let (title, text) = (status_title(status), language::told(text));
     let mut letters = text.chars();
     let sentence: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
     let content = html! {
         h1 { (title) }
-        p #problem role="alert" { (sentence.trim_end_matches('.')) "." }
+        p #problem role="alert" { (sentence.trim_end_matches(['.', '。'])) (say!("sign-stop")) }
         p { a.button.first href="/" { (say!("to-the-farm")) } }
     };
     html_page(&title, "", None, &content)

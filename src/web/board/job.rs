@@ -175,5 +175,5 @@ fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
         time(build.ends_at).map(|time| say!("unpacked-time", time = time)),
         dates,
     ];
-    format!("{name}: {}.", pieces.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    say!("job-described", name = name, what = language::join_names(pieces.into_iter().flatten()))
 }

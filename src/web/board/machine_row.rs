@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use jiff::Timestamp;
-use language::say;
+use language::{colon, comma, say};
 use ledger::{
     BuildId, BuildRow, BuildState, CommandKind, MachineRow, MachineStatus, NestingBuild, OpenBuildForecast,
     UtcTimestamp,
@@ -193,7 +193,7 @@ impl MachineRowOnBoard<'_> {
                 @if let Some(fires) = fires { (fire_time(&fires, (self.profile, status), view)) }
                 @if let Some(held) = held_text(self.profile, status) { span { (say!("it-waits", why = held)) } }
                 @if status.refused_parts > 0 {
-                    a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.said()) ": " (status.refused_parts) }
+                    a href=(format!("/parts?state=refused&machine={}", self.profile.name)) { (fields::REFUSED.said()) (colon()) (status.refused_parts) }
                 }
             }
         }
@@ -211,7 +211,7 @@ impl MachineRowOnBoard<'_> {
                 }
                 @if let Some(density) = fields::DENSITY.with_unit(open.density) { (say!("so-dense", density = density)) }
                 @if let Some(usual) = usual { " " (say!("usual-density", density = usual)) }
-                ", " (say!("count-copies", count = open.copies.unwrap_or(0)))
+                (comma()) (say!("count-copies", count = open.copies.unwrap_or(0)))
                 @if let Some(share) = share {
                     " " meter min="0" max="100" value=(format!("{share:.1}")) aria-label=(say!("height-used", machine = &self.profile.name, share = format!("{share:.0}"))) {}
                 }
@@ -235,7 +235,7 @@ impl MachineRowOnBoard<'_> {
                 @else if self.awaits_release(build.build) { (phrase!("made-awaits", build = number, copies = build.copies)) }
                 @else { (phrase!("made-proved", build = number, copies = build.copies)) }
                 @if let (true, Some(spent)) = (is_searching, spent_secs) {
-                    ", " (say!("spent-of", spent = format!("{spent:.0}"), limit = format!("{limit_secs:.0}")))
+                    (comma()) (say!("spent-of", spent = format!("{spent:.0}"), limit = format!("{limit_secs:.0}")))
                     @if spent < limit_secs { " " progress max=(limit_secs) value=(format!("{spent:.0}")) aria-label=(say!("search-for", build = build.build.to_string())) {} }
                 } }
         }
@@ -256,9 +256,9 @@ impl MachineRowOnBoard<'_> {
         html! {
             @if let Some(last) = &self.last {
                 p { (phrase!("last-published", build = html! { a href=(format!("/builds/{}", last.id)) { (last.id) } }))
-                    @if let Some(height) = fields::HEIGHT.with_unit(last.measures.height_mm) { ", " (height) }
-                    @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { ", " (say!("so-dense", density = density)) }
-                    @if let Some(at) = last.times.published_at { ", " (time_of(at, view)) }
+                    @if let Some(height) = fields::HEIGHT.with_unit(last.measures.height_mm) { (comma()) (height) }
+                    @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { (comma()) (say!("so-dense", density = density)) }
+                    @if let Some(at) = last.times.published_at { (comma()) (time_of(at, view)) }
                     " " (chip(&last.state_word())) }
             }
         }
@@ -290,8 +290,8 @@ fn machine_warnings(status: &MachineStatus, observed: Option<&MachineRow>, view:
         }
         @if let Some(observed) = observed.filter(|observed| !observed.trouble.is_empty()) {
             p.bad role="status" { @match observed.trouble_at {
-                Some(at) => (phrase!("unavailable-since", time = time_of(at, view), trouble = &observed.trouble)),
-                None => (say!("unavailable-for", trouble = &observed.trouble)),
+                Some(at) => (phrase!("unavailable-since", time = time_of(at, view), trouble = language::told(&observed.trouble))),
+                None => (say!("unavailable-for", trouble = language::told(&observed.trouble))),
             } }
         }
     }

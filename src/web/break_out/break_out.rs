@@ -10,7 +10,7 @@ use axum::{
     http::HeaderMap,
     response::{IntoResponse, Redirect, Response},
 };
-use language::say;
+use language::{comma, say};
 use ledger::{BuildId, OperatorWord, PartId, PickMark, PickMarkRow};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -112,7 +112,7 @@ fn all_elsewhere(state: &BreakOutState, elsewhere: &BTreeMap<usize, String>) -> 
             h2 { (say!("last-elsewhere", count = elsewhere.len())) }
             ul { @for (&at, user) in elsewhere {
                 @let copy = &state.map.list.copies[at];
-                li { a href=(state.address_of(at)) { (copy_title(copy)) } ", " (name_of_user(user)) }
+                li { a href=(state.address_of(at)) { (copy_title(copy)) } (comma()) (name_of_user(user)) }
             } }
         }
     }

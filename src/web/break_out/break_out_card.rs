@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use language::say;
+use language::{colon, comma, join_names, say};
 use ledger::{BuildState, PickMark, PickMarkRow};
 use maud::{Markup, html};
 
@@ -52,8 +52,8 @@ pub(super) fn current_card(
     let source = format!("/builds/{}/parts/{}/picture?kind={}", state.build.id, copy.part, bin_kind(bin));
     html! {
         section.card.step aria-label=(say!("copy-of-all", number = copy.number, all = state.states.len())) {
-            h2 { (copy.number) ": " (copy.name) }
-            p.bin { (bin_badge(bin)) span { b { (say!("bin-number", number = bin + 1)) } ": " @if copy.order.is_empty() { (say!("bin-no-order")) } @else { (say!("order-of", order = &copy.order)) } } }
+            h2 { (copy.number) (colon()) (copy.name) }
+            p.bin { (bin_badge(bin)) span { b { (say!("bin-number", number = bin + 1)) } (colon()) @if copy.order.is_empty() { (say!("bin-no-order")) } @else { (say!("order-of", order = &copy.order)) } } }
             div.step-sights {
                 (themed_picture(&source, &html! { img width="400" height="300" alt=(say!("the-part", name = &copy.name)) src=(source); }))
                 (step_plan(state, at, bin_kind(bin)))
@@ -62,9 +62,9 @@ pub(super) fn current_card(
             @if step.is_chosen { p.note role="status" { (say!("chosen-copy", number = copy.number, name = &copy.name, copy = copy.copy)) } }
             p { (place_text(copy)) }
             @if copy.direction.is_some_and(points_down) { p.warn { (say!("comes-out-downwards")) } }
-            @if !copy.note.is_empty() { p { b { (fields::NOTE.said()) ": " } (copy.note) } }
+            @if !copy.note.is_empty() { p { b { (fields::NOTE.said()) (colon()) } (copy.note) } }
             @if let Some(others) = state.map.shapes.look_alikes.get(&copy.part) {
-                p.warn { (say!("looks-like", names = others.join(", "))) }
+                p.warn { (say!("looks-like", names = join_names(others))) }
             }
             @if matches!(state.states[at], CopyState::Open) && step.other.is_none() { (together_buttons(web, state, at, elsewhere)) }
             @let after = format!("{}?after={}", state.address(), copy.number);
@@ -132,8 +132,8 @@ pub(super) fn open_list(web: &DashboardState, state: &BreakOutState, elsewhere: 
                 ul.still { @for &at in &open { li {
                     @let copy = &state.map.list.copies[at];
                     a href=(state.address_of(at)) { (copy_title(copy)) }
-                    @if !copy.order.is_empty() { ", " (say!("order-of", order = &copy.order)) }
-                    @if let Some(user) = elsewhere.get(&at) { ", " (say!("screen-of", name = name_of_user(user))) }
+                    @if !copy.order.is_empty() { (comma()) (say!("order-of", order = &copy.order)) }
+                    @if let Some(user) = elsewhere.get(&at) { (comma()) (say!("screen-of", name = name_of_user(user))) }
                 } } }
                 @if web.orders {
                     div.buttons { (all(PickMark::Out, &say!("all-out-good"))) (all(PickMark::Missing, &say!("none-found"))) }
@@ -159,7 +159,7 @@ pub(super) fn summary_section(web: &DashboardState, state: &BreakOutState, count
             h2 { (say!("cake-is-empty")) }
             p { (say!("good-of-all", good = sum.good, copies = sum.all)) }
             @if sum.bad + sum.missing > 0 {
-                ul { @for (copy, what) in lost { li { (copy_title(copy)) @if !copy.order.is_empty() { ", " (say!("order-of", order = &copy.order)) } ": " (what) } } }
+                ul { @for (copy, what) in lost { li { (copy_title(copy)) @if !copy.order.is_empty() { (comma()) (say!("order-of", order = &copy.order)) } ": " (what) } } }
             }
             @if is_told { p.ok { (say!("outcome-is-told")) } }
             @else if web.orders {
@@ -191,7 +191,7 @@ pub(super) fn mark_form(
             input type="hidden" name="copy" value=(copy.copy);
             input type="hidden" name="at" value=(copy.number);
             input type="hidden" name="seen" value=(shown.map_or(0, |row| row.id));
-            button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { ": " (say!("name-and-copy", name = &copy.name, copy = copy.copy)) } }
+            button class=(class) type="submit" name="mark" value=(mark) { (label) span.unseen { (colon()) (say!("name-and-copy", name = &copy.name, copy = copy.copy)) } }
         }
     }
 }

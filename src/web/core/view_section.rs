@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use language::say;
+use language::{comma, say};
 use maud::{Markup, html};
 
 use super::picture::cake_picture;
@@ -95,7 +95,7 @@ impl ViewSection {
                     @for part in parts {
                         button.view-part type="button" data-part=(part.part) aria-pressed="false" {
                             span.swatch {} " " (part.name) " "
-                            span.soft { (part.copies) "\u{d7}" @if !part.due.is_empty() { ", " (phrase!("due-on", due = &part.due)) } }
+                            span.soft { (part.copies) "\u{d7}" @if !part.due.is_empty() { (comma()) (phrase!("due-on", due = &part.due)) } }
                         }
                     }
                 }

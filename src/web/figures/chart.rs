@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use jiff::{ToSpan, civil::Date};
-use language::say;
+use language::{colon, comma, say};
 use ledger::HistoryRow;
 use maud::{Markup, PreEscaped, html};
 
@@ -64,7 +64,7 @@ fn line_chart(title: &str, unit: &str, lines: &ChartLines, zone: &FarmZone) -> M
     let more = lines.len().saturating_sub(MAX_LINES) as u32;
     html! {
         figure {
-            figcaption { (title) ", " (unit)
+            figcaption { (title) (comma()) (unit)
                 @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } }
                 @if more > 0 { " " (say!("more-machines", count = more)) } }
             (plot_lines(title, lines.values().take(MAX_LINES), &date))
@@ -174,7 +174,7 @@ pub(crate) fn weekly_bars(
                     @for (name, number, low, high) in stacked(week, &machines) {
                         rect class=(format!("bar c{number}")) x=(format!("{:.1}", left + 0.15 * step)) width=(format!("{:.1}", 0.7 * step))
                             y=(format!("{:.1}", TOP + tall * (1.0 - high / most))) height=(format!("{:.1}", tall * (high - low) / most)) {
-                            title { (name) ", " (label) ": " (short_number(high - low)) }
+                            title { (name) (comma()) (label) (colon()) (short_number(high - low)) }
                         }
                     }
                     text.tick.middle x=(format!("{:.1}", left + 0.5 * step)) y=(HEIGHT - 8.0) { (label) }

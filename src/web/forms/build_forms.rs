@@ -121,7 +121,7 @@ pub(crate) async fn second_files(web: &DashboardState, build: &BuildRow) -> Hand
     Ok(html! {
         @if !second.is_empty() {
             div.failed role="alert" {
-                p { (say!("second-file", files = second.join(", "))) }
+                p { (say!("second-file", files = language::join_names(second))) }
                 @if web.orders { (act_form(web, build.id, "seen", &say!("second-file-unprinted"))) }
             }
         }
@@ -135,7 +135,7 @@ pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
             @let number = html! { a href=(format!("/builds/{}", build.id)) { (build.id) } };
             p { @match build.reason.is_empty() {
                 true => (phrase!("print-failed", build = number, machine = &build.machine)),
-                false => (phrase!("print-failed-why", build = number, machine = &build.machine, why = &build.reason)),
+                false => (phrase!("print-failed-why", build = number, machine = &build.machine, why = language::told(&build.reason))),
             } }
             @if web.orders { (act_form(web, build.id, "seen", &say!("seen-to"))) }
         }

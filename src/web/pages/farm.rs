@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use axum::{extract::State, response::Redirect};
 use jiff::{SignedDuration, Timestamp};
-use language::say;
+use language::{colon, say};
 use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
@@ -156,7 +156,7 @@ pub(super) fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
                     Some(done) => (phrase!("due-done", due = due_of(&due, view), done = time_of(done, view))),
                     None => (phrase!("due-on", due = due_of(&due, view))),
                 }
-                span.why { ": " (risk.reason) } "." }
+                span.why { (colon()) (risk.reason) } (say!("sign-stop")) }
         } }
     }
 }

@@ -200,7 +200,7 @@ fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, plans: &[MachinePl
         "" => say!("the-newest-first"),
         sort => say!("sorted-by", sort = sort),
     };
-    let caption = format!("{}, {order}", say!("count-builds", count = rows.len()));
+    let caption = language::join_names([say!("count-builds", count = rows.len()), order]);
     let told =
         |key: &str, row: &HistoryRow| (key == "state_word").then(|| CellValue::State(history_fact(row, plans).word));
     html! {

@@ -12,7 +12,7 @@ use jiff::{
     Timestamp, ToSpan,
     civil::{Date, date},
 };
-use language::say;
+use language::{colon, comma, say};
 use ledger::{BuildState, HistoryQuery, HistoryRow, LatePart};
 use maud::{Markup, html};
 use schemars::JsonSchema;
@@ -195,7 +195,7 @@ fn figures(report: &MonthResponse) -> Markup {
                 @if let Some(hours) = all.print_hours.and_then(|hours| fields::PRINT_HOURS.with_unit(hours)) { (figure(&hours, &say!("figure-machine-time"), None)) }
                 @if let Some(share) = all.yield_share.and_then(|share| fields::YIELD.with_unit(share)) { (figure(&share, &say!("figure-yield"), None)) }
                 (figure_link(&late.to_string(), &say!("figure-late-parts"), (late > 0).then_some(Tone::Wrong), "#late"))
-                (figure_link(&report.failed.len().to_string(), &say!("figure-failed"), (!report.failed.is_empty()).then_some(Tone::Wrong), "#failed"))
+                (figure_link(&report.failed.len().to_string(), &say!("figure-failed", count = report.failed.len()), (!report.failed.is_empty()).then_some(Tone::Wrong), "#failed"))
             }
         }
     }
@@ -208,10 +208,10 @@ fn failed_section(failed: &[HistoryRow], view: &TimeView) -> Markup {
         @if failed.is_empty() { p { (say!("none")) } }
         @else { ul { @for row in failed { li {
             (phrase!("link-on-machine", link = html! { a href=(format!("/builds/{}", row.build)) { (say!("build-number", build = row.build.to_string())) } }, machine = &row.machine)) " " (chip(&row.state.to_string()))
-            ", " (time_of(row.at, view))
-            @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { ", " (height) }
-            @if let Some(copies) = row.measures.copies { ", " (say!("count-copies", count = copies)) }
-            @if !row.result.reason.is_empty() { ": " (row.result.reason) }
+            (comma()) (time_of(row.at, view))
+            @if let Some(height) = fields::HEIGHT.with_unit(row.measures.height_mm) { (comma()) (height) }
+            @if let Some(copies) = row.measures.copies { (comma()) (say!("count-copies", count = copies)) }
+            @if !row.result.reason.is_empty() { (colon()) (language::told(&row.result.reason)) }
         } } } }
     }
 }
@@ -269,10 +269,10 @@ fn late_section(report: &MonthResponse, view: &TimeView) -> Markup {
                 @if order.is_empty() { (say!("without-order")) } @else { a href=(order_address(order)) { (order) } }
                 ul { @for part in parts { li {
                     (phrase!("link-on-machine", link = html! { a href=(format!("/parts/{}", part.part)) { (part.name) } }, machine = &part.machine))
-                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { ", " (phrase!("due-on", due = due_of(&due, view))) }
+                    @if let Some(due) = GivenDate::new(Some(part.due_at), &part.due_text) { (comma()) (phrase!("due-on", due = due_of(&due, view))) }
                     @match part.done_at {
-                        Some(at) if part.is_estimated => { ", " (phrase!("done-about-untold", time = time_of(at, view))) }
-                        Some(at) => { ", " (phrase!("done-at", time = time_of(at, view))) }
+                        Some(at) if part.is_estimated => { (comma()) (phrase!("done-about-untold", time = time_of(at, view))) }
+                        Some(at) => { (comma()) (phrase!("done-at", time = time_of(at, view))) }
                         None => { " " (chip(&part.state.to_string())) }
                     }
                 } } }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use axum::extract::{Path, State};
 use jiff::Timestamp;
-use language::say;
+use language::{colon, comma, say};
 use ledger::{
     BuildRow, BuildState, CommandKind, PartRow, PartState, QuestionKind, QuestionedPart, RETRY_PERIOD, RefusalCause,
 };
@@ -162,8 +162,8 @@ fn part_line(part: &PartRow, text: &str, buttons: &Markup) -> Markup {
     html! {
         div.part-line {
             p { a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) }
-                @if !part.terms.order_name.is_empty() { ", " (say!("order-of", order = &part.terms.order_name)) }
-                @if !text.is_empty() { ": " (prose_with_code(text)) } }
+                @if !part.terms.order_name.is_empty() { (comma()) (say!("order-of", order = &part.terms.order_name)) }
+                @if !text.is_empty() { (colon()) (prose_with_code(text)) } }
             div.buttons { (buttons) }
         }
     }
@@ -175,9 +175,10 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
     html! {
         @for part in own.iter().take(MAX_NAMED) {
             @let reason = part.refused.reason.lines().next().unwrap_or_default();
+            @let reason = RefusalCause::introduce(part.refused.refusal, reason);
             // What was found; what to do is on the page of the part.
-            @let found = reason.split_once(". ").map_or(reason.to_owned(), |(first, _)| format!("{first}."));
-            (part_line(part, &RefusalCause::introduce(part.refused.refusal, &found), &html! {
+            @let ends = reason.find(". ").map(|at| at + 1).into_iter().chain(reason.find('。').map(|at| at + '。'.len_utf8()));
+            (part_line(part, &reason[..ends.min().unwrap_or(reason.len())], &html! {
                 @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }

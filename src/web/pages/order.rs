@@ -7,7 +7,7 @@ use axum::{
     extract::{Path, State},
 };
 use jiff::Timestamp;
-use language::say;
+use language::{colon, say};
 use ledger::{
     EventRow, LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary, OrderedLine, UtcTimestamp,
 };
@@ -256,7 +256,7 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
             p { (say!("order-short-text")) }
         }
         @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() {
-            p.bad role="status" { b { (state_text(order.fact.word.word())) } ": " (order.fact.risk_reason) "." }
+            p.bad role="status" { b { (state_text(order.fact.word.word())) } (colon()) (order.fact.risk_reason) (say!("sign-stop")) }
         }
     }
 }

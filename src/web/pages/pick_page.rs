@@ -6,7 +6,7 @@ use axum::{
     Json,
     extract::{Path, State},
 };
-use language::say;
+use language::{colon, comma, say};
 use ledger::{BuildRow, BuildState};
 use maud::{Markup, html};
 
@@ -38,9 +38,9 @@ pub(crate) async fn show_pick_map(
     let CachedPickMap { copies, sheets, .. } = cached_map(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.machine) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (say!("count-copies", count = copies)) ", " (language::say_word("ledger", &build.state.to_string()))
+        p { (build.machine) (comma()) @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) (comma()) } (say!("count-copies", count = copies)) ", " (language::say_word("ledger", &build.state.to_string()))
             @if let Some(at) = build.times.published_at { " " (web.time_view().time_text(at)) }
-            @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
+            @if let Some(file) = &build.staged.file_name { (colon()) (file) } (say!("sign-stop")) }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
             p.warn { (say!("pick-forecast")) }
         }

@@ -186,7 +186,7 @@ fn file_facts(file: &Path, info: &BuildMetadata, cake: &CakeContents) -> Vec<She
             .with_unit(info.rules.clearance_mm)
             .map(|asked| fields::CLEARANCE.fact_of(say!("asked", clearance = asked))),
         fields::MACHINE.fact(shown(&info.heading.machine)),
-        fields::SEARCH.fact(search.into_iter().flatten().collect::<Vec<_>>().join(", ")),
+        fields::SEARCH.fact(language::join_names(search.into_iter().flatten())),
         fields::MADE.fact(shown(&info.heading.created)),
         fields::FILE.fact(build_file::escape_invisible(&name)),
     ];

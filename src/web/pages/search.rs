@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::State;
-use language::say;
+use language::{comma, say};
 use ledger::{NamedBuildRow, NamedPartRow};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -85,9 +85,9 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
 fn build_entry(build: &NamedBuildRow) -> Markup {
     html! {
         a href=(format!("/builds/{}", build.id)) { (say!("build-number", build = build.id.to_string())) } " "
-        span.soft { (build.machine) ", " (state_text(&build.state.to_string()))
-            @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { ", " (height) }
-            @if let Some(copies) = build.copies { ", " (say!("count-copies", count = copies)) } }
+        span.soft { (build.machine) (comma()) (state_text(&build.state.to_string()))
+            @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { (comma()) (height) }
+            @if let Some(copies) = build.copies { (comma()) (say!("count-copies", count = copies)) } }
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use language::unsaid_words;
+use ledger::RefusalCause;
+
 use super::*;
 
 impl TestDashboard {
@@ -77,18 +80,6 @@ fn texts_of(page: &str) -> Vec<String> {
     texts.iter().map(plain).collect()
 }
 
-/// The words of a text that no catalog said.
-fn unsaid_words(text: &str) -> Vec<String> {
-    let mut outside = String::new();
-    let mut depth = 0_i32;
-    for letter in text.chars() {
-        depth += i32::from(letter == '⟦') - i32::from(letter == '⟧');
-        outside.push(if depth == 0 && letter != '⟧' { letter } else { ' ' });
-    }
-    let words = outside.split(|letter: char| letter.is_whitespace() || ",;:()".contains(letter));
-    words.filter(|word| word.chars().any(char::is_alphabetic)).map(|word| word.trim_matches('.').to_owned()).collect()
-}
-
 /// What is no text of ours: names, units, formats, and durations such as `3h`.
 fn is_data(word: &str) -> bool {
     const DATA: &[&str] = &[
@@ -122,14 +113,67 @@ fn is_data(word: &str) -> bool {
         "Avery",
         "CSV",
         "JSON",
+        "STL",
     ];
     let is_hash = word.len() == 64 && word.bytes().all(|letter| letter.is_ascii_hexdigit());
     let is_span = word.ends_with(['d', 'h', 'm', 's']) && word[..word.len() - 1].bytes().all(|b| b.is_ascii_digit());
-    let is_name = word.contains(".stl") || word.contains(".3mf") || word.contains('@');
+    let is_name = [".stl", ".3mf", ".csv", ".toml", "bracketx4", "max_triangles", "@", "/srv/"]
+        .iter()
+        .any(|end| word.contains(end));
     DATA.contains(&word) || is_span || is_name || is_hash
 }
 
-/// A farm with all that makes pages speak: orders, due dates, a refused part, a paused machine, a failed print and alerts.
+/// Details of alerts, as the farm writes them; the tests of the farm see that it does.
+const DETAILS: [(&str, &str); 12] = [
+    ("refused", "2 files in /srv/error/cube"),
+    (
+        "incomplete",
+        "bracket.stl waits, because order.csv, which is hidden, so nestd does not read it: take away the dot at the start \
+                    of its name, or delete it; and 3 more",
+    ),
+    ("question", "part 2 (plate.stl): it is 0.40 x 0.30 x 0.20 mm, smaller than 1 mm"),
+    ("release-due", "build 7: 3 copies, 10.5 of 20 mm high, 12 % dense, about 5 h of printing"),
+    ("build-failed", "build 7 gave up after 3 attempts: nestd stopped each time"),
+    ("print-failed", "build 7; build 9; and 2 more"),
+    ("file-damaged", "part 2 (plate.stl), part 3 (bracket.stl) and 1 more"),
+    ("machine-gone", "1 part and 2 builds in work, and 1 line ordered by request"),
+    ("foreign-claims", "3 in its .claimed folder"),
+    ("stray", "plate.stl and 2 more in /srv/inbox"),
+    ("hot-folder-away", "the hot folder /srv/inbox/cube is unavailable: it is not there"),
+    ("queue-away", "the queue folder /srv/queue/cube is unavailable: Permission denied (os error 13)"),
+];
+
+/// Reasons of refusals, as parts have them.
+const REASONS: [(RefusalCause, &str); 5] = [
+    (
+        RefusalCause::Format,
+        "plate.stl: is not valid STL: only 3 of 12 triangles are in the file. Export it again from the CAD program, as \
+                            binary STL, 3MF, OBJ or PLY.",
+    ),
+    (
+        RefusalCause::NotClosed,
+        "plate.stl: the mesh is not closed (2 open edges, 1 edge of more than two triangles), so it is not known what \
+                               is inside. Repair it, or set mesh_errors = \"warn\" in the machine cube.",
+    ),
+    (
+        RefusalCause::Limit,
+        "plate.stl: it has too many triangles; at most 5 are allowed (limits.max_triangles). Make it smaller, or drop it in \
+                           several files; or raise limits.max_triangles in the configuration, reload nestd and drop the file again.",
+    ),
+    (
+        RefusalCause::Ticket,
+        "the ticket plate.toml cannot be read: copies = 0; it must be 1 to 10000. Its copies are not known, so it is not \
+                            printed: mend the ticket and drop both again.",
+    ),
+    (
+        RefusalCause::Duplicate,
+        "It is the same file as part 2, and this machine takes no file twice. Where more copies are meant, set \
+                               duplicates = \"warn\" in the profile cube, reload nestd and take it back.",
+    ),
+];
+
+/// A farm with all that makes pages speak: orders, due dates, refused parts, parts that wait for an answer, a build that failed, a failed
+/// print and alerts with details.
 async fn farm_in_trouble() -> TestDashboard {
     let dashboard = with_a_build_due("bracket.stl", Some("2026-01-01T00:00:00Z".parse().unwrap())).await;
     let asked = fixtures::asked(fixtures::new_part("b", 3), |terms| {
@@ -140,12 +184,22 @@ async fn farm_in_trouble() -> TestDashboard {
     let part = ledger::NewPartRow { name: "plate.stl".to_owned(), machine: "cube".to_owned(), ..asked };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 3)]).await.unwrap();
+    for (at, (cause, reason)) in REASONS.into_iter().enumerate() {
+        let part = ledger::NewPartRow {
+            name: "plate.stl".to_owned(),
+            machine: "cube".to_owned(),
+            ..fixtures::new_part(&format!("r{at}"), 1)
+        };
+        let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+        dashboard.ledger.refuse_claim(id, cause, reason).await.unwrap();
+    }
+    add_doubts_and_failures(&dashboard).await;
     let alerts: Vec<crate::farm::FarmAlert> = crate::farm::AlertKind::ALL
         .into_iter()
         .map(|kind| crate::farm::FarmAlert {
             kind,
             machine: "cube".to_owned(),
-            detail: String::new(),
+            detail: DETAILS.iter().find(|(of, _)| *of == word_of(kind)).map_or("", |(_, detail)| detail).to_owned(),
             since: jiff::Timestamp::now(),
         })
         .collect();
@@ -155,6 +209,41 @@ async fn farm_in_trouble() -> TestDashboard {
     dashboard
 }
 
+/// The word of a kind of alert.
+fn word_of(kind: crate::farm::AlertKind) -> String {
+    serde_json::to_value(kind).unwrap().as_str().unwrap().to_owned()
+}
+
+/// A part with warnings and questions, and a build that could not be made.
+async fn add_doubts_and_failures(dashboard: &TestDashboard) {
+    let warnings = [
+        "How many copies? Taken as 1 copy, because its name says \"bracketx4\", which is no clear number of copies from 1 to 10000. A ticket \
+         with `copies = N` says it.",
+        "It was taken without its order list: bracket.stl stands in none of the 3 rows of order.csv.",
+        "The mesh is not closed: 1 open edge.",
+    ];
+    let warnings = warnings.map(str::to_owned).to_vec();
+    let part = ledger::NewPartRow {
+        name: "bracket.stl".to_owned(),
+        machine: "cube".to_owned(),
+        warnings,
+        ..fixtures::new_part("w", 2)
+    };
+    let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    let question =
+        "it is 0.40 x 0.30 x 0.20 mm, smaller than 1 mm; it may be plate.stl (part 2) in another format".to_owned();
+    let facts = ledger::SolidFacts { question, ..fixtures::solid(0, 2) };
+    dashboard.ledger.accept_solids(id, &[facts]).await.unwrap();
+    let other =
+        ledger::NewPartRow { name: "plate.stl".to_owned(), machine: "cube".to_owned(), ..fixtures::new_part("f", 1) };
+    let id = dashboard.ledger.record_claim(&other).await.unwrap().id;
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
+    let build = dashboard.ledger.open_build("cube").await.unwrap().id;
+    dashboard.ledger.begin_nesting(build, "flush", &[(id, 0)]).await.unwrap();
+    dashboard.ledger.begin_attempt(build).await.unwrap();
+    dashboard.ledger.fail_build(build, "gave up after 3 attempts: nestd stopped each time").await.unwrap();
+}
+
 #[tokio::test]
 async fn all_that_pages_say_comes_from_the_catalogs() {
     let mut faults = BTreeSet::new();
@@ -162,6 +251,15 @@ async fn all_that_pages_say_comes_from_the_catalogs() {
         for page in PAGES.into_iter().filter(|page| *page != "/components").chain([
             "/orders/A-7",
             "/parts/2",
+            "/parts/3",
+            "/parts/4",
+            "/parts/5",
+            "/parts/6",
+            "/parts/7",
+            "/parts/8",
+            "/builds/2",
+            "/parts?state=refused",
+            "/parts?state=waiting",
             "/nothing",
             "/history?sort=height",
             "/builds/x",

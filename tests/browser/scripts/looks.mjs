@@ -34,6 +34,27 @@ export const checks = {
     return `the heaviest page without 3D is ${(most / 1000).toFixed(0)} kB`;
   },
 
+  async "the pages with most words fit a phone and are clean in German, French and Japanese"() {
+    const looks = ["farm", "order", "part", "refused", "breakOut", "history", "flush"].flatMap((name) => ["de", "fr", "ja"].map((locale) => ({ name, locale })));
+    const many = looks.length;
+    const look = async ({ name, locale }) => {
+      const page = await open(browser, base, PAGES[name], { width: 390, locale }), at = `${name} ${locale}`;
+      assert.equal(await page.getAttribute("html", "lang"), locale, at);
+      assert.deepEqual(await violations(page), [], at);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(wide <= 0, `${at} is ${wide} px too wide`);
+      // Words that do not fit into what hides its rest.
+      const cut = await page.$$eval("body *", (all) => all.filter((one) => one.checkVisibility() && one.clientWidth > 1 && !one.closest(".unseen") && one.textContent.trim() && one.scrollWidth > one.clientWidth + 1
+        && getComputedStyle(one).overflowX !== "visible" && !["auto", "scroll"].includes(getComputedStyle(one).overflowX)).map((one) => `${one.className}: ${one.textContent.trim().slice(0, 60)}`));
+      assert.deepEqual(cut, [], at);
+      clean(page);
+      await page.context().close();
+    };
+    const lane = async () => { for (let next = looks.shift(); next; next = looks.shift()) await look(next); };
+    await Promise.all([lane(), lane(), lane()]);
+    return `${many} pages`;
+  },
+
   async "the first screen of a phone shows the first machine, and the page of the farm is small on the wire"() {
     const page = await open(browser, base, PAGES.farm, { width: 390, hasTouch: true, isMobile: true });
     await page.locator("section.machine h2").first().waitFor();

@@ -97,10 +97,8 @@ pub(crate) fn read_binary(
     let mut warnings = Vec::new();
     if len > wanted {
         check_trailer(&mut file, wanted, len - wanted, (count, limits))?;
-        warnings.push(format!(
-            "{} ignored",
-            format_count(len - wanted, "byte after the last triangle is", "bytes after the last triangle are")
-        ));
+        let (one, several) = ("byte after the last triangle is ignored", "bytes after the last triangle are ignored");
+        warnings.push(format_count(len - wanted, one, several));
     }
     file.seek(SeekFrom::Start(STL_HEAD_BYTES))?;
     let mut surface = WeldedSurface::new("STL", unit, count as usize);

@@ -153,19 +153,17 @@ fn group_items(document: &ModelDocument, warnings: &mut Vec<String>) -> Result<V
         groups[at].places.push(item.reference.transform.translation);
     }
     if unprintable > 0 {
-        warnings.push(format!(
-            "{} as not printable and left out",
-            format_count(unprintable, "build item is marked", "build items are marked")
+        warnings.push(format_count(
+            unprintable,
+            "build item is marked as not printable and left out",
+            "build items are marked as not printable and left out",
         ));
     }
     if helpers > 0 {
-        warnings.push(format!(
-            "{}, not parts, and left out",
-            format_count(
-                helpers,
-                "build item is supports or another helper",
-                "build items are supports or other helpers"
-            )
+        warnings.push(format_count(
+            helpers,
+            "build item is supports or another helper, not parts, and left out",
+            "build items are supports or other helpers, not parts, and left out",
         ));
     }
     if groups.is_empty() {

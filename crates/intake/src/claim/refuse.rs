@@ -10,6 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use language::say;
 use thiserror::Error;
 
 use super::recover::{remove_claim_dir, ticket_file_name};
@@ -240,7 +241,9 @@ impl PendingRefusal<'_> {
         let name = display_name(self.name);
         let place = if order.is_empty() { name.clone() } else { format!("{order}/{name}") };
         let when = jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ");
-        format!("{name} was refused.\n\n{}\n\nFile: {place}\nWhen: {when}\n{}\n", reason.trim_end(), self.key)
+        let (refused, reason) = (say!("reason-refused", name = &name), language::told(reason.trim_end()));
+        let (file, when) = (say!("reason-file", place = place), say!("reason-when", time = when.to_string()));
+        format!("{refused}\n\n{reason}\n\n{file}\n{when}\n{}\n", self.key)
     }
 }
 

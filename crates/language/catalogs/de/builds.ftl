@@ -113,7 +113,11 @@ clearance-proved = { $clearance } an den Dreiecken nachgewiesen
 clearance-no-two = nachgewiesen: keine zwei sind sich nahe
 clearance-once-fired = wird nach dem Auslösen nachgewiesen
 clearance-asked = { $asked } verlangt, { $proved }
-evaluations = { $count } Bewertungen
+evaluations =
+    { $count ->
+        [one] { $count } Bewertung
+       *[other] { $count } Bewertungen
+    }
 cpu-secs = { $secs } s CPU-Zeit
 wall-secs = { $secs } s Laufzeit
 bytes-and-hash = { $bytes } Bytes, BLAKE3 { $hash }

@@ -374,3 +374,22 @@ turned-free = frei
 turned-upright = aufrecht
 turned-axis = achsparallel
 turned-fixed = fest
+
+## Signs between words
+
+sign-comma = ,{ " " }
+sign-semicolon = ;{ " " }
+sign-stop = .
+sign-colon = :{ " " }
+
+## The reason that lies beside a refused file
+
+cause-and-reason = { $cause } (Einzelheit auf Englisch: { $reason })
+reason-refused = { $name } wurde abgelehnt.
+reason-file = Datei: { $place }
+reason-when = Zeit: { $time }
+reason-part = Teil { $part } der Maschine { $machine }.
+reason-retry = Zurückholen: nestd retry { $part }
+
+# A build or a date with what is known of it.
+job-described = { $name }: { $what }.

@@ -10,7 +10,11 @@ reading-files =
     } ein
 collecting-copies = sammelt { $copies } Stück
 print-times-set = { $per_mm } h je mm und { $hours } h, wie eingestellt
-print-times-learned = { $per_mm } h je mm und { $hours } h, aus { $prints } Drucken
+print-times-learned =
+    { $per_mm } h je mm und { $hours } h, aus { $prints ->
+        [one] { $prints } Druck
+       *[other] { $prints } Drucken
+    }
 printer-free-from = frei ab { $time }
 printer-never-open = laut seinem Kalender nie wieder offen
 printer-ended = Baujob { $build } müsste seit etwa { $until } fertig sein: niemand hat das Ergebnis gemeldet
@@ -72,7 +76,11 @@ plan-unplanned =
        *[other] { $parts } Teile können noch in keinen Baujob: sie sind nicht eingelesen, warten auf eine Antwort, oder ihre Datei fehlt.
     }
 plan-heights-usual = Höhen mit „etwa“ sind nach der üblichen Packdichte geschätzt.
-plan-heights-learned = Höhen mit „etwa“ sind nach den letzten { $builds } Baujobs geschätzt.
+plan-heights-learned =
+    Höhen mit „etwa“ sind nach { $builds ->
+        [one] dem letzten Baujob
+       *[other] den letzten { $builds } Baujobs
+    } geschätzt.
 count-machines =
     { $count ->
         [one] { $count } Maschine
@@ -110,3 +118,10 @@ cause-failure = nestd konnte es nicht verarbeiten
 cause-cancelled = jemand hat es storniert
 cause-replaced = eine neuere Fassung hat seinen Platz eingenommen
 cause-other = abgelehnt
+
+## Alerts
+
+alert-alone = { $headline }.
+alert-detailed = { $headline }: { $detail }.
+alert-quoted = { $headline }. Meldung des Programms auf Englisch: { $detail }.
+alert-of = { $machine }: { $what }

@@ -6,8 +6,16 @@ figure-wait =
         [one] Stück wartet
        *[other] Stück warten
     }
-figure-late = Termine verspätet
-figure-tight = Termine knapp
+figure-late =
+    { $count ->
+        [one] Termin verspätet
+       *[other] Termine verspätet
+    }
+figure-tight =
+    { $count ->
+        [one] Termin knapp
+       *[other] Termine knapp
+    }
 risks = Verspätet oder gefährdet
 more-dates =
     { $count ->

@@ -22,7 +22,11 @@ add-files-to = Dateien zu { $machine } hinzufügen
 add-files-text = Die Dateien kommen in den Eingangsordner von { $machine }, mit den Angaben von hier, als wären sie dorthin kopiert worden. Was sich nicht drucken lässt, wird dort abgelehnt, mit dem Grund.
 no-orders-from-pages = Diese Farm nimmt keine Befehle von Seiten an; Dateien in den Eingangsordner { $folder } legen.
 others-add-files = andere fügen gerade Dateien hinzu: gleich noch einmal versuchen
-form-takes-files = ein Formular nimmt höchstens { $files } Dateien
+form-takes-files =
+    ein Formular nimmt höchstens { $files ->
+        [one] { $files } Datei
+       *[other] { $files } Dateien
+    }
 no-file-chosen = keine Datei gewählt
 files-were-added = Dateien hinzugefügt
 file-is-there = { $file } ist im Eingangsordner von { $machine }.

@@ -9,7 +9,11 @@ until = Bis
 sorted-by-what = Sortiert nach
 newest-first = neueste zuerst
 show = Anzeigen
-days = { $days } Tage
+days =
+    { $days ->
+        [one] { $days } Tag
+       *[other] { $days } Tage
+    }
 published-in-time = Was in dieser Zeit ausgegeben wurde
 heights = Höhen
 the-newest-first = die neuesten zuerst
@@ -32,12 +36,18 @@ figure-builds =
         [one] Baujob
        *[other] Baujobs
     }
-figure-copies-made = Stück
+figure-copies-made =
+    { $count ->
+       *[other] Stück
+    }
 figure-of-parts = Teile
 figure-machine-time = Maschinenzeit
 figure-yield = Ausbeute
 figure-late-parts = verspätet
-figure-failed = fehlgeschlagen
+figure-failed =
+    { $count ->
+       *[other] fehlgeschlagen
+    }
 none = Keine.
 link-on-machine = { $link } auf { $machine }
 month-caption = In diesem Monat ausgegeben; klein zum Vergleich: { $before }

@@ -121,7 +121,11 @@ clearance-proved = { $clearance } proved on the triangles
 clearance-no-two = proved: no two are near
 clearance-once-fired = proved once it is fired
 clearance-asked = { $asked } asked, { $proved }
-evaluations = { $count } evaluations
+evaluations =
+    { $count ->
+        [one] { $count } evaluation
+       *[other] { $count } evaluations
+    }
 cpu-secs = { $secs } CPU s
 wall-secs = { $secs } wall s
 bytes-and-hash = { $bytes } bytes, BLAKE3 { $hash }

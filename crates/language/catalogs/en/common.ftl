@@ -378,3 +378,22 @@ turned-free = free
 turned-upright = upright
 turned-axis = axis
 turned-fixed = fixed
+
+## Signs between words
+
+sign-comma = ,{ " " }
+sign-semicolon = ;{ " " }
+sign-stop = .
+sign-colon = :{ " " }
+
+## The reason that lies beside a refused file
+
+cause-and-reason = { $cause }: { $reason }
+reason-refused = { $name } was refused.
+reason-file = File: { $place }
+reason-when = When: { $time }
+reason-part = Part { $part } of the machine { $machine }.
+reason-retry = To take it back: nestd retry { $part }
+
+# A build or a date with what is known of it.
+job-described = { $name }: { $what }.

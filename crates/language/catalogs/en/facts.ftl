@@ -22,7 +22,11 @@ collecting-copies =
        *[other] { $copies } copies
     }
 print-times-set = { $per_mm } h per mm and { $hours } h, as set
-print-times-learned = { $per_mm } h per mm and { $hours } h, from { $prints } prints
+print-times-learned =
+    { $per_mm } h per mm and { $hours } h, from { $prints ->
+        [one] { $prints } print
+       *[other] { $prints } prints
+    }
 printer-free-from = free from { $time }
 printer-never-open = its calendar is not open again
 printer-ended = build { $build } should be done since about { $until }: nobody told how it printed
@@ -92,7 +96,11 @@ plan-unplanned =
        *[other] { $parts } parts can be in no build yet: they are not read, wait for an answer, or lack their file.
     }
 plan-heights-usual = Heights marked 'about' go by the usual density.
-plan-heights-learned = Heights marked 'about' go by the last { $builds } builds.
+plan-heights-learned =
+    Heights marked 'about' go by the last { $builds ->
+        [one] build
+       *[other] { $builds } builds
+    }.
 count-machines =
     { $count ->
         [one] { $count } machine
@@ -130,3 +138,10 @@ cause-failure = nestd could not process it
 cause-cancelled = somebody cancelled it
 cause-replaced = a newer revision took its place
 cause-other = refused
+
+## Alerts
+
+alert-alone = { $headline }.
+alert-detailed = { $headline }: { $detail }.
+alert-quoted = { $headline }: { $detail }.
+alert-of = { $machine }: { $what }

@@ -6,8 +6,16 @@ figure-wait =
         [one] copy waits
        *[other] copies wait
     }
-figure-late = dates late
-figure-tight = dates tight
+figure-late =
+    { $count ->
+        [one] date late
+       *[other] dates late
+    }
+figure-tight =
+    { $count ->
+        [one] date tight
+       *[other] dates tight
+    }
 risks = Late, or at risk to be
 more-dates =
     { $count ->

@@ -22,7 +22,11 @@ add-files-to = Add files to { $machine }
 add-files-text = The files go into the hot folder of { $machine }, with what you say here, as if they were copied there. What cannot be printed is refused there, with the reason.
 no-orders-from-pages = This farm takes no orders from pages; put files into the hot folder { $folder }.
 others-add-files = others are adding files just now: try again in a moment
-form-takes-files = a form takes { $files } files at most
+form-takes-files =
+    a form takes { $files ->
+        [one] { $files } file
+       *[other] { $files } files
+    } at most
 no-file-chosen = no file was chosen
 files-were-added = Files were added
 file-is-there = { $file } is in the hot folder of { $machine }.

@@ -9,7 +9,11 @@ until = Until
 sorted-by-what = Sorted by
 newest-first = newest first
 show = Show
-days = { $days } days
+days =
+    { $days ->
+        [one] { $days } day
+       *[other] { $days } days
+    }
 published-in-time = What was published in that time
 heights = Heights
 the-newest-first = the newest first
@@ -32,12 +36,19 @@ figure-builds =
         [one] build
        *[other] builds
     }
-figure-copies-made = copies
+figure-copies-made =
+    { $count ->
+        [one] copy
+       *[other] copies
+    }
 figure-of-parts = of parts
 figure-machine-time = of machine time
 figure-yield = yield
 figure-late-parts = late
-figure-failed = failed
+figure-failed =
+    { $count ->
+       *[other] failed
+    }
 none = None.
 link-on-machine = { $link } on { $machine }
 month-caption = Published in this month; in small what it was in { $before }

@@ -91,7 +91,7 @@ found-builds = builds
 found-machines = machines
 found-parts = parts
 or-more = { $number } or more
-more-not-shown = { $link }: { $count } { $what } are not shown.
+more-not-shown = { $link }: { $what }, { $count } more.
 show-more = Show more
 closed-by =
     { $time } by { $by }, with { $accepted } of { $copies ->
@@ -139,3 +139,6 @@ note-rest-expected = the rest is expected { $day }
 note-all-made = all of it is in production
 note-rest-made = the rest is in production
 note-sorry = We are sorry: it was due { $day }.
+note-and-expected = { $how }, { $expected }
+note-and-refused = { $how }; { $refused }
+note-then-sorry = { $note } { $sorry }

@@ -121,7 +121,11 @@ clearance-proved = { $clearance } vérifié sur les triangles
 clearance-no-two = vérifié : aucun n’est proche d’un autre
 clearance-once-fired = vérifié après le départ
 clearance-asked = { $asked } demandé, { $proved }
-evaluations = { $count } évaluations
+evaluations =
+    { $count ->
+        [one] { $count } évaluation
+       *[other] { $count } évaluations
+    }
 cpu-secs = { $secs } s de CPU
 wall-secs = { $secs } s réelles
 bytes-and-hash = { $bytes } octets, BLAKE3 { $hash }

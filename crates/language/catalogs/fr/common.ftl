@@ -394,3 +394,22 @@ turned-free = libre
 turned-upright = debout
 turned-axis = angles droits
 turned-fixed = fixe
+
+## Signs between words
+
+sign-comma = ,{ " " }
+sign-semicolon = { " " };{ " " }
+sign-stop = .
+sign-colon = { " " }:{ " " }
+
+## The reason that lies beside a refused file
+
+cause-and-reason = { $cause } (détail en anglais : { $reason })
+reason-refused = { $name } a été refusé.
+reason-file = Fichier : { $place }
+reason-when = Date : { $time }
+reason-part = Pièce { $part } de la machine { $machine }.
+reason-retry = Pour la reprendre : nestd retry { $part }
+
+# A build or a date with what is known of it.
+job-described = { $name } : { $what }.

@@ -22,7 +22,11 @@ collecting-copies =
        *[other] { $copies } exemplaires
     }
 print-times-set = { $per_mm } h par mm et { $hours } h, d’après les réglages
-print-times-learned = { $per_mm } h par mm et { $hours } h, d’après { $prints } impressions
+print-times-learned =
+    { $per_mm } h par mm et { $hours } h, d’après { $prints ->
+        [one] { $prints } impression
+       *[other] { $prints } impressions
+    }
 printer-free-from = libre dès { $time }
 printer-never-open = son calendrier ne rouvre plus
 printer-ended = le plateau { $build } devrait être fini depuis { $until } environ : personne n’a signalé le résultat
@@ -92,7 +96,11 @@ plan-unplanned =
        *[other] { $parts } pièces ne peuvent encore aller dans aucun plateau : elles ne sont pas lues, attendent une réponse, ou leur fichier manque.
     }
 plan-heights-usual = Les hauteurs marquées « env. » suivent la densité habituelle.
-plan-heights-learned = Les hauteurs marquées « env. » suivent les { $builds } derniers plateaux.
+plan-heights-learned =
+    Les hauteurs marquées « env. » suivent { $builds ->
+        [one] le dernier plateau
+       *[other] les { $builds } derniers plateaux
+    }.
 count-machines =
     { $count ->
         [one] { $count } machine
@@ -130,3 +138,10 @@ cause-failure = nestd n’a pas pu le traiter
 cause-cancelled = quelqu’un l’a annulé
 cause-replaced = une révision plus récente l’a remplacé
 cause-other = refusé
+
+## Alerts
+
+alert-alone = { $headline }.
+alert-detailed = { $headline } : { $detail }.
+alert-quoted = { $headline }. Message du programme, en anglais : { $detail }.
+alert-of = { $machine } : { $what }

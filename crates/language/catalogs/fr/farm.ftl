@@ -6,8 +6,16 @@ figure-wait =
         [one] exemplaire en attente
        *[other] exemplaires en attente
     }
-figure-late = échéances en retard
-figure-tight = délais serrés
+figure-late =
+    { $count ->
+        [one] échéance en retard
+       *[other] échéances en retard
+    }
+figure-tight =
+    { $count ->
+        [one] délai serré
+       *[other] délais serrés
+    }
 risks = En retard, ou en risque de l’être
 more-dates =
     { $count ->

@@ -22,7 +22,11 @@ add-files-to = Ajouter des fichiers à { $machine }
 add-files-text = Les fichiers vont dans le dossier de dépôt de { $machine }, avec ce qui est indiqué ici, comme si on les y copiait. Ce qui ne peut pas être imprimé y est refusé, avec la raison.
 no-orders-from-pages = Ce parc ne prend pas d’ordres des pages ; mettre les fichiers dans le dossier de dépôt { $folder }.
 others-add-files = d’autres personnes ajoutent des fichiers en ce moment : réessayer dans un instant
-form-takes-files = un formulaire prend { $files } fichiers au plus
+form-takes-files =
+    un formulaire prend { $files ->
+        [one] { $files } fichier
+       *[other] { $files } fichiers
+    } au plus
 no-file-chosen = aucun fichier n’a été choisi
 files-were-added = Fichiers ajoutés
 file-is-there = { $file } est dans le dossier de dépôt de { $machine }.

@@ -9,7 +9,11 @@ until = Jusqu’au
 sorted-by-what = Trié par
 newest-first = les plus récents d’abord
 show = Afficher
-days = { $days } jours
+days =
+    { $days ->
+        [one] { $days } jour
+       *[other] { $days } jours
+    }
 published-in-time = Ce qui a été publié pendant cette période
 heights = Hauteurs
 the-newest-first = les plus récents d’abord
@@ -32,12 +36,20 @@ figure-builds =
         [one] plateau
        *[other] plateaux
     }
-figure-copies-made = exemplaires
+figure-copies-made =
+    { $count ->
+        [one] exemplaire
+       *[other] exemplaires
+    }
 figure-of-parts = de pièces
 figure-machine-time = de temps machine
 figure-yield = de rendement
 figure-late-parts = en retard
-figure-failed = échoués
+figure-failed =
+    { $count ->
+        [one] échoué
+       *[other] échoués
+    }
 none = Aucun.
 link-on-machine = { $link } sur { $machine }
 month-caption = Publié ce mois-ci ; en petit, la valeur pour { $before }

@@ -91,7 +91,7 @@ found-builds = plateaux
 found-machines = machines
 found-parts = pièces
 or-more = { $number } ou plus
-more-not-shown = { $link } : { $count } { $what } pas montrés.
+more-not-shown = { $link } : { $what }, { $count } de plus.
 show-more = Montrer plus
 closed-by =
     { $time } par { $by }, avec { $accepted ->
@@ -159,3 +159,6 @@ note-rest-expected = le reste est attendu pour le { $day }
 note-all-made = le tout est en production
 note-rest-made = le reste est en production
 note-sorry = Nous sommes désolés : elle était prévue pour le { $day }.
+note-and-expected = { $how }, { $expected }
+note-and-refused = { $how } ; { $refused }
+note-then-sorry = { $note } { $sorry }

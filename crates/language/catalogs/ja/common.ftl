@@ -326,3 +326,22 @@ turned-free = 自由
 turned-upright = 垂直軸まわりのみ
 turned-axis = 直角単位
 turned-fixed = ファイルのまま
+
+## Signs between words
+
+sign-comma = 、
+sign-semicolon = 。
+sign-stop = 。
+sign-colon = :{ " " }
+
+## The reason that lies beside a refused file
+
+cause-and-reason = { $cause }(詳細は英語: { $reason })
+reason-refused = { $name } は受付不可になりました。
+reason-file = ファイル: { $place }
+reason-when = 日時: { $time }
+reason-part = 装置 { $machine } のパーツ { $part }。
+reason-retry = 戻すには: nestd retry { $part }
+
+# A build or a date with what is known of it.
+job-described = { $name }: { $what }。

@@ -86,3 +86,10 @@ cause-failure = nestd が処理できなかった
 cause-cancelled = キャンセルされた
 cause-replaced = 新しい版に置き換えられた
 cause-other = 受付不可
+
+## Alerts
+
+alert-alone = { $headline }。
+alert-detailed = { $headline }。{ $detail }。
+alert-quoted = { $headline }。プログラムのメッセージ(英語): { $detail }。
+alert-of = { $machine }: { $what }

@@ -5,8 +5,14 @@ figure-wait =
     { $count ->
        *[other] 待機中の個数
     }
-figure-late = 遅れる納期
-figure-tight = 余裕のない納期
+figure-late =
+    { $count ->
+       *[other] 遅れる納期
+    }
+figure-tight =
+    { $count ->
+       *[other] 余裕のない納期
+    }
 risks = 遅れている、または遅れのおそれがあるもの
 more-dates = ほかの納期 { $count } 件
 due-done = 納期 { $due }、完了見込み { $done } ごろ

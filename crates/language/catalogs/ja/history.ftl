@@ -31,12 +31,18 @@ figure-builds =
     { $count ->
        *[other] ビルド
     }
-figure-copies-made = 個
+figure-copies-made =
+    { $count ->
+       *[other] 個
+    }
 figure-of-parts = パーツの体積
 figure-machine-time = 装置時間
 figure-yield = 歩留まり
 figure-late-parts = 遅れ
-figure-failed = 失敗
+figure-failed =
+    { $count ->
+       *[other] 失敗
+    }
 none = なし。
 link-on-machine = { $link }({ $machine })
 month-caption = この月に発行したもの。小さい字は{ $before }の値

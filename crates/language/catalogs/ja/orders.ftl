@@ -84,3 +84,6 @@ note-rest-expected = 残りの完成予定は{ $day }です
 note-all-made = 全数を製作中です
 note-rest-made = 残りを製作中です
 note-sorry = { $day }の納期に間に合わず、申し訳ございません。
+note-and-expected = { $how }。{ $expected }
+note-and-refused = { $how }。{ $refused }
+note-then-sorry = { $note }{ $sorry }

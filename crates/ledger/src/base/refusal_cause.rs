@@ -1,6 +1,6 @@
 //! Causes of refusals as an enum. Reasons are sentences for people and cannot be counted.
 
-use language::{Language, say};
+use language::say;
 use serde::{Deserialize, Serialize};
 
 use super::text_column::own_word;
@@ -58,11 +58,12 @@ impl RefusalCause {
         }
     }
 
-    /// A reason, which is English, with its cause before it in the language that is current.
+    /// A reason in the language that is current. One that the catalogs do not know is English, and has its cause before it.
     pub fn introduce(cause: Option<Self>, reason: &str) -> String {
-        match cause.filter(|_| language::current() != Language::English) {
-            Some(cause) => format!("{}: {reason}", cause.text()),
-            None => reason.to_owned(),
+        match (language::retold(reason), cause) {
+            (Some(told), _) => told,
+            (None, Some(cause)) => say!("cause-and-reason", cause = cause.text(), reason = reason),
+            (None, None) => reason.to_owned(),
         }
     }
 

@@ -1,9 +1,14 @@
-//! What a test looks at and does in the searches of a hand-driven farm.
+//! What a test looks at and does in the searches of a hand-driven farm, and in its settings.
 
 use super::{HandDrivenFarm, MACHINE, MOST_TICKS, STEP};
-use crate::farm::open_build::batch;
+use crate::{farm::open_build::batch, settings::Settings};
 
 impl HandDrivenFarm {
+    /// Its settings, to change what no file of settings can say.
+    pub fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.farm.as_mut().unwrap().settings
+    }
+
     /// Looks whether the open build fires, as a tick does after its look at the clock.
     pub fn look_at_open_build(&mut self) {
         self.runtime.block_on(batch::update_open_build(&mut self.farm.as_mut().unwrap().desk(), MACHINE)).unwrap();

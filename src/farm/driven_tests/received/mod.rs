@@ -5,6 +5,7 @@ pub(super) mod languages;
 pub(super) mod late;
 pub(super) mod lists;
 pub(super) mod orders;
+pub(super) mod spoken;
 pub(super) mod tickets;
 pub(super) mod unfinished;
 pub(super) mod units;

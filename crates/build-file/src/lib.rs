@@ -41,3 +41,4 @@ pub use common::visible_text::{csv_cell, escape_invisible, escape_invisible_line
 pub use read::file_end::{has_end, may_be_part, may_grow};
 pub use read::part_read::read_part_file;
 pub use stl::stl_write::write_stl;
+pub use threemf::package::declared_entries;

@@ -31,6 +31,7 @@ pub use claim::refuse::{RefuseError, copy_to_error_folder, refuse_claim, refuse_
 pub use claim::scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inbox};
 pub use claim::settle::{SettleRules, SettleTracker};
 pub use claim::settled_entry::SettledEntry;
+pub use claim::unpack::{UnpackOutcome, is_order_archive, unpack_archive};
 pub use folder::claim_folder::{claim_dir, claim_id};
 pub use folder::claim_notes::StoredContent;
 pub use folder::claimed_part::{ClaimError, ClaimedPart};

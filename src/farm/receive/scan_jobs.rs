@@ -25,6 +25,7 @@ use crate::farm::{
         arriving_lines::ArrivingLines,
         hot_folder_scan::{ClaimedDrop, HotFolderScan, RefusedFile},
         hot_folder_scanner::HotFolderScanner,
+        ready_files::unpack_archives,
     },
 };
 
@@ -107,14 +108,18 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings));
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
         let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
+        let limits = desk.shared.settings.limits.clone();
         let carried = CarriedScanner { machine: name.clone(), scanner };
         let language = desk.shared.settings.language;
         desk.jobs.start_with(HotFolderScanJob { machine: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
             let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
             // What it refuses gets its reason beside it.
-            let mut scan = language
-                .within(|| scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part));
+            let mut scan = language.within(|| {
+                let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
+                unpack_archives(&profile, &limits, &mut scan);
+                scan
+            });
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
             if status.1.is_empty() || scan.unavailable.is_some() || leases.inbox.check_usable().is_err() {
                 return scan;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use intake::{ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError};
+use intake::{ClaimedPart, ControlFile, InboxEntry, LateTicket, PartSpec, StoredFile, TicketError};
 use ledger::{NewPartRow, RefusalCause};
 
 use crate::farm::{AlertKind, alerts::alert_registry::AlertRegistry};
@@ -61,6 +61,8 @@ pub struct HotFolderScan {
     /// Tickets and rows of lists whose part is not in its folder. The farm looks for a part that was taken before, and
     /// finishes them; those that it leaves are offered again at the next scan.
     pub late_tickets: Vec<LateTicket>,
+    /// Archives that hold an order, to be unpacked.
+    pub(super) archives: Vec<InboxEntry>,
     /// Control files, the oldest first. The farm obeys and removes them; those that it leaves are offered again at the next
     /// scan.
     pub controls: Vec<ControlFile>,

@@ -1,12 +1,15 @@
-//! What becomes of each settled file of a hot folder: a part is claimed, a list is finished, what is refused goes to the
-//! error folder, and late tickets and control files are offered to the farm.
+//! What becomes of each settled file of a hot folder: a part is claimed, an archive is unpacked, a list is finished, what is refused
+//! goes to the error folder, and late tickets and control files are offered to the farm.
 
 use std::collections::HashSet;
 
+use build_file::ReadLimits;
 use intake::{
     ClaimedPart, ControlFile, EntryKind, InboxEntry, LateTicket, ListOutcome, OrderListTracker, SettledEntry,
+    UnpackOutcome,
 };
 use ledger::RefusalCause;
+use tracing::info;
 
 use super::hot_folder_scan::{HotFolderScan, RefusedFile, file_display_name};
 use crate::{
@@ -39,6 +42,11 @@ impl ReadyFiles<'_> {
         received: &mut HotFolderScan,
     ) -> Option<ClaimedPart> {
         match ready {
+            SettledEntry::Part { part, tickets, list: None, unfinished: false, .. }
+                if tickets.is_empty() && intake::is_order_archive(self.hold.folder_path(), &part.path) =>
+            {
+                received.archives.push(part.clone());
+            }
             SettledEntry::Part { .. } => {
                 match intake::claim_for_farm(self.hold.folder_path(), ready, self.hold.farm_id()) {
                     Ok(claim) => {
@@ -124,13 +132,42 @@ impl ReadyFiles<'_> {
     }
 
     fn refuse_file(&self, seen: &InboxEntry, cause: RefusalCause, reason: &str, received: &mut HotFolderScan) {
-        match intake::refuse_entry(self.hold.folder_path(), seen, &self.profile.folders.error, reason) {
-            Ok(_) => received.refused.push(RefusedFile {
-                name: file_display_name(&seen.path),
-                cause,
-                reason: reason.to_owned(),
-            }),
-            Err(error) => received.warnings.push(error_chain(&error)),
+        refuse_file(self.profile, seen, cause, reason, received);
+    }
+}
+
+fn refuse_file(
+    profile: &MachineProfile,
+    seen: &InboxEntry,
+    cause: RefusalCause,
+    reason: &str,
+    received: &mut HotFolderScan,
+) {
+    match intake::refuse_entry(&profile.folders.inbox, seen, &profile.folders.error, reason) {
+        Ok(_) => received.refused.push(RefusedFile {
+            name: file_display_name(&seen.path),
+            cause,
+            reason: reason.to_owned(),
+        }),
+        Err(error) => received.warnings.push(error_chain(&error)),
+    }
+}
+
+/// Unpacks the order archives that a scan has found. The next scan sees what was in them.
+pub(crate) fn unpack_archives(profile: &MachineProfile, limits: &ReadLimits, scan: &mut HotFolderScan) {
+    for archive in std::mem::take(&mut scan.archives) {
+        match intake::unpack_archive(&profile.folders.inbox, &archive, limits) {
+            Ok(UnpackOutcome::Unpacked(folder)) => {
+                info!(machine = %profile.name, "{} is unpacked: {}.", file_display_name(&archive.path), folder.display());
+                scan.next_secs = Some(0.0);
+            }
+            Ok(UnpackOutcome::Refused(reason)) if scan.may_refuse => {
+                refuse_file(profile, &archive, RefusalCause::Format, &reason, scan);
+            }
+            // What is still being written to, or was taken away, is for the next scan.
+            Ok(UnpackOutcome::Refused(_))
+            | Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+            Err(error) => scan.warnings.push(error_chain(&error)),
         }
     }
 }

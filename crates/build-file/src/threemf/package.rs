@@ -50,7 +50,7 @@ impl PackageReader {
                 key: "max_bytes",
             });
         }
-        let claimed = claimed_entries(&mut opened, len)?
+        let claimed = declared_entries(&mut opened, len)?
             .ok_or_else(|| FileReadError::Truncated("the end of the ZIP package is missing".to_owned()))?;
         if claimed > limits.max_entries {
             return Err(FileReadError::TooLarge {
@@ -186,8 +186,11 @@ fn relationship_targets(xml: &mut EntryXmlReader<'_>) -> Result<Vec<String>, Fil
     }
 }
 
-/// The number of entries that the end record declares; `None` without an end record.
-pub(super) fn claimed_entries(file: &mut File, len: u64) -> io::Result<Option<u64>> {
+/// The number of entries that the end record of a ZIP package of `len` bytes declares; `None` without an end record.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn declared_entries(file: &mut File, len: u64) -> io::Result<Option<u64>> {
     let tail_len = len.min(MAX_END + 20);
     file.seek(SeekFrom::Start(len - tail_len))?;
     let mut tail = Vec::new();

@@ -175,7 +175,7 @@ fn gone_or_io_error(error: io::Error, what: &'static str, seen: &InboxEntry) -> 
 }
 
 /// Whether the renamed file is the one that had settled. The rename itself changes the ctime.
-fn is_same_file(seen: &InboxEntry, now_at: &Path) -> bool {
+pub(super) fn is_same_file(seen: &InboxEntry, now_at: &Path) -> bool {
     fs::symlink_metadata(now_at).is_ok_and(|meta| {
         meta.is_file()
             && (meta.len(), meta.ino(), meta.dev()) == (seen.size, seen.inode, seen.dev)

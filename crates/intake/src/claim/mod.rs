@@ -13,3 +13,4 @@ pub(super) mod refuse;
 pub(super) mod scan;
 pub(super) mod settle;
 pub(super) mod settled_entry;
+pub(super) mod unpack;

@@ -7,7 +7,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::given_back;
+use super::{
+    given_back,
+    unpack::{UNPACK_PREFIX, finish_unpacked},
+};
 use crate::{
     ClaimError, ClaimedPart, ListLookup,
     folder::{
@@ -104,6 +107,8 @@ fn recover_claim(inbox: &Path, dir: &Path) -> io::Result<Option<ClaimedPart>> {
         give_back_files(inbox, dir)?;
     } else if starts(REMOVED_PREFIX) {
         fs::remove_dir_all(dir)?;
+    } else if starts(UNPACK_PREFIX) {
+        finish_unpacked(inbox, dir)?;
     } else if let (false, Some(id)) = (starts("."), name.to_str()) {
         match ClaimedPart::load_from_folder(inbox, id)? {
             Some(claim) => return Ok(Some(claim)),

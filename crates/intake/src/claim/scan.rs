@@ -230,7 +230,7 @@ impl InboxWalker<'_> {
 }
 
 /// Whether a folder of this name is no order, but stands in the place of a part, a ticket or a list.
-fn is_file_name(name: &OsStr) -> bool {
+pub(super) fn is_file_name(name: &OsStr) -> bool {
     is_part_name(name) || file_role(name.as_ref()) != FileRole::Part || list_format(name.as_ref()).is_some()
 }
 

@@ -1,8 +1,12 @@
 //! Order lists as people make them.
 
-use std::fs;
+use std::{
+    fs,
+    io::{Cursor, Write},
+};
 
 use ledger::PartState;
+use zip::{ZipWriter, write::SimpleFileOptions};
 
 use crate::support::{QUICK, TestFarm, block, stl, wait_until};
 
@@ -47,4 +51,40 @@ fn a_part_that_its_list_does_not_name_waits_is_reported_and_is_refused_with_a_re
     farm.drop_bytes("order-9/new.stl", &stl(&block(12.0, 10.0, 10.0)));
     farm.drop_bytes("order-9/order.csv", b"new.stl;5\n");
     assert_eq!(copies(&farm, 2), [("a.stl".to_owned(), 2), ("new.stl".to_owned(), 5)]);
+}
+
+fn packed(entries: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in entries {
+        archive.start_file(*name, SimpleFileOptions::default()).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+#[test]
+fn an_archive_is_the_order_that_was_packed_and_one_that_cannot_be_unpacked_is_refused() {
+    let farm = farm(4.0);
+    let (a, b) = (stl(&block(10.0, 10.0, 10.0)), stl(&block(12.0, 10.0, 10.0)));
+    let order = packed(&[
+        ("Auftrag/liste.csv", b"Datei;Anzahl\na.stl;4\n"),
+        ("Auftrag/a.stl", &a),
+        ("__MACOSX/Auftrag/._a.stl", b"x"),
+    ]);
+    farm.drop_bytes("K-7.zip", &order);
+    farm.drop_bytes("K-8.zip", &order[..order.len() / 2]);
+    farm.drop_bytes("K-9.zip", &packed(&[("a.stl", &a), ("../../b.stl", &b)]));
+    assert_eq!(copies(&farm, 1), [("a.stl".to_owned(), 4)]);
+    let orders: Vec<_> = farm.parts(PartState::Waiting).into_iter().map(|part| part.order).collect();
+    assert_eq!(orders, ["K-7"]);
+    let refused = |name: &str, why: &str| {
+        let reason = farm.folder("error").join(format!("{name}.reason.txt"));
+        wait_until(name, 15.0, || reason.exists());
+        let text = fs::read_to_string(reason).unwrap();
+        assert!(text.contains(why), "{text}");
+        assert!(farm.folder("error").join(name).exists());
+    };
+    refused("K-8.zip", "truncated");
+    refused("K-9.zip", "a file outside of it");
+    assert!(!farm.folder("inbox").join("K-7.zip").exists());
 }

@@ -22,7 +22,9 @@ mod test_inbox;
 mod tests;
 
 pub use claim::adopt::{adopt_claims, foreign_claims, rename_claims, taken_over_claims, unreleased_claims};
-pub use claim::archive::{KEPT_BUILDS, archive_file, purge_archive, purge_kept_builds};
+pub use claim::archive::{
+    KEPT_BUILDS, archive_file, archive_material_library, is_material_library, purge_archive, purge_kept_builds,
+};
 pub use claim::claim::{ReleaseOutcome, claim_for_farm, claim_part, give_back_claim, release_claim};
 pub use claim::dropped::{open_dropped_file, read_reason};
 pub use claim::late_writing::LateWriting;

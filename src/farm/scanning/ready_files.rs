@@ -47,6 +47,14 @@ impl ReadyFiles<'_> {
             {
                 received.archives.push(part.clone());
             }
+            SettledEntry::Part { part, .. } if intake::is_material_library(&part.path) => {
+                let archive = &self.profile.folders.archive;
+                if received.may_refuse
+                    && let Err(error) = intake::archive_material_library(self.hold.folder_path(), part, archive)
+                {
+                    received.warnings.push(error_chain(&error));
+                }
+            }
             SettledEntry::Part { .. } => {
                 match intake::claim_for_farm(self.hold.folder_path(), ready, self.hold.farm_id()) {
                     Ok(claim) => {

@@ -6,8 +6,10 @@ use std::{
     time::SystemTime,
 };
 
+use super::refuse::io_error;
 use crate::{
-    folder::disk,
+    InboxEntry, RefuseError,
+    folder::{disk, file_role::has_extension},
     names::name::{numbered_name, raw_name},
 };
 
@@ -36,6 +38,37 @@ pub fn archive_file(stored: &Path, archive_dir: &Path, build_stem: &str, display
         }
     }
     Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Moves an entry of a hot folder to `archive_dir/<kind>/[order/]`, under a free name.
+pub(crate) fn archive_entry(
+    inbox: &Path,
+    seen: &InboxEntry,
+    archive_dir: &Path,
+    kind: &str,
+) -> Result<PathBuf, RefuseError> {
+    let folder = seen.path.parent().and_then(|p| p.strip_prefix(inbox).ok()).unwrap_or(Path::new(""));
+    let folder = archive_dir.join(kind).join(folder);
+    disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
+    let name = seen.path.file_name().unwrap_or_default();
+    disk::move_to_free_name(&seen.path, &folder, name).map_err(|e| io_error("move to the archive", &seen.path, e))
+}
+
+/// Whether a file tells the colours of an OBJ: nobody orders it, and nothing of it is needed.
+pub fn is_material_library(path: &Path) -> bool {
+    has_extension(path, &["mtl"])
+}
+
+/// Moves the file that tells the colours of an OBJ to the archive.
+///
+/// # Errors
+/// It stays where it is.
+pub fn archive_material_library(
+    inbox: &Path,
+    seen: &InboxEntry,
+    archive_dir: &Path,
+) -> Result<PathBuf, RefuseError> {
+    archive_entry(inbox, seen, archive_dir, "material-libraries")
 }
 
 /// Checks that a name is a single path component.

@@ -9,10 +9,12 @@ use std::{
 
 use super::list_tracker::ListProgress;
 use crate::{
-    InboxEntry, OrderListTracker, RefuseError, SettledEntry,
-    claim::refuse::{io_error, refuse_entry},
+    OrderListTracker, RefuseError, SettledEntry,
+    claim::{
+        archive::archive_entry,
+        refuse::{io_error, refuse_entry},
+    },
     display_name,
-    folder::disk,
     lists::{
         order_list::{OrderList, OrderListRow},
         served_rows::ServedRows,
@@ -55,7 +57,7 @@ pub fn finish_order_list(
     let dir = marks.dir.clone();
     let end = match verdict {
         ListDecision::Wait => return Ok(ListOutcome::Awaited),
-        ListDecision::Served => ListOutcome::Archived(archive_list(inbox, list, archive_dir)?),
+        ListDecision::Served => ListOutcome::Archived(archive_entry(inbox, list, archive_dir, ARCHIVE_DIR)?),
         ListDecision::Refuse(reason) => {
             refuse_entry(inbox, list, error_dir, &reason)?;
             ListOutcome::Refused(reason)
@@ -115,14 +117,6 @@ fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, i
             ))
         }
     }
-}
-
-fn archive_list(inbox: &Path, list: &InboxEntry, archive_dir: &Path) -> Result<PathBuf, RefuseError> {
-    let folder = list.path.parent().and_then(|p| p.strip_prefix(inbox).ok()).unwrap_or(Path::new(""));
-    let folder = archive_dir.join(ARCHIVE_DIR).join(folder);
-    disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
-    let name = list.path.file_name().unwrap_or_default();
-    disk::move_to_free_name(&list.path, &folder, name).map_err(|e| io_error("move to the archive", &list.path, e))
 }
 
 #[cfg(test)]

@@ -69,6 +69,7 @@ fn an_archive_is_the_order_that_was_packed_and_one_that_cannot_be_unpacked_is_re
     let order = packed(&[
         ("Auftrag/liste.csv", b"Datei;Anzahl\na.stl;4\n"),
         ("Auftrag/a.stl", &a),
+        ("Auftrag/a.mtl", b"newmtl red\n"),
         ("__MACOSX/Auftrag/._a.stl", b"x"),
     ]);
     farm.drop_bytes("K-7.zip", &order);
@@ -87,4 +88,7 @@ fn an_archive_is_the_order_that_was_packed_and_one_that_cannot_be_unpacked_is_re
     refused("K-8.zip", "truncated");
     refused("K-9.zip", "a file outside of it");
     assert!(!farm.folder("inbox").join("K-7.zip").exists());
+    let colours = farm.folder("archive").join("material-libraries/K-7/a.mtl");
+    wait_until("colours are put aside", 15.0, || colours.exists());
+    assert!(!farm.folder("error").join("K-7").exists());
 }

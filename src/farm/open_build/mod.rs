@@ -1,5 +1,5 @@
-//! Waiting parts are kept nested in an open build (`batch`), lowered while threads are idle (`night_search`), fired, searched and written
-//! (`nest`). Each of the three begins searches with a policy of its own, and takes in what they find; `searches` starts all of them.
+//! Waiting parts are kept nested in an open build and fired (`batch`), lowered while threads are idle (`night_search`), and once fired
+//! searched and written (`nest`). Each of the three begins searches with a policy of its own, and takes in what they find; `searches` starts all of them.
 
 pub(super) mod batch;
 pub(super) mod due_dates;

@@ -6,6 +6,7 @@ use jobs::BackgroundJob;
 use ledger::{BuildId, BuildRow, BuildState, PartState};
 use tracing::{info, warn};
 
+use super::staged_build::{PublishStep, QueueReplacedError, StagedBuild, check_record_of_away};
 use crate::{
     farm::{
         alerts::alert::AlertKind,
@@ -14,10 +15,7 @@ use crate::{
         planning::awaits_release,
         printers::{printers, queues},
         receive::forget,
-        records::{
-            forgettable::Forgettable,
-            staged_build::{PublishStep, QueueReplacedError, StagedBuild, check_record_of_away},
-        },
+        records::forgettable::Forgettable,
         scanning::machine_fit::find_misfit,
     },
     queue::{PublishOutcome, QueueError},

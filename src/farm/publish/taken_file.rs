@@ -7,13 +7,11 @@ use anyhow::{Context, Result, bail};
 use ledger::{BuildRow, BuildState, FoundPlace, Ledger};
 use tokio::runtime::Handle;
 
+use super::staged_build::{has_hash, is_of_hash};
 use crate::{
     farm::{
         leases::folder_leases::FolderLeases,
-        records::{
-            build_record::note_withdrawn,
-            staged_build::{has_hash, is_of_hash},
-        },
+        records::build_record::note_withdrawn,
         scanning::queue_contents::{BuildFiles, SoughtFile, VisibleFile},
     },
     queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome},

@@ -1,7 +1,6 @@
 //! What the folders tell, compared with the ledger: records of builds, notes of claims and orders, markers.
 //!
-//! It writes and removes such records, and renames a proved build into its queue when `publish` says so (`staged_build`); `invariants`
-//! says what must hold.
+//! It writes and removes such records; `invariants` says what must hold.
 
 pub(super) mod build_record;
 pub(super) mod cake;
@@ -16,4 +15,3 @@ pub(super) mod newer_decisions;
 pub(super) mod order_notes;
 pub(super) mod reconcile;
 pub(super) mod reconcile_report;
-pub(super) mod staged_build;

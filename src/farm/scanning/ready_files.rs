@@ -152,11 +152,9 @@ fn refuse_file(
     received: &mut HotFolderScan,
 ) {
     match intake::refuse_entry(&profile.folders.inbox, seen, &profile.folders.error, reason) {
-        Ok(_) => received.refused.push(RefusedFile {
-            name: file_display_name(&seen.path),
-            cause,
-            reason: reason.to_owned(),
-        }),
+        Ok(_) => {
+            received.refused.push(RefusedFile { name: file_display_name(&seen.path), cause, reason: reason.to_owned() })
+        }
         Err(error) => received.warnings.push(error_chain(&error)),
     }
 }
@@ -173,8 +171,7 @@ pub(crate) fn unpack_archives(profile: &MachineProfile, limits: &ReadLimits, sca
                 refuse_file(profile, &archive, RefusalCause::Format, &reason, scan);
             }
             // What is still being written to, or was taken away, is for the next scan.
-            Ok(UnpackOutcome::Refused(_))
-            | Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+            Ok(UnpackOutcome::Refused(_)) | Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
             Err(error) => scan.warnings.push(error_chain(&error)),
         }
     }

@@ -63,11 +63,7 @@ pub fn is_material_library(path: &Path) -> bool {
 ///
 /// # Errors
 /// It stays where it is.
-pub fn archive_material_library(
-    inbox: &Path,
-    seen: &InboxEntry,
-    archive_dir: &Path,
-) -> Result<PathBuf, RefuseError> {
+pub fn archive_material_library(inbox: &Path, seen: &InboxEntry, archive_dir: &Path) -> Result<PathBuf, RefuseError> {
     archive_entry(inbox, seen, archive_dir, "material-libraries")
 }
 

@@ -82,7 +82,9 @@ impl From<ZipError> for UnpackError {
 pub fn is_order_archive(inbox: &Path, path: &Path) -> bool {
     has_extension(path, &["zip"])
         && open_archive(inbox, path).is_ok_and(|archive| {
-            archive.len() > 0 && archive.index_for_name("_rels/.rels").is_none() && !archive.file_names().any(is_camspec)
+            archive.len() > 0
+                && archive.index_for_name("_rels/.rels").is_none()
+                && !archive.file_names().any(is_camspec)
         })
 }
 
@@ -99,7 +101,9 @@ fn open_archive(inbox: &Path, path: &Path) -> Result<ZipArchive<BufReader<File>>
     let archive = ZipArchive::new(BufReader::new(file))?;
     // Of two entries with one name, this reader keeps one, and others the other.
     if declared != Some(archive.len() as u64) {
-        return Err(UnpackError::Refused("This archive names a file twice. Unpack it, and drop the folder.".to_owned()));
+        return Err(UnpackError::Refused(
+            "This archive names a file twice. Unpack it, and drop the folder.".to_owned(),
+        ));
     }
     Ok(archive)
 }
@@ -130,7 +134,9 @@ pub(super) fn unpack_stepwise(
         remove_if_there(&made).map_err(failed)?;
         return match error {
             UnpackError::Refused(reason) => Ok(UnpackOutcome::Refused(reason)),
-            UnpackError::Io(error) if error.kind() == io::ErrorKind::NotFound => Err(ClaimError::Gone(seen.path.clone())),
+            UnpackError::Io(error) if error.kind() == io::ErrorKind::NotFound => {
+                Err(ClaimError::Gone(seen.path.clone()))
+            }
             UnpackError::Io(error) => Err(failed(error)),
         };
     }
@@ -150,7 +156,10 @@ pub(super) fn unpack_stepwise(
         remove_if_there(&made).map_err(failed)?;
         return Err(ClaimError::Changed(seen.path.clone()));
     }
-    finish(inbox, &made, step).map_err(failed)?.map(UnpackOutcome::Unpacked).ok_or_else(|| ClaimError::Gone(seen.path.clone()))
+    finish(inbox, &made, step)
+        .map_err(failed)?
+        .map(UnpackOutcome::Unpacked)
+        .ok_or_else(|| ClaimError::Gone(seen.path.clone()))
 }
 
 /// Goes on with what a crash left of unpacking in `.claimed/`: an archive that was unpacked whole becomes its order folder, and what
@@ -278,7 +287,9 @@ fn paths_in_archive(
         }
     }
     if paths.is_empty() {
-        return Err(UnpackError::Refused("This archive has no file in it. Pack the parts into it, and drop it again.".into()));
+        return Err(UnpackError::Refused(
+            "This archive has no file in it. Pack the parts into it, and drop it again.".into(),
+        ));
     }
     let tops: BTreeSet<&OsStr> = paths.keys().filter_map(|path| path.iter().next()).collect();
     let is_one_folder = tops.len() == 1 && paths.keys().all(|path| path.iter().count() > 1);
@@ -295,7 +306,8 @@ fn path_of(entry: &ZipFile<'_, BufReader<File>>) -> Result<Option<PathBuf>, Unpa
     if bytes.is_ascii() && !bytes.contains(&b'/') {
         bytes.iter_mut().filter(|byte| **byte == b'\\').for_each(|byte| *byte = b'/');
     }
-    let is_strange = bytes.contains(&0) || bytes.starts_with(b"/") || bytes.split(|&byte| byte == b'/').any(|one| one == b"..");
+    let is_strange =
+        bytes.contains(&0) || bytes.starts_with(b"/") || bytes.split(|&byte| byte == b'/').any(|one| one == b"..");
     if is_strange || entry.is_symlink() {
         let what = if is_strange { "a file outside of it" } else { "a link" };
         let name = display_name(OsStr::from_bytes(&bytes));

@@ -105,7 +105,8 @@ fn the_order_folder_has_no_name_of_a_file_or_of_what_is_ignored() {
 
 #[test]
 fn packages_under_the_name_of_an_archive_are_parts_and_no_archives() {
-    for entries in [vec![("_rels/.rels", "<a/>"), ("3D/3dmodel.model", "<a/>")], vec![(".camspec.json", "{}")], vec![]] {
+    for entries in [vec![("_rels/.rels", "<a/>"), ("3D/3dmodel.model", "<a/>")], vec![(".camspec.json", "{}")], vec![]]
+    {
         let dropped = Dropped::new("a.zip", &packed(&entries));
         assert!(!is_order_archive(&dropped.farm.inbox, &dropped.path), "{entries:?}");
     }

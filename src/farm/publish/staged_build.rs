@@ -9,9 +9,11 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use ledger::{BuildRow, Ledger};
 
-use super::build_record;
 use crate::{
-    farm::leases::{folder_lease::LeaseError, folder_leases::FolderLeases},
+    farm::{
+        leases::{folder_lease::LeaseError, folder_leases::FolderLeases},
+        records::build_record,
+    },
     queue::{FileState, OpenQueue, PublishOutcome, QueueError},
 };
 

@@ -17,7 +17,7 @@ use super::{
 
 const FILE: &str = "benches/baseline.toml";
 /// Workloads, their evaluations and their number of seeds.
-const SEARCHES: [(&str, u64, u64); 3] = [("fans20", 400_000, 4), ("engine30", 120_000, 8), ("small60", 120_000, 8)];
+const SEARCHES: [(&str, u64, u64); 3] = [("fans20", 400_000, 2), ("engine30", 120_000, 4), ("small60", 120_000, 4)];
 /// Relative change by which the mean may be worse.
 const TOLERANCE: f64 = 0.02;
 /// An improvement of at least this size should become the new baseline.

@@ -103,11 +103,14 @@ pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: Pic
         SampleShader { canvas, colours, fixed, haze: body_haze(canvas, colours.len()), reach: fine.div_ceil(2) };
     let mut pixels = Vec::with_capacity(3 * width * height);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let mut sum = Vec3::ZERO;
-        for (dy, dx) in (0..fine).flat_map(|dy| (0..fine).map(move |dx| (dy, dx))) {
-            sum += shader.sample_colour(x * fine + dx, y * fine + dy);
-        }
-        let mean = sum / (fine * fine) as f32;
+        let mean = match shader.ground_of_pixel(x * fine, y * fine, fine) {
+            Some(colour) => colour,
+            None => {
+                let samples = (0..fine).flat_map(|dy| (0..fine).map(move |dx| (dy, dx)));
+                let sum: Vec3 = samples.map(|(dy, dx)| shader.sample_colour(x * fine + dx, y * fine + dy)).sum();
+                sum / (fine * fine) as f32
+            }
+        };
         let is_fixed = [fixed.background, fixed.floor, fixed.wire, fixed.ink].contains(&mean);
         let mean = if is_fixed { mean } else { (mean / COLOUR_STEP).round() * COLOUR_STEP };
         pixels.extend(mean.to_array().map(|c| c.round().clamp(0.0, 255.0) as u8));
@@ -142,6 +145,14 @@ struct SampleShader<'a> {
 }
 
 impl SampleShader<'_> {
+    /// The colour of a pixel that shows no body, and everywhere the same, as most do.
+    fn ground_of_pixel(&self, x: usize, y: usize, fine: usize) -> Option<Vec3> {
+        let row = |dy: usize| &self.canvas.tags[(y + dy) * self.canvas.width + x..][..fine];
+        let tag = row(0)[0];
+        let is_ground = body_of(tag).is_none() && (0..fine).all(|dy| row(dy).iter().all(|&other| other == tag));
+        is_ground.then(|| self.sample_colour(x, y))
+    }
+
     fn sample_colour(&self, x: usize, y: usize) -> Vec3 {
         let at = y * self.canvas.width + x;
         match self.canvas.tags[at] {

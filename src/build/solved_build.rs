@@ -135,6 +135,7 @@ impl SolvedBuild {
                 cpu_secs: summary.cpu_secs,
                 wall_secs: summary.wall_secs,
                 curve: summary.curve,
+                ended: summary.ended,
             },
             placements: self.placed.iter().map(placed).collect(),
         };

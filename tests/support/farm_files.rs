@@ -21,6 +21,11 @@ pub fn block(x: f64, y: f64, z: f64) -> Mesh {
     sample_parts::cuboid(glam::DVec3::new(x, y, z))
 }
 
+/// A part whose final search uses all of its time in the volume of `QUICK`: it has no room to lie as low as it is thick.
+pub fn leaning_block() -> Mesh {
+    block(130.0, 100.0, 20.0)
+}
+
 /// Drops a file as a careful sender does: writes it below `root`, on the same file system, then renames it.
 pub fn drop_file(root: &Path, target: &Path, bytes: &[u8]) {
     fs::create_dir_all(target.parent().unwrap()).unwrap();

@@ -31,7 +31,7 @@ use tempfile::TempDir;
 
 use farm_files::{assert_each_copy_once, drop_file, list_build_files};
 #[allow(unused_imports)] // no test program uses all of it
-pub use farm_files::{block, stl};
+pub use farm_files::{block, leaning_block, stl};
 
 pub const MACHINE: &str = "test";
 

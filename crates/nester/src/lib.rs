@@ -17,7 +17,6 @@ mod start;
 #[cfg(test)]
 mod tests;
 
-pub use finish::height_bound::lower_bound_mm;
 pub use finish::left_out::{LeftOutFit, examine_left_out};
 pub use finish::look_alikes::{LookMeasures, set_look_alikes_apart};
 pub use finish::report::{
@@ -27,6 +26,7 @@ pub use finish::report::{
 pub use orientation::orientation::OrientationLimits;
 pub use orientation::orientation_rule::OrientationRule;
 pub use orientation::tilt::{FaceNotDown, MAX_TILTS, TiltLimit, TiltLimitError, write_tilts};
+pub use prepare::height_bound::lower_bound_mm;
 pub use prepare::layers::LayerAreas;
 pub use prepare::prepared_meshes::PreparedMeshes;
 pub use problem::build_volume::{BuildVolume, VolumeMargins};
@@ -40,12 +40,13 @@ pub use problem::paper_config::PaperConfig;
 pub use problem::placement::ItemPlacement;
 pub use problem::search_budget::SearchBudget;
 pub use problem::search_control::{ProgressListener, StopCondition};
+pub use problem::search_course::{HeightCurve, SearchEnd};
 pub use problem::solution::NestingSolution;
 pub use proof::{
     ClearanceViolation, Disassembly, LayoutProof, LayoutProver, PlacedSolid, find_removal_order, obeys_orientation,
     prove_layout, prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
 };
-pub use search::improvement::{ImprovedLayouts, improve_layouts};
+pub use search::improvement::{ImprovedLayouts, improve_layouts, nest_until_lowest};
 pub use search::nester::{nest, nest_with_cache};
 pub use separation::disassembly::removal_gap_mm;
 pub use shapes::cache::PreparedMeshCache;

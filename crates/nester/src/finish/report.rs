@@ -139,8 +139,10 @@ pub struct SearchSummary {
     pub cpu_secs: f64,
     /// Wall seconds of the search.
     pub wall_secs: f64,
-    /// (wall seconds, build height in mm) of every improvement.
+    /// (wall seconds, build height in mm) of every improvement: see [`HeightCurve`](crate::HeightCurve).
     pub curve: Vec<(f64, f64)>,
+    /// Why the search ended, in words: see [`SearchEnd`](crate::SearchEnd).
+    pub ended: String,
 }
 
 impl UnplacedPart {
@@ -216,8 +218,11 @@ pub struct SearchCost {
     pub cpu_secs: f64,
     /// Wall seconds of the search.
     pub wall_secs: f64,
-    /// (wall seconds, build height in mm) of every improvement.
+    /// (wall seconds, build height in mm) of every improvement, with as many copies as the build has.
     pub curve: Vec<(f64, f64)>,
+    /// Why the search ended.
+    #[serde(default)]
+    pub ended: String,
 }
 
 impl NestingReport {
@@ -259,6 +264,7 @@ impl NestingReport {
                 cpu_secs: summary.cpu_secs,
                 wall_secs: summary.wall_secs,
                 curve: summary.curve,
+                ended: summary.ended,
             },
             placements: solution.placements.iter().map(placed).collect(),
         }

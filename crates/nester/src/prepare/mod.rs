@@ -2,6 +2,7 @@
 //!
 //! It is the last step that reads triangles; a search only moves what is prepared.
 
+pub(super) mod height_bound;
 pub(super) mod layers;
 pub(super) mod preparation;
 pub(super) mod prepared_instance;

@@ -15,4 +15,5 @@ pub(super) mod placement;
 pub(super) mod reserved;
 pub(super) mod search_budget;
 pub(super) mod search_control;
+pub(super) mod search_course;
 pub(super) mod solution;

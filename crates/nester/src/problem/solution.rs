@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{ItemPlacement, NestingInstance};
 
+/// A layout that is no more than this above the lower bound is as low as any, mm.
+pub(crate) const BOUND_TOLERANCE_MM: f64 = 0.01;
+
 /// A layout in which every placement keeps its clearance, and the copies that found no place.
 ///
 /// ```
@@ -28,6 +31,11 @@ pub struct NestingSolution {
 }
 
 impl NestingSolution {
+    /// Whether no lower layout exists: all copies are placed, at the height of the [`lower_bound_mm`](crate::lower_bound_mm).
+    pub fn is_lowest(&self, lower_bound_mm: f64) -> bool {
+        self.unplaced.is_empty() && self.height_mm <= lower_bound_mm + BOUND_TOLERANCE_MM
+    }
+
     /// Part volume / (base area x build height), 0 when nothing is placed.
     pub fn density(&self, instance: &NestingInstance) -> f64 {
         let base = instance.volume().size_mm;

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
+    problem::solution::BOUND_TOLERANCE_MM,
     separation::{
         relocation::random_pose,
         separation::{SeparationLimits, SeparationOutcome, separate_parts},
@@ -96,7 +97,7 @@ impl<'t> CompressionRun<'t> {
     /// `found`.
     pub(crate) fn run(&mut self, clock: &CompressionBudget<'_>, found: &mut dyn FnMut(&[PlacedItem], u64)) {
         while (clock.spent_share_at)(self.layout.evaluations) < clock.until
-            && self.height_mm > clock.lower_bound_mm + 0.01
+            && self.height_mm > clock.lower_bound_mm + BOUND_TOLERANCE_MM
         {
             let (least, most) =
                 if (clock.spent_share_at)(self.layout.evaluations) > 0.75 { (5e-4, 8e-3) } else { (2e-3, 5e-2) };

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, sync::Arc};
 
 use crate::{
     ItemPlacement, NestingConfig, NestingInstance, NestingMethod, NestingSolution, PreparedMeshes, ProgressListener,
-    StopCondition, nest_with_cache,
+    SearchBudget, SearchEnd, StopCondition, lower_bound_mm, nest_with_cache,
     prepare::prepared_instance::{PlacedItem, height_mm, solution_from_items},
     start::{nesting_run::NestingRun, retained::retained_items},
 };
@@ -15,6 +15,8 @@ const HEIGHT_SHARE: f64 = 0.98;
 /// Meshes are as fine as if their preparation had taken this share of the budget, although it mostly takes none: each
 /// evaluation of finer ones takes longer.
 const PREPARED_SHARE: f64 = 0.036;
+/// Maximum number of rounds of a search until the lowest layout.
+const MAX_ROUNDS: u32 = 40;
 /// Maximum number of layouts in a pool.
 const MAX_POOL: usize = 4;
 
@@ -69,6 +71,53 @@ pub fn improve_layouts(
     }
     let best = nest_with_cache(instance, &own, &[], prepared, stop, listener);
     ImprovedLayouts { pool: vec![best.placements.clone()], best }
+}
+
+/// Nests in rounds, each twice as long as the one before, until no lower layout exists or the budget ends: it was
+/// cancelled, or its patience is over. A time limit of the budget is not looked at; the first round takes `first_secs`
+/// wall seconds. `listener` receives every better layout, and may receive it again when a round begins.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::DVec3;
+/// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, lower_bound_mm,
+///     nest_until_lowest};
+///
+/// let brick = Arc::new(sample_parts::cuboid(DVec3::new(30.0, 8.0, 20.0)));
+/// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
+/// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("brick", brick, 2)])?;
+/// let (budget, prepared) = (SearchBudget::until_cancelled().with_patience(9.0), PreparedMeshes::default());
+/// let found = nest_until_lowest(&instance, &NestingConfig::default(), &prepared, &budget, 1.0, &mut ());
+/// assert!(found.is_lowest(lower_bound_mm(&instance)) && found.height_mm < 8.02);
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
+pub fn nest_until_lowest(
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    prepared: &PreparedMeshes,
+    budget: &SearchBudget,
+    first_secs: f64,
+    listener: &mut dyn ProgressListener,
+) -> NestingSolution {
+    let bound_mm = lower_bound_mm(instance);
+    let mut round = budget.begin_round(first_secs);
+    let mut best = nest_with_cache(instance, config, &[], prepared, &round, listener);
+    let (mut pool, mut evaluations) = (vec![best.placements.clone()], best.evaluations);
+    for number in 1..=MAX_ROUNDS {
+        if !matches!(round.why_ended(best.is_lowest(bound_mm)), SearchEnd::Used { .. }) {
+            break;
+        }
+        let config = NestingConfig { seed: config.seed.wrapping_add(u64::from(number)), ..config.clone() };
+        round = budget.begin_round(first_secs * 2f64.powi(number.min(20) as i32));
+        if best.unplaced.is_empty() {
+            ImprovedLayouts { best, pool } = improve_layouts(instance, &config, &pool, prepared, &round, listener);
+        } else {
+            best = nest_with_cache(instance, &config, &best.placements, prepared, &round, listener);
+            pool = vec![best.placements.clone()];
+        }
+        evaluations += best.evaluations;
+    }
+    NestingSolution { evaluations, ..best }
 }
 
 impl NestingRun<'_> {

@@ -1,14 +1,17 @@
 //! The lanes of one search on the threads of this process. With fewer threads than lanes, the lanes take turns, so the
 //! result depends on the number of lanes and not on the number of threads.
 
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{
+    Condvar, Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicU64, Ordering},
+    mpsc,
+};
 
 use super::{
     compression::DescentPace,
     tournament::{DescentEnd, DescentStart, run_descent, run_tournament},
 };
 use crate::{
-    lower_bound_mm,
     prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
     start::nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
 };
@@ -75,6 +78,9 @@ impl NestingRun<'_> {
             self.other_ends = ends.iter().flat_map(|end| end.others.iter().chain([&end.items])).cloned().collect();
             let continued = |lane: u32| &ends[continued_rank(lane, lanes)];
             goes_on = (0..lanes).map(continued).map(|end| (vec![end.items.clone()], end.pace)).collect();
+            if self.is_lowest(task) {
+                break;
+            }
         }
     }
 
@@ -82,29 +88,33 @@ impl NestingRun<'_> {
         !self.best_items.is_empty() && self.config.components.separation
     }
 
-    /// A height that no layout can beat, mm.
-    fn floor_mm(&self, task: &PreparedInstance) -> f64 {
-        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
-        promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items))
-    }
-
     /// Runs one round of all lanes. Returns the ends in the order of the lanes; the best of them is the best layout if it
-    /// is not higher than the one before. If there is one round only, a lane is a tournament of its own.
+    /// is not higher than the one before. If there is one round only, a lane is a tournament of its own. The round ends
+    /// when a lane has found that no lower layout exists.
     fn run_round(&mut self, starts: &[DescentStart<'_>], shares: RoundShares, rounds: u32) -> Vec<DescentEnd> {
         let (stop, before, lanes) = (self.stop, self.evaluations, starts.len() as u64);
+        // Evaluations after which a lane had the lowest layout that exists.
+        let reached = AtomicU64::new(u64::MAX);
         // As all lanes make the same number of evaluations, each of them knows how many all have made.
-        let spent = |made: u64| shares.of_rounds(stop.spent_share_at(before + made * lanes));
+        let spent = |made: u64| match made >= reached.load(Ordering::Relaxed) {
+            true => f64::INFINITY,
+            false => shares.of_rounds(stop.spent_share_at(before + made * lanes)),
+        };
         let tell = |run: &mut Self, pieces: Vec<PlacedItem>, made: u64| {
             run.evaluations = before + made * lanes;
             run.offer_layout(pieces);
         };
         let descend =
             |start: &DescentStart<'_>, spent: &dyn Fn(u64) -> f64, found: &mut dyn FnMut(&[PlacedItem], u64)| {
-                if rounds == 1 {
-                    return run_tournament(start, spent, found);
-                }
                 let until = if shares.until < shares.whole { shares.of_rounds(shares.until) } else { 1.0 };
-                run_descent(start, until, spent, found)
+                let end = match rounds {
+                    1 => run_tournament(start, spent, found),
+                    _ => run_descent(start, until, spent, found),
+                };
+                if start.is_lowest(&end.items) {
+                    reached.fetch_min(end.made, Ordering::Relaxed);
+                }
+                end
             };
         let ends: Vec<DescentEnd> = if let [start] = starts {
             vec![descend(start, &spent, &mut |pieces, made| tell(self, pieces.to_vec(), made))]
@@ -135,8 +145,15 @@ impl NestingRun<'_> {
                 handles.into_iter().map(|lane| lane.join().expect("a lane does not panic")).collect()
             })
         };
+        // The lanes are heard in any order. What others have made after the first one that could end is left to chance.
+        let lowest = ends.iter().zip(starts).filter(|(end, start)| start.is_lowest(&end.items)).map(|(end, _)| end);
+        if let Some(first) = lowest.min_by_key(|end| end.made) {
+            self.evaluations = before + first.made * lanes;
+            self.best_items.clone_from(&first.items);
+            return ends;
+        }
         self.evaluations = before + ends.iter().map(|end| end.made).sum::<u64>();
-        // The lanes are heard in any order: of equally low layouts that of the lowest lane counts.
+        // Of equally low layouts that of the lowest lane counts.
         let best = ends.iter().min_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
         if let Some(best) = best.filter(|best| height_mm(&best.items) <= height_mm(&self.best_items)) {
             self.best_items.clone_from(&best.items);
@@ -226,7 +243,7 @@ impl Drop for LaneTurn<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::AtomicUsize;
 
     use super::*;
 

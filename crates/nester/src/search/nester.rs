@@ -167,7 +167,7 @@ impl NestingRun<'_> {
         let distinct = task.prepared_items.iter().flatten().count().max(1);
         let most = finer.min((MAX_TOTAL_NODES / distinct).clamp(50_000, 300_000));
         let nodes = FINER_NODES.into_iter().rev().find(|&nodes| nodes <= most);
-        let wanted = self.config.components.fine_proxies && !self.best_items.is_empty();
+        let wanted = self.config.components.fine_proxies && !self.best_items.is_empty() && !self.is_lowest(&task);
         let Some(nodes) = nodes.filter(|_| wanted) else { return task };
         let begun = self.stop.spent_share_at(self.evaluations);
         let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };

@@ -4,7 +4,10 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::compression::{CompressionBudget, CompressionRun, DescentPace};
-use crate::prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm};
+use crate::{
+    prepare::prepared_instance::{PlacedItem, PreparedInstance, height_mm},
+    problem::solution::BOUND_TOLERANCE_MM,
+};
 
 /// Share of the budget for the first run alone, which shows how many runs the budget allows.
 const FIRST_RUN_SHARE: f64 = 0.05;
@@ -25,6 +28,13 @@ pub(crate) struct DescentStart<'a> {
     pub(crate) seed: u64,
     /// The pace to go on with, unless there are several runs.
     pub(crate) pace: DescentPace,
+}
+
+impl DescentStart<'_> {
+    /// Whether no layout is lower than this one.
+    pub(crate) fn is_lowest(&self, items: &[PlacedItem]) -> bool {
+        height_mm(items) <= self.floor_mm + BOUND_TOLERANCE_MM
+    }
 }
 
 /// How a descent ended.
@@ -68,6 +78,9 @@ pub(crate) fn run_tournament(
     let begin = |number: usize| CompressionRun::new(prepared, &layouts[number % layouts.len()], run_rng(seed, number));
     let (begun, mut made, mut lowest) = (spent(0), 0, layouts[0].clone());
     let mut run = |descent: &mut CompressionRun<'_>, share: f64| {
+        if start.is_lowest(&lowest) {
+            return;
+        }
         let others = made - descent.evaluations();
         let spent = |evaluations: u64| (spent(others + evaluations) - begun) / (1.0 - begun).max(1e-9);
         let until = if share >= 1.0 { 1.0 } else { spent(descent.evaluations()) + share };

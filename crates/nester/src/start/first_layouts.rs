@@ -119,7 +119,7 @@ impl NestingRun<'_> {
         self.try_recipe(drafting, builder, PlacementRecipe::FIRST[0], 1.0);
         let cost = drafting.cost;
         let from = self.spent_share();
-        if from >= START_SHARE {
+        if from >= START_SHARE || self.is_lowest(drafting.task) {
             return;
         }
         let until = |share: f64| from + share * (START_SHARE - from);

@@ -1,14 +1,15 @@
 //! One run of our own search: its input, the best layout so far, and the evaluations made.
 
-use std::{cmp::Reverse, collections::BTreeSet, sync::Arc};
+use std::{cell::OnceCell, cmp::Reverse, collections::BTreeSet, sync::Arc};
 
 use super::layout_builder::LayoutBuilder;
 use crate::{
-    InterlockRule, NestingConfig, NestingInstance, PreparedMeshes, ProgressListener, StopCondition,
+    InterlockRule, NestingConfig, NestingInstance, PreparedMeshes, ProgressListener, StopCondition, lower_bound_mm,
     prepare::{
         preparation::MeshPreparation,
         prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
     },
+    problem::solution::BOUND_TOLERANCE_MM,
     shapes::outline::OutlinedInstance,
 };
 
@@ -45,6 +46,8 @@ pub(crate) struct NestingRun<'a> {
     /// Layouts for which no room was found by insertion, by hash.
     pub(super) failed_insertions: BTreeSet<u64>,
     pub(crate) evaluations: u64,
+    /// The lower bound, once it was asked for.
+    bound_mm: OnceCell<f64>,
 }
 
 impl<'a> NestingRun<'a> {
@@ -70,6 +73,7 @@ impl<'a> NestingRun<'a> {
             other_ends: Vec::new(),
             failed_insertions: BTreeSet::new(),
             evaluations: 0,
+            bound_mm: OnceCell::new(),
         }
     }
 
@@ -85,6 +89,19 @@ impl<'a> NestingRun<'a> {
         let mut task = PreparedInstance::new(outlined, pins, preparation, components, COARSE_NODES, COARSE_POINTS)?;
         task.must_be_separable = self.config.effective_interlock() == InterlockRule::Forbid;
         Some(task)
+    }
+
+    /// A height that no layout can beat, mm.
+    pub(crate) fn floor_mm(&self, task: &PreparedInstance) -> f64 {
+        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        let bound_mm = *self.bound_mm.get_or_init(|| lower_bound_mm(self.instance));
+        promised_mm.fold(bound_mm, f64::max).min(height_mm(&self.best_items))
+    }
+
+    /// Whether the best layout has all copies, and no lower one exists.
+    pub(crate) fn is_lowest(&self, task: &PreparedInstance) -> bool {
+        self.best_items.len() == task.copies.len()
+            && height_mm(&self.best_items) <= self.floor_mm(task) + BOUND_TOLERANCE_MM
     }
 
     /// Accepts a layout if it places more copies or is lower, and reports it to the listener.

@@ -9,8 +9,8 @@ use solids::{Mesh, Pose};
 use super::testing::{block, each_method, hollow, tetrahedron};
 use crate::{
     BuildVolume, ItemPlacement, LayerAreaCap, LayerAreas, NestingConfig, NestingInstance, NestingItem, NestingSolution,
-    OrientationLimits, OrientationRule, PlacedSolid, SearchBudget, StopCondition, TiltLimit, nest, obeys_orientation,
-    prove_with_keep_out,
+    OrientationLimits, OrientationRule, PlacedSolid, SearchBudget, StopCondition, TiltLimit, lower_bound_mm, nest,
+    obeys_orientation, prove_with_keep_out,
 };
 
 /// A budget of evaluations without a clock: tests do not depend on the machine.
@@ -121,6 +121,21 @@ fn lanes_give_the_same_build_on_any_number_of_threads_and_one_lane_gives_another
     }
     assert_eq!(build(3, 0), alone, "as many lanes as threads");
     assert_ne!(build(1, 1).placements, alone.placements);
+}
+
+#[test]
+fn a_search_ends_in_every_lane_where_no_lower_layout_exists() {
+    let items = vec![item(block(DVec3::new(30.0, 20.0, 8.0)), 2, OrientationRule::Free)];
+    let instance = asked(DVec3::new(50.0, 50.0, 80.0), 1.5, items);
+    let build = |threads: usize, lanes: usize| {
+        nested(&instance, &NestingConfig { threads, lanes, ..NestingConfig::default() }, &[], 1_000_000_000)
+    };
+    for lanes in [1, 3] {
+        let found = build(1, lanes);
+        assert_good(&instance, &found);
+        assert!(found.is_lowest(lower_bound_mm(&instance)), "{} mm", found.height_mm);
+        assert_eq!(build(2, lanes), found);
+    }
 }
 
 #[test]

@@ -238,7 +238,7 @@ fn the_searches_of_other_machines_come_first() {
     farm.start();
     drop_mixed(&mut farm, 6);
     begin_long_search(&mut farm, MACHINE);
-    let file = farm.folder_of("inbox", "other").join("a_x6.stl");
+    let file = farm.folder_of("inbox", "other").join("a_x24.stl");
     drop_file(farm.root(), &file, &stl(&block(50.0, 22.0, 13.0)));
     farm.pass_moments_until("the part waits", |farm| {
         farm.parts(PartState::Waiting).iter().any(|part| part.machine == "other")

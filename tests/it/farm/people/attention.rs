@@ -6,7 +6,7 @@ use std::{fs, os::unix::fs::FileExt, path::Path};
 use ledger::{BuildState, PartState};
 use nestd::farm::{AlertKind, FarmAlert};
 
-use crate::support::{MACHINE, QUICK, TestFarm, block, wait_until, wait_until_or};
+use crate::support::{MACHINE, QUICK, TestFarm, block, leaning_block, wait_until, wait_until_or};
 
 const SECOND: &str = "second";
 
@@ -127,7 +127,7 @@ fn a_build_that_is_given_up_is_reported_until_its_machine_is_resumed_also_after_
     let profile = QUICK.replace("max_attempts = 50", "max_attempts = 1");
     let mut farm = TestFarm::new(&profile.replace("final_secs = 0.5", "final_secs = 60"));
     farm.start();
-    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.drop_part("a.stl", &leaning_block());
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     let is_fired =

@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, fs};
 use ledger::{BuildState, PartState};
 use serde_json::Value;
 
-use crate::support::{MACHINE, QUICK, TestFarm, block, http::send_request, wait_until_or};
+use crate::support::{MACHINE, QUICK, TestFarm, block, http::send_request, leaning_block, wait_until_or};
 
 /// Prints of a block of 20 mm take 20 hours, and cool for 10.
 const HOURS: &str = "print_hours_per_mm = 1.0\ncool_down_hours = 10\n";
@@ -149,10 +149,8 @@ fn every_face_says_that_a_build_is_searched_and_a_folder_is_away() {
     let mut farm = farm("");
     farm.write_profile(MACHINE, &format!("{}{HOURS}", QUICK.replace("final_secs = 0.5", "final_secs = 12")));
     farm.start();
-    for n in 0..4 {
-        farm.drop_part(&format!("{n}.stl"), &block(50.0, 40.0, 30.0));
-    }
-    farm.wait_for_parts(PartState::Waiting, 4);
+    farm.drop_part("a.stl", &leaning_block());
+    farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     let nests =
         || !farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).is_empty();
@@ -263,7 +261,7 @@ fn every_face_says_that_a_nesting_failed() {
     farm.write_profile(MACHINE, &profile.replace("final_secs = 0.5", "final_secs = 60"));
     farm.start();
     fs::create_dir(farm.folder("inbox").join("kit")).unwrap();
-    farm.drop_part("kit/a.stl", &block(20.0, 20.0, 20.0));
+    farm.drop_part("kit/a.stl", &leaning_block());
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     let nests =

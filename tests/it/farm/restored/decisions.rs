@@ -7,7 +7,7 @@ use intake::ContentStore;
 use ledger::{PartId, PartState};
 
 use super::restore::{copy_ledger, hash_of, replace_ledger, text};
-use crate::support::{MACHINE, QUICK, TestFarm, block, stl};
+use crate::support::{MACHINE, QUICK, TestFarm, block, leaning_block, stl};
 
 const NAMED: &str = "the last decision about a.stl";
 
@@ -112,7 +112,7 @@ fn a_part_that_was_taken_and_cancelled_is_not_printed_by_a_ledger_that_never_kne
 #[test]
 fn a_build_that_was_being_nested_is_given_up_where_its_part_was_decided_of_since() {
     let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 600"));
-    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.drop_part("a.stl", &leaning_block());
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Batched, 1);

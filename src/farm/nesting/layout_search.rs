@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::Result;
 use ledger::PartRow;
-use nester::{NestingSolution, PreparedMeshes, SearchBudget};
+use nester::{HeightCurve, NestingSolution, PreparedMeshes, SearchBudget, SearchEnd};
 
 use super::search_policy::{SearchPolicy, SearchProblem};
 use crate::{
@@ -58,6 +58,8 @@ pub struct NestingResult {
     pub wall_secs: f64,
     /// (wall seconds, build height in mm) of every improvement.
     pub curve: Vec<(f64, f64)>,
+    /// Why it ended.
+    pub end: SearchEnd,
 }
 
 /// The search of a fired build was stopped before its time was over: what it found is no build yet, and is kept to go on from.
@@ -125,10 +127,12 @@ impl LayoutSearch {
         let instance = batch.create_instance(profile)?;
         let config = self.policy.config(&profile.search.nest);
         let meter = CpuMeter::begin(&self.budget, self.policy.limit_cpu_secs());
-        let mut curve = Vec::new();
+        let mut curve = HeightCurve::default();
         let keep = |layout: BatchLayout| *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout);
         let mut listener = |solution: &NestingSolution, _evaluations: u64| {
-            curve.push((self.budget.elapsed_secs(), solution.height_mm));
+            if curve.add(solution, self.budget.elapsed_secs()) {
+                self.budget.record_gain();
+            }
             keep(batch.layout_from_solution(&instance, solution));
         };
         let problem = SearchProblem { batch: &batch, instance: &instance, config: &config, starts, prepared };
@@ -143,8 +147,9 @@ impl LayoutSearch {
             }
             _ => 0.0,
         };
+        let end = self.budget.why_ended(solution.is_lowest(lower_bound_mm));
         let (batch, cpu_secs, wall_secs) = (batch.merge_parts(), meter.spent_secs(), self.budget.elapsed_secs());
-        Ok(NestingResult { batch, layout, pool, lower_bound_mm, cpu_secs, wall_secs, curve })
+        Ok(NestingResult { batch, layout, pool, lower_bound_mm, cpu_secs, wall_secs, curve: curve.points, end })
     }
 }
 

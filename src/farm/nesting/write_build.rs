@@ -8,6 +8,7 @@ use build_file::{BuildFile, ReadLimits};
 use jiff::Timestamp;
 use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
 use nester::{SearchSummary, Separability};
+use tracing::info;
 
 use super::layout_search::NestingResult;
 use crate::{
@@ -79,6 +80,10 @@ pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> R
     let sidecars = write_sidecars(request, nested, &build, &description, &proved, &name)?;
     let (file_hash, file_bytes) = hash_and_size(&staged)?;
     let height_mm = build.machine_height_mm();
+    let (id, bound_mm, ended) = (request.build.id, lower_bound_mm(request, nested), why_ended(request, nested));
+    if !ended.is_empty() {
+        info!(build.id = %id, "Build {id} is {height_mm:.2} mm high, bound {bound_mm:.2}: {ended}.");
+    }
     Ok(WrittenBuild {
         verified: Verified {
             file: ProvedFile {
@@ -91,7 +96,7 @@ pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> R
             measures: ProvedMeasures {
                 height_mm,
                 density: nested.layout.density,
-                lower_bound_mm: nested.lower_bound_mm,
+                lower_bound_mm: bound_mm,
                 layers: (height_mm / request.profile.space.layer_mm).ceil() as u32,
                 part_volume_mm3: nested.layout.part_volume_mm3,
                 copies: nested.layout.placed.len() as u32,
@@ -113,6 +118,16 @@ pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> R
         unplaced: nested.layout.unplaced.clone(),
         locked,
     })
+}
+
+/// The lower bound of the height, above the machine's floor, mm.
+fn lower_bound_mm(request: &BuildWriteRequest, nested: &NestingResult) -> f64 {
+    nested.lower_bound_mm + request.profile.origin_mm().z
+}
+
+/// Why the search has ended; nothing where a build is issued once more without one.
+fn why_ended(request: &BuildWriteRequest, nested: &NestingResult) -> String {
+    if request.build.search.repeats.is_some() { String::new() } else { nested.end.in_words() }
 }
 
 /// The height over time, above the machine's floor.
@@ -209,10 +224,11 @@ fn report_json(
         cpu_secs: request.build.search.cpu_secs.unwrap_or(0.0) + nested.cpu_secs,
         wall_secs: request.build.search.wall_secs.unwrap_or(0.0) + nested.wall_secs,
         curve: height_curve(request, nested),
+        ended: why_ended(request, nested),
         ..SearchSummary::default()
     };
     // Copies without a place go into the next build.
-    let report = build.to_report(nested.lower_bound_mm, nested.layout.evaluations, &[], course);
+    let report = build.to_report(lower_bound_mm(request, nested), nested.layout.evaluations, &[], course);
     Ok(serde_json::to_vec_pretty(&report)?)
 }
 

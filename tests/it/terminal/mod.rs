@@ -5,4 +5,5 @@ pub mod commands;
 pub mod config;
 pub mod new_farm;
 pub mod pictures;
+pub mod searched;
 pub mod verify;

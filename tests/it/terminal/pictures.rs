@@ -19,7 +19,7 @@ use solids::Pose;
 /// A script tag that is a possible file name: without a slash.
 const EVIL: &str = "<script>alert(1)<!--.stl";
 
-fn nestd(dir: &Path, args: &[&str]) -> Command {
+pub fn nestd(dir: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
     command.current_dir(dir).env_remove("NESTD_ROOT").args(args);
     command
@@ -121,15 +121,15 @@ fn a_report_of_a_file_is_whole_and_shows_names_as_text() {
 }
 
 /// A process on a terminal of 30 rows, with its output so far.
-struct PseudoTerminal {
-    child: std::process::Child,
+pub struct PseudoTerminal {
+    pub child: std::process::Child,
     written: mpsc::Receiver<Vec<u8>>,
-    seen: String,
+    pub seen: String,
 }
 
 impl PseudoTerminal {
     /// Runs a command whose standard output (or standard error) is a terminal.
-    fn of(command: Command, errors: bool) -> Self {
+    pub fn of(command: Command, errors: bool) -> Self {
         Self::wide(command, errors, 100)
     }
 
@@ -158,7 +158,7 @@ impl PseudoTerminal {
     }
 
     /// Reads until the condition holds for the text so far.
-    fn until(&mut self, what: &str, holds: impl Fn(&str) -> bool) {
+    pub fn until(&mut self, what: &str, holds: impl Fn(&str) -> bool) {
         let began = Instant::now();
         while !holds(&self.seen) {
             assert!(began.elapsed() < Duration::from_secs(60), "{what}: {:?}", self.seen);
@@ -240,10 +240,11 @@ fn a_narrow_terminal_shows_all_of_the_status() {
 }
 
 #[test]
-fn a_bar_grows_and_the_height_is_reported_on_a_terminal_only() {
+fn a_bar_grows_on_a_terminal_only() {
     let (_, output) = nested(&["--evaluations", "200"]);
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
-    let (dir, args) = parts();
+    let (dir, mut args) = parts();
+    args.iter_mut().filter(|word| *word == "80x80x120").for_each(|word| *word = "41x41x120".to_owned());
     let args: Vec<&str> = args.iter().map(String::as_str).chain(["--budget", "2s"]).collect();
     let mut terminal = PseudoTerminal::of(nestd(dir.path(), &args), true);
     terminal.until("the bar has grown", |seen| {

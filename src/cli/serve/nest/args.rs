@@ -14,7 +14,8 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Exit code 0 everything placed and proved, 1 a copy could not be placed (the rest is still written), \
-                        2 wrong use.",
+                        2 wrong use.\n\nCtrl-C ends the search: what it has found is proved and written. A second one \
+                        ends the program.",
     group = clap::ArgGroup::new("volume_of").args(["machine", "volume"]).multiple(true).required(true)
 )]
 pub struct NestArgs {
@@ -74,12 +75,18 @@ pub(super) struct SearchChoice {
     /// Search: our own or the published one [default: the machine's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = parse_word::<NestingMethod>)]
     pub(super) method: Option<NestingMethod>,
-    /// Time to search, e.g. 60s or 2m
+    /// Time to search, e.g. 60s or 2m; the search ends sooner when no lower layout exists
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = parse_budget)]
     pub(super) budget: f64,
     /// Search for this many evaluations instead: gives the same placements every time
     #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) evaluations: Option<u64>,
+    /// Search on, in rounds that double from the budget on, until no lower layout exists, the patience is over, or Ctrl-C
+    #[arg(long, conflicts_with = "evaluations")]
+    pub(super) until_bound: bool,
+    /// End when nothing was gained for this time, e.g. 40s
+    #[arg(long, value_name = "TIME", conflicts_with = "evaluations", value_parser = parse_budget)]
+    pub(super) patience: Option<f64>,
     /// Threads of the search; 0 = one per core [default: the machine's, else 1]
     #[arg(long, value_name = "T")]
     pub(super) threads: Option<usize>,

@@ -17,12 +17,13 @@ use crate::{
 /// Edge lengths of the thumbnail, pixels.
 const THUMBNAIL: (u32, u32) = (512, 384);
 
-/// Writes all requested outputs. The build file appears under its name only after it is proved.
+/// Writes all requested outputs; `bound_mm` is the lower bound above the machine's floor. The build file appears under
+/// its name only after it is proved.
 pub fn write_outputs(
     args: &NestArgs,
     setup: &NestingSetup,
     parts: Vec<BuildPart>,
-    instance: &NestingInstance,
+    (instance, bound_mm): (&NestingInstance, f64),
     solution: &NestingSolution,
     mut summary: SearchSummary,
 ) -> Result<NestingReport> {
@@ -38,7 +39,7 @@ pub fn write_outputs(
         summary.separable = proved.separability;
         draft.rename_into_place()?;
     }
-    let report = build.to_report(nester::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, summary);
+    let report = build.to_report(bound_mm, solution.evaluations, &solution.unplaced, summary);
     if let Some(target) = &args.files.stl {
         let poses: Vec<(&Mesh, Pose)> =
             (build.placed.iter()).map(|p| (&*build.parts[p.part].mesh, build.machine.machine_pose(&p.pose))).collect();

@@ -168,10 +168,11 @@ fn begin_long_search(farm: &mut HandDrivenFarm, machine: &str) -> NightSearchRow
     row
 }
 
-/// A farm that searches for minutes.
+/// A farm that searches for minutes, also without one of its parts: what fits into one layer is as low as it can be, and
+/// its search ends at once.
 fn searching_long() -> (HandDrivenFarm, NightSearchRow) {
     let mut farm = HandDrivenFarm::open(&lowering(3600.0));
-    drop_mixed(&mut farm, 6);
+    drop_mixed(&mut farm, 10);
     let row = begin_long_search(&mut farm, MACHINE);
     (farm, row)
 }
@@ -180,7 +181,7 @@ fn searching_long() -> (HandDrivenFarm, NightSearchRow) {
 fn an_arrival_stops_it_at_once() {
     let (mut farm, row) = searching_long();
     farm.drop_part("late.stl", &block(20.0, 15.0, 8.0));
-    farm.pass_moments_until("the arrival stands in the open build", |farm| farm.open_copies().len() == 19);
+    farm.pass_moments_until("the arrival stands in the open build", |farm| farm.open_copies().len() == 31);
     farm.pass_moments_until("another search begins", |farm| {
         night_of(farm, MACHINE).is_some_and(|now| now.problem != row.problem && now.round < 12)
     });
@@ -221,7 +222,7 @@ fn cancelled_and_edited_parts_change_what_is_searched() {
         night_of(farm, MACHINE).is_some_and(|now| now.problem != before.problem)
     };
     farm.pass_moments_until("a search without them begins", |farm| searched_anew(farm, &row));
-    assert_eq!(farm.open_copies().len(), 12);
+    assert_eq!(farm.open_copies().len(), 20);
     let fewer = begin_long_search(&mut farm, MACHINE);
     edit_part(&farm, parts[1].id, PartEdit { clearance_mm: Some(Some(4.0)), ..PartEdit::default() });
     farm.pass_moments_until("a search for the edited part begins", |farm| searched_anew(farm, &fewer));

@@ -30,7 +30,7 @@ pub(crate) struct SecondCopyJob {
 }
 
 impl BackgroundJob<Farm> for SecondCopyJob {
-    const KIND: &'static str = "Copy";
+    const KIND: &'static str = "SecondCopy";
     /// Number of files that were copied.
     type Outcome = Result<usize>;
     type Desk<'f> = Shared<'f>;

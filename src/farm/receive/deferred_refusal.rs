@@ -25,7 +25,7 @@ pub(crate) struct RefusedCopyJob {
 }
 
 impl BackgroundJob<Farm> for RefusedCopyJob {
-    const KIND: &'static str = "Refusal";
+    const KIND: &'static str = "Copy";
     type Outcome = Result<()>;
     type Desk<'f> = Receiving<'f>;
 

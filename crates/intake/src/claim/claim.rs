@@ -144,7 +144,7 @@ fn move_files_in(
         let to = new.join(relative);
         disk::rename_out(inbox, relative, &to).map_err(|e| gone_or_io_error(e, "claim", seen))?;
         step();
-        if !is_same_file(seen, &to) {
+        if !disk::is_same_file(seen, &to) {
             return Err(ClaimError::Changed(seen.path.clone()));
         }
     }
@@ -172,16 +172,6 @@ fn gone_or_io_error(error: io::Error, what: &'static str, seen: &InboxEntry) -> 
         io::ErrorKind::InvalidData => ClaimError::Changed(seen.path.clone()),
         _ => io_error(what, &seen.path, error),
     }
-}
-
-/// Whether the renamed file is the one that had settled. The rename itself changes the ctime.
-pub(super) fn is_same_file(seen: &InboxEntry, now_at: &Path) -> bool {
-    fs::symlink_metadata(now_at).is_ok_and(|meta| {
-        meta.is_file()
-            && (meta.len(), meta.ino(), meta.dev()) == (seen.size, seen.inode, seen.dev)
-            && disk::mtime_ns(&meta) == seen.mtime_ns
-            && !disk::is_hard_link_to_private_file(&meta)
-    })
 }
 
 /// Removes the original after its copy is in the store under `hash` and its row is committed. Safe to repeat.

@@ -17,7 +17,7 @@ use std::{
 use build_file::{ReadLimits, escape_invisible};
 use zip::{ZipArchive, read::ZipFile, result::ZipError};
 
-use super::{claim::is_same_file, scan::is_file_name};
+use super::scan::is_file_name;
 use crate::{
     ClaimError, InboxEntry, display_name,
     folder::{
@@ -82,7 +82,7 @@ impl From<ZipError> for UnpackError {
 pub fn is_order_archive(inbox: &Path, path: &Path) -> bool {
     has_extension(path, &["zip"])
         && open_archive(inbox, path).is_ok_and(|archive| {
-            archive.len() > 0
+            !archive.is_empty()
                 && archive.index_for_name("_rels/.rels").is_none()
                 && !archive.file_names().any(is_camspec)
         })
@@ -151,7 +151,7 @@ pub(super) fn unpack_stepwise(
     step();
     disk::rename_out(inbox, relative, &kept).map_err(failed)?;
     step();
-    if !is_same_file(seen, &kept) {
+    if !disk::is_same_file(seen, &kept) {
         disk::rename_in(&kept, inbox, relative).map_err(failed)?;
         remove_if_there(&made).map_err(failed)?;
         return Err(ClaimError::Changed(seen.path.clone()));

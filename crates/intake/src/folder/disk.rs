@@ -302,6 +302,16 @@ pub(crate) fn is_unchanged(seen: &InboxEntry, meta: &fs::Metadata) -> bool {
         && !is_hard_link_to_private_file(meta)
 }
 
+/// Whether the renamed file is the one that had settled. The rename itself changes the ctime.
+pub(crate) fn is_same_file(seen: &InboxEntry, now_at: &Path) -> bool {
+    fs::symlink_metadata(now_at).is_ok_and(|meta| {
+        meta.is_file()
+            && (meta.len(), meta.ino(), meta.dev()) == (seen.size, seen.inode, seen.dev)
+            && mtime_ns(&meta) == seen.mtime_ns
+            && !is_hard_link_to_private_file(&meta)
+    })
+}
+
 /// Nanoseconds since 1970 of the last change of contents.
 pub(crate) fn mtime_ns(meta: &fs::Metadata) -> i128 {
     i128::from(meta.mtime()) * 1_000_000_000 + i128::from(meta.mtime_nsec())

@@ -9,7 +9,7 @@ use ledger::{
 
 use crate::farm::{
     AlertKind, PartQuestion,
-    driven_tests::{HandDrivenFarm, QUICK, block, stl},
+    driven_tests::{HandDrivenFarm, QUICK, block, hand_driven_farm::farm_files::leaning_block, stl},
 };
 
 /// The ticket that docs/technician.md shows, as somebody copies it.
@@ -119,8 +119,7 @@ fn answer_in_every_way(farm: &mut HandDrivenFarm) {
 fn the_number_of_copies_is_asked_and_answered_also_while_the_build_is_made_and_is_asked_no_more_afterwards() {
     for is_answered in [true, false] {
         let mut farm = HandDrivenFarm::open(&QUICK.replace("final_secs = 0.05", "final_secs = 3.0"));
-        // It has no room to lie flat, so its search uses all of its time.
-        farm.drop_part("bracketx4.stl", &block(130.0, 100.0, 20.0));
+        farm.drop_part("bracketx4.stl", &leaning_block());
         farm.wait_for_parts(PartState::Waiting, 1);
         farm.order(CommandKind::Flush, None);
         farm.pass_moments_until("its build is made", |farm| !farm.parts(PartState::Batched).is_empty());

@@ -76,7 +76,7 @@ fn an_archive_is_the_order_that_was_packed_and_one_that_cannot_be_unpacked_is_re
     farm.drop_bytes("K-8.zip", &order[..order.len() / 2]);
     farm.drop_bytes("K-9.zip", &packed(&[("a.stl", &a), ("../../b.stl", &b)]));
     assert_eq!(copies(&farm, 1), [("a.stl".to_owned(), 4)]);
-    let orders: Vec<_> = farm.parts(PartState::Waiting).into_iter().map(|part| part.order).collect();
+    let orders: Vec<_> = farm.parts(PartState::Waiting).into_iter().map(|part| part.terms.order_name).collect();
     assert_eq!(orders, ["K-7"]);
     let refused = |name: &str, why: &str| {
         let reason = farm.folder("error").join(format!("{name}.reason.txt"));

@@ -6,7 +6,7 @@ use std::{fs, path::PathBuf, time::Duration};
 use intake::ContentStore;
 use ledger::{PartId, PartState};
 
-use super::restore::{copy_ledger, hash_of, replace_ledger, text};
+use super::restore::{copy_ledger, replace_ledger, text};
 use crate::support::{MACHINE, QUICK, TestFarm, block, leaning_block, stl};
 
 const NAMED: &str = "the last decision about a.stl";
@@ -26,11 +26,12 @@ fn order(farm: &TestFarm, what: &str, part: PartId, state: PartState) {
 /// The only note in the store: its path, and the number of decisions in it.
 fn note(farm: &TestFarm) -> (PathBuf, u32) {
     let store = ContentStore::from_dir(farm.root().join("state/store"));
-    let hash = hash_of(&block(20.0, 20.0, 20.0));
     let kept = store.list_contents().unwrap();
-    let claims: Vec<_> = kept[&hash].claims.iter().collect();
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    let (hash, content) = kept.iter().next().unwrap();
+    let claims: Vec<_> = content.claims.iter().collect();
     assert_eq!(claims.len(), 1, "{kept:?}");
-    (store.note_path(&hash, claims[0].0).unwrap(), *claims[0].1)
+    (store.note_path(hash, claims[0].0).unwrap(), *claims[0].1)
 }
 
 /// Asserts that the start is refused, that the check says why and the repair what to look at; then the daemon starts.

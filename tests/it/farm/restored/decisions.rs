@@ -5,6 +5,7 @@ use std::{fs, path::PathBuf, time::Duration};
 
 use intake::ContentStore;
 use ledger::{PartId, PartState};
+use solids::Mesh;
 
 use super::restore::{copy_ledger, replace_ledger, text};
 use crate::support::{MACHINE, QUICK, TestFarm, block, leaning_block, stl};
@@ -35,7 +36,7 @@ fn note(farm: &TestFarm) -> (PathBuf, u32) {
 }
 
 /// Asserts that the start is refused, that the check says why and the repair what to look at; then the daemon starts.
-fn is_refused_and_mended(farm: &mut TestFarm) {
+fn is_refused_and_mended(farm: &mut TestFarm, part: &Mesh) {
     let refused = farm.nestd(&["run"]);
     let output_text = text(&refused);
     assert!(!refused.status.success() && output_text.contains("older than the folders"), "{output_text}");
@@ -52,7 +53,7 @@ fn is_refused_and_mended(farm: &mut TestFarm) {
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
     assert_eq!(farm.parts(PartState::Refused).len(), 1);
     let file = farm.folder("error").join("part-1/a.stl");
-    assert_eq!(fs::read(file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
+    assert_eq!(fs::read(file).unwrap(), stl(part), "the file is to be seen");
     farm.start();
     let _ = farm.nestd(&["flush", MACHINE]);
     std::thread::sleep(Duration::from_secs(2));
@@ -76,7 +77,7 @@ fn a_part_that_was_cancelled_is_not_printed_by_an_older_ledger() {
             fs::remove_dir_all(farm.folder("error").join("part-1")).unwrap();
         }
         replace_ledger(&farm, &copy);
-        is_refused_and_mended(&mut farm);
+        is_refused_and_mended(&mut farm, &block(20.0, 20.0, 20.0));
     }
 }
 
@@ -88,7 +89,7 @@ fn a_part_that_was_taken_back_is_shown_by_an_older_ledger() {
     order(&farm, "retry", part, PartState::Waiting);
     farm.stop();
     replace_ledger(&farm, &copy);
-    is_refused_and_mended(&mut farm);
+    is_refused_and_mended(&mut farm, &block(20.0, 20.0, 20.0));
 }
 
 #[test]
@@ -124,7 +125,7 @@ fn a_build_that_was_being_nested_is_given_up_where_its_part_was_decided_of_since
     let (path, _) = note(&farm);
     fs::rename(&path, path.with_extension("1.json")).unwrap();
     replace_ledger(&farm, &copy);
-    is_refused_and_mended(&mut farm);
+    is_refused_and_mended(&mut farm, &leaning_block());
 }
 
 #[test]

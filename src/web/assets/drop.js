@@ -100,7 +100,7 @@ async function quoteAll(answers, files, zone, signal) {
     try {
       const answer = await fetch("/api/v1/quote", { method: "POST", body: form, headers: { accept: "application/json" }, signal });
       const quote = await answer.json();
-      said.textContent = answer.ok ? inWords(quote, zone) : quote.error || text("answers", { status: answer.status });
+      said.textContent = answer.ok ? inWords(quote, zone) : quote.detail || text("answers", { status: answer.status });
     } catch (error) {
       if (error.name === "AbortError") return;
       said.textContent = text("no_answer");

@@ -162,7 +162,7 @@ enum CliCommand {
     Init(serve::new_farm::InitArgs),
     /// Add a machine to the configuration
     #[command(subcommand)]
-    Machine(serve::new_farm::MachineCommand),
+    Machine(act::machine::MachineCommand),
     /// Print the completions of a shell: nestd completions bash > /etc/bash_completion.d/nestd
     Completions {
         /// The shell
@@ -241,7 +241,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Nest(args) => serve::nest::run(common, args),
         CliCommand::Verify(args) => serve::verify::run(common, args),
         CliCommand::Init(args) => serve::new_farm::run_init(args),
-        CliCommand::Machine(command) => serve::new_farm::run_machine(common, command),
+        CliCommand::Machine(command) => act::machine::run(common, command),
         CliCommand::Completions { shell } => serve::completions::print_completions(*shell),
         CliCommand::Man { dir } => serve::completions::write_manual(CommandLine::command(), dir),
         CliCommand::ReadPart => {

@@ -185,7 +185,9 @@ fn a_bare_number_or_name_may_be_several_things() {
 }
 
 async fn look_up(ledger: &ledger::Ledger, words: &[String]) -> lookup::LookupResult {
-    lookup::look_up(ledger, &LookupQuery::from_words(words), &[], &Default::default()).await.unwrap()
+    lookup::look_up(ledger, &LookupQuery::from_words(words), &[], (&Default::default(), &Default::default()))
+        .await
+        .unwrap()
 }
 
 #[tokio::test]

@@ -50,6 +50,7 @@ pub use facts::copy_fact::{CopyWord, copy_counts, copy_fact, counted_words};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;
 pub use facts::machine_fact::{MachineFact, MachineWord, machine_fact};
+pub use facts::material_fact::MaterialReading;
 pub use facts::order_fact::{DatedOrder, OrderFact, OrderWord, delay_text};
 pub use facts::printer_fact::{PrinterFact, PrinterWord};
 pub use facts::read_facts::{FarmReading, dates_at_risk, read_plans};

@@ -28,7 +28,7 @@ pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPa
 pub use occupation::{FarmRows, Occupation, awaits_release, read_occupation};
 pub use order_quote::{DueAnswer, OrderQuote, QUOTE_SEARCH_TIME, QuoteQuestion, quote_order};
 pub use quote_insertion::QuoteMeshes;
-pub use quoted_part::{QuoteError, QuotedFile, read_quoted_files};
+pub use quoted_part::{QuoteError, QuotedFile, QuotedPart, read_quoted_files};
 
 use crate::settings::MachineProfile;
 

@@ -182,7 +182,7 @@ async fn find_parts(
     numbered.into_iter().for_each(|part| _ = parts.count_row(part, most));
     let is_named = |part: &NamedPartRow| {
         words.are_in(
-            &[&part.name, &part.object_name, &part.order_name, &part.customer, &part.note]
+            &[&part.name, &part.object_name, &part.order_name, &part.customer, &part.material, &part.note]
                 .map(String::as_str)
                 .join("\n"),
         )

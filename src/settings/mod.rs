@@ -3,6 +3,7 @@
 
 pub use machine::farm_zone::FarmZone;
 pub use machine::keep_out::KeepOutZone;
+pub use machine::materials::Materials;
 pub use machine::printer::{ApprovalPolicy, PrinterRules, PrintingRules, WithdrawalPolicy};
 pub use machine::profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,

@@ -9,6 +9,7 @@ use super::{machine::profile_inputs::ProfileInputs, service::inputs::FarmInputs,
 
 mod chapter;
 mod folders;
+mod materials;
 mod printers;
 
 /// A configuration in its own folder.

@@ -135,6 +135,10 @@ pub const NAME: FieldDefinition = FieldDefinition::text("Name");
 pub const ORDER: FieldDefinition = FieldDefinition::text("Order");
 /// Who an order or a part is for.
 pub const CUSTOMER: FieldDefinition = FieldDefinition::text("Customer");
+/// What a part or a build is made of.
+pub const MATERIAL: FieldDefinition = FieldDefinition::text("Material");
+/// What is loaded in a machine.
+pub const LOADED: FieldDefinition = FieldDefinition::text("Loaded");
 /// Priority, 0 to 100.
 pub const PRIORITY: FieldDefinition = FieldDefinition::whole("Priority");
 /// When a part is due.

@@ -6,7 +6,7 @@ use super::*;
 use crate::web::base::query::order_address;
 
 impl TestDashboard {
-    async fn post_to(&self, path: &str, fields: &[(&str, &str)]) -> TestResponse {
+    pub(super) async fn post_to(&self, path: &str, fields: &[(&str, &str)]) -> TestResponse {
         let request = Request::post(path).header("sec-fetch-site", "same-origin");
         self.send_form(request, &serde_urlencoded::to_string(fields).unwrap()).await
     }

@@ -118,3 +118,31 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
         (&"its laser".into(), &"cube".into())
     );
 }
+
+#[tokio::test]
+async fn what_is_loaded_is_said_on_the_board_and_by_programs_and_a_part_says_why_it_waits() {
+    let dashboard = with_two_printers().await;
+    let ledger = &dashboard.ledger;
+    let part = asked(new_part("a", 1), |terms| terms.material = "PA12".to_owned());
+    let id = ledger.record_claim(&part).await.unwrap().id;
+    ledger.accept_solids(id, &[solid(0, 1)]).await.unwrap();
+    ledger.open_build("cube").await.unwrap();
+    let told = dashboard.post_to("/machines/cube/load", &[("key", "key"), ("material", "pa 12")]).await.text;
+    assert!(told.contains("pa 12 is loaded on cube now"), "{told}");
+    let page = dashboard.get(&format!("/parts/{id}")).await.text;
+    assert!(page.contains("nothing is loaded on paper-200") && page.contains("PA12 is loaded on cube."), "{page}");
+    let board = dashboard.get("/").await.text;
+    assert!(board.contains("pa 12 is loaded") && board.contains("1 copy waits for PA12"), "{board}");
+    let program = Request::post("/api/v1/machines/paper-200/load").header("content-type", "application/json");
+    let told = door_tests::send(&dashboard, program, r#"{"material": "PA 12"}"#).await.json;
+    assert_eq!(told["answers"][0], "PA 12 is loaded on paper-200 now: its next build is made of that.");
+    let json =
+        async |path: &str| -> serde_json::Value { serde_json::from_str(&dashboard.get(path).await.text).unwrap() };
+    let farm = json("/api/v1/farm").await;
+    let machines = farm["machines"].as_array().unwrap();
+    let paper = machines.iter().find(|machine| machine["machine"] == "paper-200").unwrap();
+    assert_eq!((&paper["material"], &paper["awaiting"]), (&"PA 12".into(), &serde_json::json!([])));
+    assert_eq!(json(&format!("/api/v1/parts/{id}")).await["part"]["awaits_material"], false);
+    let nobody = dashboard.post_to("/machines/none/load", &[("key", "key"), ("material", "x")]).await.status;
+    assert_eq!(nobody, axum::http::StatusCode::NOT_FOUND);
+}

@@ -61,6 +61,7 @@ fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
             order: Some("Müller & Söhne <4711>".to_owned()),
             due: Some("2026-12-24".to_owned()),
             note: Some("nicht <strahlen>\n& nicht färben".to_owned()),
+            material: Some("PA12".to_owned()),
         },
         copy,
         source_name: "Клипса 'für' \"☠\".stl".to_owned(),

@@ -59,10 +59,12 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             question: String::new(),
             size_differs: false,
             replaced_by: None,
+            awaits_material: false,
         },
         terms: PartTerms {
             order_name: String::new(),
             customer: String::new(),
+            material: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

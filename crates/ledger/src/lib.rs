@@ -9,6 +9,7 @@ pub use base::error::LedgerError;
 pub use base::event_kind::EventKind;
 pub use base::id::{BuildId, CommandId, PartId};
 pub use base::in_queue_error::InQueueError;
+pub use base::material_error::MaterialError;
 pub use base::name_pattern::NamePattern;
 pub use base::refusal_cause::RefusalCause;
 pub use base::server_error::ServerError;
@@ -29,6 +30,7 @@ pub use orders::order_request::{NewOrderRequest, OrderedLine, RecordedRequest};
 pub use orders::request_key::AnsweredRequest;
 pub use parts::due_dates::DuePartRow;
 pub use parts::edit::EditedPart;
+pub use parts::material::{LoadedMaterial, material_key};
 pub use parts::part::Namesake;
 pub use parts::part_edit::PartEdit;
 pub use parts::part_list::PartQuery;
@@ -42,10 +44,11 @@ pub use rows::build_row::{
 pub use rows::part_measures::{PartMeasures, PartTimes};
 pub use rows::part_row::{
     ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRefusal, PartRow, PartTerms,
-    RequestedTerms, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    RequiredTilts, SolidOfFile, TicketSource,
 };
 pub use rows::precedence::compare_precedence;
 pub use rows::recorded_part::{RecordedAs, RecordedPart};
+pub use rows::solid_facts::{RequestedTerms, SolidFacts};
 pub use service::event::EventRow;
 pub use service::experience::PublishedExperience;
 pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
@@ -55,7 +58,8 @@ pub use service::node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow}
 pub use service::printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use service::receiver::{ReceiverKind, ReceiverRow};
 pub use service::status::{
-    DueArrival, MachineStatus, NestingBuild, OpenBuildForecast, PauseStatus, PublishedBuild, RETRY_PERIOD,
+    AwaitedMaterial, DueArrival, MachineStatus, NestingBuild, OpenBuildForecast, PauseStatus, PublishedBuild,
+    RETRY_PERIOD,
 };
 pub use service::totals::{BuildCount, FarmTotals, MeasuredBuild};
 pub use store::address::{LedgerAddress, ServerAddress};

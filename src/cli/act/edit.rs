@@ -54,6 +54,9 @@ pub struct EditArgs {
     /// Name of its order, or "" for none
     #[arg(long, value_name = "NAME")]
     order: Option<String>,
+    /// What it is to be made of, or none
+    #[arg(long, value_name = "NAME")]
+    material: Option<String>,
     /// Who it is for, or ""; can also be changed where nothing waits any more
     #[arg(long, value_name = "NAME")]
     customer: Option<String>,
@@ -91,6 +94,7 @@ impl EditArgs {
             copies: self.copies,
             order_name: self.order.clone(),
             customer: self.customer.clone(),
+            material: self.material.as_deref().map(|word| if is_none(word) { String::new() } else { word.to_owned() }),
             priority: self.priority,
             due: due.transpose()?,
             orientation: self.orientation,
@@ -186,6 +190,7 @@ mod tests {
             note: None,
             order: None,
             customer: None,
+            material: None,
         };
         let due = |text: &str| args(text).to_edit(&berlin).unwrap().due.unwrap();
         let day = Some(("2026-12-24T22:59:59Z".parse().unwrap(), "2026-12-24".to_owned()));

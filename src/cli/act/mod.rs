@@ -4,6 +4,7 @@ pub(super) mod adopt;
 pub(super) mod command;
 pub(super) mod dismiss;
 pub(super) mod edit;
+pub(super) mod machine;
 pub(super) mod notify;
 pub(super) mod operate;
 pub(super) mod outcome;

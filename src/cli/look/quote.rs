@@ -17,7 +17,7 @@ use crate::{
         },
     },
     farm::{
-        QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
+        MaterialReading, QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
         read_quoted_files,
     },
 };
@@ -66,8 +66,9 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
         let reading = read_plan(ledger, &profile, now).await?;
         let parts = read_quoted_files(&profile, &settings.limits, &files, None, now).map_err(|error| match error {
             QuoteError::Refused(reason) => anyhow::anyhow!("it would be refused: {reason}"),
-            QuoteError::TryLater(why) => anyhow::anyhow!("{why}"),
+            QuoteError::AwaitsMaterial(why) | QuoteError::TryLater(why) => anyhow::anyhow!("{why}"),
         })?;
+        MaterialReading::read(ledger, &settings.materials).await?.ensure_loaded(&parts)?;
         let question = QuoteQuestion { parts, due_at: due.map(|(at, _)| at), within: QUOTE_SEARCH_TIME };
         let quote = quote_order(&profile, &reading, question, &QuoteMeshes::of_farm(settings), (), now);
         let sentences = quote.sentences(&settings.time_zone);

@@ -39,7 +39,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     let wanted = LookupQuery::from_words(&args.what);
     let (found, view) = with_ledger_to_read(common, async |settings, ledger| {
         let plans = read_plans(ledger, settings.profiles.values(), Timestamp::now()).await?;
-        let mut found = look_up(ledger, &wanted, &plans, &settings.time_zone).await?;
+        let mut found = look_up(ledger, &wanted, &plans, (&settings.time_zone, &settings.materials)).await?;
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
             let now = settings.profiles.get(&build.machine);

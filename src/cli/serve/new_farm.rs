@@ -42,13 +42,6 @@ pub struct InitArgs {
     dir: PathBuf,
 }
 
-/// What is done with machines.
-#[derive(Debug, clap::Subcommand)]
-pub enum MachineCommand {
-    /// Write the file of a new machine
-    New(MachineArgs),
-}
-
 /// Arguments of `nestd machine new`.
 #[derive(Debug, clap::Args)]
 pub struct MachineArgs {
@@ -89,8 +82,7 @@ pub fn run_init(args: &InitArgs) -> Result<CommandExit> {
 }
 
 /// Writes the file of a machine beside the farm's configuration.
-pub fn run_machine(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit> {
-    let MachineCommand::New(args) = command;
+pub fn run_machine(common: &CommonArgs, args: &MachineArgs) -> Result<CommandExit> {
     if !is_machine_name(&args.name) {
         let text = format!("'{}' is no name of a machine: 1 to 40 of a-z, 0-9 and -, for example mjf-2", args.name);
         return Err(UsageError(text).into());

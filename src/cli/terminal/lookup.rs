@@ -12,8 +12,8 @@ use serde::Serialize;
 
 use super::values::parse_prefixed_number;
 use crate::{
-    farm::{BuildFact, DatedOrder, MachinePlan, build_fact, copy_counts, customer_note},
-    settings::{FarmZone, MachineProfile},
+    farm::{BuildFact, DatedOrder, MachinePlan, MaterialReading, PartQuestion, build_fact, copy_counts, customer_note},
+    settings::{FarmZone, MachineProfile, Materials},
     tables::{CountedPart, PlacedCopy},
 };
 
@@ -93,6 +93,8 @@ pub struct PartDetails {
     pub part: PartRow,
     /// What became of its copies.
     pub copies: LineCopies,
+    /// What is asked of it.
+    pub questions: Vec<PartQuestion>,
     /// Where its copies are.
     pub placements: Vec<PlacedCopy>,
     /// What happened to it.
@@ -135,26 +137,27 @@ pub async fn look_up(
     ledger: &Ledger,
     wanted: &LookupQuery,
     plans: &[MachinePlan],
-    zone: &FarmZone,
+    (zone, materials): (&FarmZone, &Materials),
 ) -> Result<LookupResult> {
     let mut found = LookupResult::default();
+    let materials = &MaterialReading::read(ledger, materials).await?;
     if let Some(number) = wanted.build {
         found.build = read_build_details(ledger, BuildId(number), plans).await?;
     }
     if let Some(number) = wanted.part
         && let Some(part) = ledger.find_part(PartId(number)).await?
     {
-        found.part = Some(read_part_details(ledger, part, plans).await?);
+        found.part = Some(read_part_details(ledger, part, (plans, materials)).await?);
     }
     if let Some(name) = &wanted.order {
         for part in ledger.parts_of_order(name).await? {
-            found.order.push(read_part_details(ledger, part, plans).await?);
+            found.order.push(read_part_details(ledger, part, (plans, materials)).await?);
         }
         found.order_sheet = read_order_details(ledger, name, plans, zone).await?;
     }
     if let Some(name) = &wanted.file {
         for part in ledger.parts_named(name).await? {
-            found.named.push(read_part_details(ledger, part, plans).await?);
+            found.named.push(read_part_details(ledger, part, (plans, materials)).await?);
         }
     }
     Ok(found)
@@ -163,7 +166,7 @@ pub async fn look_up(
 /// The builds that hold copies of the matching orders and parts.
 pub async fn find_builds(ledger: &Ledger, wanted: &LookupQuery) -> Result<Vec<BuildId>> {
     let wanted = LookupQuery { build: None, ..wanted.clone() };
-    let found = look_up(ledger, &wanted, &[], &FarmZone::default()).await?;
+    let found = look_up(ledger, &wanted, &[], (&FarmZone::default(), &Materials::default())).await?;
     let sheets = found.part.iter().chain(&found.order).chain(&found.named);
     let builds: BTreeSet<BuildId> =
         sheets.flat_map(|sheet| sheet.placements.iter().map(|copy| copy.placed.build_id)).collect();
@@ -202,9 +205,14 @@ async fn read_build_details(ledger: &Ledger, id: BuildId, plans: &[MachinePlan])
     }))
 }
 
-async fn read_part_details(ledger: &Ledger, part: PartRow, plans: &[MachinePlan]) -> Result<PartDetails> {
+async fn read_part_details(
+    ledger: &Ledger,
+    part: PartRow,
+    (plans, materials): (&[MachinePlan], &MaterialReading),
+) -> Result<PartDetails> {
     let events = ledger.events_of_part(part.id).await?;
     let placements = PlacedCopy::of_plans(ledger.placements_of_part(part.id).await?, plans);
     let copies = copy_counts(&ledger.line_of_part(part.id).await?.copies, plans, |planned| planned.part == part.id);
-    Ok(PartDetails { part, copies, placements, events })
+    let questions = PartQuestion::of_part(&part, materials);
+    Ok(PartDetails { part, copies, questions, placements, events })
 }

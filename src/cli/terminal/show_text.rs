@@ -8,13 +8,10 @@ use super::{
     table::TextTable,
     terminal::wrap_words,
 };
-use crate::{
-    farm::PartQuestion,
-    tables::{
-        BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, GivenDate, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart,
-        PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, copies_text,
-        fields, part_facts, whereabouts,
-    },
+use crate::tables::{
+    BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, GivenDate, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart,
+    PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, copies_text,
+    fields, part_facts, whereabouts,
 };
 
 /// Columns that are left out on a narrow terminal, the first of them first.
@@ -91,7 +88,8 @@ fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
     let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)), view);
     facts.extend(fields::REASON.fact(&row.refused.reason));
     facts.extend(
-        PartQuestion::of_part(row)
+        sheet
+            .questions
             .iter()
             .map(|question| fields::QUESTION.fact_of(format!("{} {}", question.text, question.remedy))),
     );

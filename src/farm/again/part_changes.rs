@@ -43,7 +43,10 @@ async fn edit_part(
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let edit = command.read_argument().edit.unwrap_or_default();
+    let mut edit = command.read_argument().edit.unwrap_or_default();
+    if let Some(material) = &mut edit.material {
+        *material = desk.shared.settings.materials.require_name(material)?;
+    }
     let edited = desk.shared.ledger.for_command(command.id).edit_part(row.id, &edit, &command.asked_by).await?;
     if edit.changes_layout() {
         forget_layout(desk, &row.machine);

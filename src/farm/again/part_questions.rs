@@ -3,13 +3,16 @@
 
 use language::say;
 use ledger::{PartRow, QuestionKind, QuestionedPart};
+use serde::Serialize;
 use serde_json::json;
+
+use crate::farm::facts::material_fact::MaterialReading;
 
 /// Maximum number of questions of a kind in `STATUS.txt`.
 const MAX_LINES: usize = 3;
 
 /// An open question of a part.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PartQuestion {
     /// What it is about.
     pub kind: QuestionKind,
@@ -21,13 +24,13 @@ pub struct PartQuestion {
 
 impl PartQuestion {
     /// The open questions of a part.
-    pub fn of_part(part: &PartRow) -> Vec<Self> {
+    pub fn of_part(part: &PartRow, materials: &MaterialReading) -> Vec<Self> {
         let kinds = QuestionKind::of_part(part);
-        kinds.into_iter().map(|kind| Self::about(part, kind)).collect()
+        kinds.into_iter().map(|kind| Self::about(part, kind, materials)).collect()
     }
 
     /// A question of this kind about a part.
-    fn about(part: &PartRow, kind: QuestionKind) -> Self {
+    fn about(part: &PartRow, kind: QuestionKind, materials: &MaterialReading) -> Self {
         let id = part.id;
         let (text, remedy) = match kind {
             QuestionKind::Confirmation => (
@@ -41,6 +44,7 @@ impl PartQuestion {
                 say!("question-copies"),
                 say!("question-copies-remedy", command = copies_command(part), part = id.to_string()),
             ),
+            QuestionKind::Material => materials.why_waiting(part),
         };
         Self { kind, text, remedy }
     }
@@ -72,7 +76,11 @@ pub(crate) fn questions_text(machine: &str, asked: &[QuestionedPart]) -> String 
 }
 
 /// The open questions of a machine for `status.json`.
-pub(crate) fn questions_json(machine: &str, asked: &[QuestionedPart]) -> serde_json::Value {
+pub(crate) fn questions_json(
+    machine: &str,
+    asked: &[QuestionedPart],
+    materials: &MaterialReading,
+) -> serde_json::Value {
     let of_part = |part: &PartRow| {
         let (id, name) = (part.id, part.full_name());
         let as_json = move |question: PartQuestion| {
@@ -80,7 +88,7 @@ pub(crate) fn questions_json(machine: &str, asked: &[QuestionedPart]) -> serde_j
                 "part": id, "name": name, "kind": question.kind, "question": question.text, "remedy": question.remedy,
             })
         };
-        PartQuestion::of_part(part).into_iter().map(as_json)
+        PartQuestion::of_part(part, materials).into_iter().map(as_json)
     };
     // A part with two questions has a row for each kind.
     let mut parts: Vec<&PartRow> = asked.iter().map(|row| &row.part).filter(|part| part.machine == machine).collect();
@@ -118,8 +126,10 @@ mod tests {
         for id in &ids {
             rows.push(ledger.find_part(*id).await.unwrap().unwrap());
         }
-        let kinds =
-            |part: &PartRow| PartQuestion::of_part(part).iter().map(|question| question.kind).collect::<Vec<_>>();
+        let none = MaterialReading::default();
+        let kinds = |part: &PartRow| {
+            PartQuestion::of_part(part, &none).iter().map(|question| question.kind).collect::<Vec<_>>()
+        };
         assert_eq!(kinds(&rows[0]), []);
         assert_eq!(kinds(&rows[1]), [QuestionKind::Copies]);
         assert_eq!(kinds(&rows[2]), [QuestionKind::Confirmation, QuestionKind::Copies]);
@@ -128,11 +138,11 @@ mod tests {
         }
         rows[0].times.damaged_at = Some(rows[0].times.claimed_at);
         assert_eq!(kinds(&rows[0]), [QuestionKind::Original]);
-        let json = questions_json("paper-200", &asked);
+        let json = questions_json("paper-200", &asked, &none);
         assert_eq!(json.as_array().unwrap().len(), 3, "{json:#}");
         assert_eq!(json[1]["question"], "It waits for a yes: it is 0.4 mm long.");
         assert_eq!(json[1]["remedy"], "`nestd confirm 3` prints it as it is, `nestd cancel 3` refuses it.");
-        assert_eq!(questions_json("other", &asked), json!([]));
+        assert_eq!(questions_json("other", &asked, &none), json!([]));
         assert_eq!(questions_text("paper-200", &asked).matches("Question: How many copies? part 2").count(), 1);
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 
 use build_file::format_count;
 
-use ledger::{BuildId, LedgerError, PartId};
+use ledger::{AwaitedMaterial, BuildId, LedgerError, PartId};
 
 /// The answer to a command.
 #[derive(Debug)]
@@ -14,6 +14,8 @@ pub(crate) enum CommandAnswer {
     BuildFired(BuildId, usize),
     /// Nothing waits in the machine.
     NothingWaits(String),
+    /// Nothing of the machine can be in a build: what waits is of materials that are not loaded.
+    AwaitsMaterial(String, Vec<AwaitedMaterial>),
     /// The machine was paused.
     Paused(String),
     /// The machine was paused before.
@@ -64,6 +66,7 @@ impl CommandAnswer {
         match self {
             Self::BuildFired(..)
             | Self::NothingWaits(_)
+            | Self::AwaitsMaterial(..)
             | Self::Paused(_)
             | Self::PausedAlready(_)
             | Self::Resumed(_)
@@ -96,6 +99,13 @@ impl fmt::Display for CommandAnswer {
                 write!(f, "build {build} is being nested with {}", format_count(*copies, "copy", "copies"))
             }
             Self::NothingWaits(name) => write!(f, "nothing waits in {name}"),
+            Self::AwaitsMaterial(name, awaited) => {
+                let each = awaited
+                    .iter()
+                    .map(|of| format!("{} for {}", format_count(of.copies, "copy", "copies"), of.material));
+                let all = each.collect::<Vec<_>>().join(", ");
+                write!(f, "nothing is built in {name}: its loaded material is not what is waited for ({all})")
+            }
             Self::Paused(name) => write!(f, "{name} is paused"),
             Self::PausedAlready(name) => write!(f, "{name} was paused already"),
             Self::Resumed(name) => write!(f, "{name} runs again"),

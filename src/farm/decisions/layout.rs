@@ -39,6 +39,8 @@ fn order_words(terms: &PartTerms, zone: &FarmZone) -> OrderWords {
         due: some(due_words(terms, zone)),
         note: some(terms.note.clone()),
         reference: some(terms.reference.clone()),
+        // Its build says it.
+        material: None,
     }
 }
 

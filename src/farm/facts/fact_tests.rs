@@ -1,7 +1,7 @@
 use jiff::Timestamp;
 use ledger::{
-    BuildId, BuildState, DownPrinter, LineCopies, MachineStatus, NestingBuild, OccupyingBuild, OrderRow, OrderState,
-    OrderSummary, PartId, PauseStatus,
+    AwaitedMaterial, BuildId, BuildState, DownPrinter, LineCopies, MachineStatus, NestingBuild, OccupyingBuild,
+    OrderRow, OrderState, OrderSummary, PartId, PauseStatus,
 };
 
 use super::{
@@ -160,6 +160,9 @@ fn a_machine_says_what_is_most_urgent_first_and_all_that_is_so() {
     assert_eq!((idle.state, idle.doing.as_str(), idle.free_at), (MachineWord::Free, "free now", Some(at(2.0).into())));
     let collecting = machine_of(&status, &[], &[]);
     assert_eq!((collecting.state, collecting.doing.as_str()), (MachineWord::Collecting, "collecting 3 copies"));
+    let awaiting = vec![AwaitedMaterial { material: "PA11".to_owned(), parts: 1, copies: 3 }];
+    let awaiting = machine_of(&MachineStatus { awaiting, ..status.clone() }, &[], &[]);
+    assert_eq!((awaiting.state, awaiting.doing.as_str()), (MachineWord::Free, "3 copies wait for PA11"));
     let printing = machine_of(&status, &[taken(1, 1.0)], &[]);
     assert_eq!(printing.state, MachineWord::Printing);
     assert_eq!(

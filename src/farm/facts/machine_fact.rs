@@ -109,7 +109,7 @@ pub fn machine_fact(
         _ if is_one(PrinterWord::Queued) => MachineWord::Queued,
         status if !status.nesting.is_empty() => MachineWord::Nesting,
         status if status.claimed_parts > 0 => MachineWord::Reading,
-        status if status.waiting_parts > 0 => MachineWord::Collecting,
+        status if status.collecting_copies() > 0 => MachineWord::Collecting,
         _ => MachineWord::Free,
     };
     let mut pieces = Vec::new();
@@ -153,9 +153,15 @@ fn making_texts(status: &MachineStatus) -> Vec<String> {
     if status.claimed_parts > 0 {
         making.push(say!("reading-files", files = status.claimed_parts));
     }
-    if status.waiting_parts > 0 {
-        making.push(say!("collecting-copies", copies = status.waiting_copies));
+    if status.collecting_copies() > 0 {
+        making.push(say!("collecting-copies", copies = status.collecting_copies()));
     }
+    making.extend(
+        status
+            .awaiting
+            .iter()
+            .map(|awaiting| say!("copies-await-material", copies = awaiting.copies, material = &awaiting.material)),
+    );
     making
 }
 

@@ -44,6 +44,7 @@ impl ClaimNote {
         let terms = NewTerms {
             order_name: part.terms.order_name.clone(),
             customer: part.terms.customer.clone(),
+            material: part.terms.material.clone(),
             priority: part.terms.priority,
             due_at: part.terms.due_at.map(|at| at.0),
             due_text: part.terms.due_text.clone(),
@@ -279,6 +280,7 @@ pub(crate) fn new_part_row(
         terms: NewTerms {
             order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
             customer: ticket.customer.unwrap_or_default(),
+            material: profile.materials.name_of(&ticket.material.unwrap_or_default()),
             priority: ticket.priority.unwrap_or(50),
             due_at,
             due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),

@@ -88,7 +88,7 @@ fn find_solid_fault(
         );
         return Some((RefusalCause::NotClosed, reason));
     }
-    let terms = match solid.request.as_deref().map(requested_terms).transpose() {
+    let terms = match solid.request.as_deref().map(|request| requested_terms(request, profile)).transpose() {
         Ok(request) => terms.with_request(request.as_ref()),
         Err(error) => return Some((RefusalCause::Other, format!("{}: {error}.", solid.name))),
     };

@@ -81,7 +81,7 @@ pub fn read_part(
     }
     let mut facts = Vec::new();
     for (index, solid) in contents.solids.into_iter().enumerate() {
-        let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
+        let request = solid.request.as_deref().and_then(|request| requested_terms(request, profile).ok());
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
         warnings.extend(far_warning(&solid, profile));

@@ -160,16 +160,20 @@ fn placed_in_machine_frame(
 }
 
 fn create_solved_build(request: &BuildWriteRequest, nested: &NestingResult) -> SolvedBuild {
+    let material = Some(request.build.material.clone()).filter(|material| !material.is_empty());
+    let of = material.as_ref().map(|material| format!(", {material}")).unwrap_or_default();
     let heading = BuildHeading {
-        title: format!("{} build {}", request.profile.name, request.build.id),
+        title: format!("{} build {}{of}", request.profile.name, request.build.id),
         build_id: request.build.id.to_string(),
         created: request.build.times.nesting_at.unwrap_or(request.build.times.opened_at).0,
         seed: request.seed,
     };
+    let mut parts = nested.batch.build_parts(&request.profile.time_zone);
+    parts.iter_mut().for_each(|part| part.words.material.clone_from(&material));
     SolvedBuild {
         heading,
         machine: request.profile.to_machine(),
-        parts: nested.batch.build_parts(&request.profile.time_zone),
+        parts,
         placed: nested.batch.part_placements(&nested.layout),
         height_mm: nested.layout.height_mm,
         density: nested.layout.density,

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
 use jobs::BackgroundJob;
-use ledger::{BuildId, BuildState, Ledger, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
+use ledger::{BuildId, BuildState, Ledger, MachineStatus, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
 use tracing::{info, warn};
 
 use super::searches::start_search;
@@ -152,7 +152,11 @@ pub(crate) async fn update_open_build(desk: &mut Batching<'_>, name: &str) -> Re
     match decide_batch(&machine.profile, &facts, now) {
         BatchDecision::AwaitClaims => Ok(()),
         BatchDecision::AnswerFlushes => {
-            let answer = CommandAnswer::NothingWaits(name.to_owned());
+            let status = MachineStatus::of_machine(&desk.shared.ledger.machine_statuses().await?, name);
+            let answer = match status.awaiting {
+                none if none.is_empty() => CommandAnswer::NothingWaits(name.to_owned()),
+                awaited => CommandAnswer::AwaitsMaterial(name.to_owned(), awaited),
+            };
             while let Some(&flush) = machine.pending_flushes.first() {
                 commands::answer_command(desk.shared.ledger, flush, &answer).await?;
                 machine.pending_flushes.remove(0);

@@ -4,7 +4,10 @@
 
 use std::time::Duration;
 
-use ledger::{BuildId, BuildRow, BuildState, Ledger, LedgerError, OperatorWord, SeenFile, SeenFiles, WordAnswer};
+use build_file::check_name;
+use ledger::{
+    BuildId, BuildRow, BuildState, Ledger, LedgerError, MaterialError, OperatorWord, SeenFile, SeenFiles, WordAnswer,
+};
 
 use crate::{
     farm::{
@@ -53,6 +56,7 @@ pub async fn operate(
     by: &str,
     anyway: bool,
 ) -> Result<WordAnswer, LedgerError> {
+    let word = &with_known_material(settings, word)?;
     let mut seen = SeenFiles::new();
     for build in ledger.builds_meant(word).await? {
         let (id, file) = (build.id, see_file(ledger, settings, build, word).await?);
@@ -68,6 +72,16 @@ pub async fn operate(
         answer.sentences.push(fate_of_queued(ledger, profile, printer).await?);
     }
     Ok(answer)
+}
+
+/// A word with the name of the material that is loaded, as the settings call it.
+fn with_known_material(settings: &Settings, word: &OperatorWord) -> Result<OperatorWord, LedgerError> {
+    let OperatorWord::Load { machine, material } = word else { return Ok(word.clone()) };
+    if !settings.profiles.contains_key(machine) {
+        return Err(MaterialError::NoMachine(machine.clone()).into());
+    }
+    let material = check_name("material", material).map_err(LedgerError::UnusableTerm)?;
+    Ok(OperatorWord::Load { machine: machine.clone(), material: settings.materials.require_name(&material)? })
 }
 
 /// A build that does not fit its machine any more is made again before it is published: nobody can say yes to it.

@@ -34,6 +34,8 @@ pub enum RiskCause {
     AwaitsRelease,
     /// The part waits for a person's answer.
     AwaitsAnswer,
+    /// Its material is not loaded on its machine.
+    AwaitsMaterial,
     /// Its file is damaged, or is being fetched.
     FileMissing,
     /// Its file is not read yet.
@@ -236,6 +238,7 @@ impl RiskCause {
             RiskCause::PrinterClosed => say!("risk-printer-closed", time = until),
             RiskCause::AwaitsRelease => say!("risk-awaits-release"),
             RiskCause::AwaitsAnswer => say!("risk-awaits-answer"),
+            RiskCause::AwaitsMaterial => say!("risk-awaits-material"),
             RiskCause::FileMissing => say!("risk-file-missing"),
             RiskCause::NotRead => say!("risk-not-read"),
             RiskCause::Paused => say!("risk-paused"),

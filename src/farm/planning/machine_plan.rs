@@ -322,6 +322,7 @@ fn outlook_of_unplanned(
         () if due_at <= now => RiskCause::Passed,
         () if part.state == PartState::Claimed => RiskCause::NotRead,
         () if !part.owed.question.is_empty() => RiskCause::AwaitsAnswer,
+        () if part.owed.awaits_material => RiskCause::AwaitsMaterial,
         () => RiskCause::FileMissing,
     };
     let is_near = super::build_plan::add_secs(at_once, margin_secs) > due_at;

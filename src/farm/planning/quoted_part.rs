@@ -57,6 +57,9 @@ pub enum QuoteError {
     /// A file would be refused, and this is why.
     #[error("{0}")]
     Refused(String),
+    /// A part would wait for its material, and this is why.
+    #[error("{0}")]
+    AwaitsMaterial(String),
     /// A file cannot be read now.
     #[error("{0}")]
     TryLater(String),
@@ -150,6 +153,7 @@ fn quoted_row(
     let terms = PartTerms {
         order_name: String::new(),
         customer: String::new(),
+        material: profile.materials.name_of(file.ticket.material.as_deref().unwrap_or_default()),
         priority: file.ticket.priority.unwrap_or(USUAL_PRIORITY),
         due_at: None,
         due_text: String::new(),
@@ -160,7 +164,7 @@ fn quoted_row(
         note: String::new(),
         reference: String::new(),
     };
-    let request = solid.request.as_deref().and_then(|request| requested_terms(request).ok());
+    let request = solid.request.as_deref().and_then(|request| requested_terms(request, profile).ok());
     PartRow {
         id,
         machine: profile.name.clone(),
@@ -178,6 +182,7 @@ fn quoted_row(
             question: String::new(),
             size_differs: false,
             replaced_by: None,
+            awaits_material: false,
         },
         terms: match &request {
             Some(request) => terms.with_request(request),

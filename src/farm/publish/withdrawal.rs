@@ -31,7 +31,9 @@ pub(crate) async fn consider_withdrawal(
     }
     let Some(queued) = shared.ledger.newest_queued(name, 1).await?.pop() else { return Ok(()) };
     let Some(build) = shared.ledger.find_build(queued.build).await? else { return Ok(()) };
-    if !shared.ledger.second_files(build.id).await?.is_empty() {
+    // Of another material than what is loaded now, its copies would only wait.
+    let is_other = build.material != shared.ledger.loaded_material(name).await?;
+    if is_other || !shared.ledger.second_files(build.id).await?.is_empty() {
         return Ok(());
     }
     let taken_back = shared.ledger.builds_to_take_back(name).await?;

@@ -214,6 +214,7 @@ async fn record_from_build_file(
     let build = json!({
         "id": number, "machine": profile.name, "fired_by": "", "attempts": 1, "opened_at": at, "nesting_at": at,
         "verified_at": at, "state_at": at, "file_name": name, "file_hash": intake::hash_file(&file)?, "file_bytes": bytes,
+        "material": placed.iter().find_map(|item| item.words.material.clone()).unwrap_or_default(),
         "height_mm": height_mm, "copies": placements.len(), "reason": "taken in from the build file in the queue",
     });
     let record = json!({ "builds": [build], "parts": parts, "placements": placements }).to_string();

@@ -27,10 +27,14 @@ pub(super) struct MachineRows {
 }
 
 impl MachineRows {
-    /// Reads them. Machines without a node are claimed for this one, and machines without an open build get one.
+    /// Reads them. Machines without a node are claimed for this one, machines without an open build get one, and the ledger learns what
+    /// their files say is loaded.
     pub(super) async fn read(ledger: &Ledger, settings: &Settings) -> Result<Self> {
         let names: Vec<String> = settings.profiles.keys().cloned().collect();
         let of_others = ledger.claim_machines(&settings.node.name, &names).await?;
+        let own = settings.profiles.values().filter(|profile| !of_others.contains_key(&profile.name));
+        let loaded = own.map(|profile| (profile.name.clone(), profile.printing.material.clone())).collect();
+        ledger.take_over_materials(&loaded, &|word| settings.materials.name_of(word)).await?;
         let mut open_builds = BTreeMap::new();
         for name in names.into_iter().filter(|name| !of_others.contains_key(name)) {
             let row = ledger.open_build(&name).await?;

@@ -26,6 +26,7 @@ use crate::farm::{
     decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
     facts::{
         machine_fact::MachineFact,
+        material_fact::MaterialReading,
         read_facts::{FarmReading, dates_at_risk},
     },
     nodes::machine_availability,
@@ -74,6 +75,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     desk.display.updated_at = Some(desk.shared.now());
     control_files::update_answers(desk.shared.ledger, desk.machines).await?;
     let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
+    let materials = MaterialReading::read(desk.shared.ledger, &desk.shared.settings.materials).await?;
     let now = desk.shared.date();
     let profiles: Vec<_> = desk.machines.values().map(|machine| machine.profile.clone()).collect();
     let reading = FarmReading::read(desk.shared.ledger, profiles.iter().map(|profile| &**profile), now).await?;
@@ -91,10 +93,13 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     for (((name, machine), fact), told) in desk.machines.iter_mut().zip(&facts).zip(&told) {
         let risks: Vec<&DateRisk> = risks.iter().filter(|risk| risk.machine == *name).collect();
         let row = MachineStatus::of_machine(rows, name);
-        let text = language
-            .within(|| status_text(machine, &row, (told, &risks), now) + &part_questions::questions_text(name, &asked));
+        let text = language.within(|| {
+            let status = status_text(machine, &row, (told, &risks), now);
+            status + &materials.status_lines(&row) + &part_questions::questions_text(name, &asked)
+        });
         let mut json = status_json(machine, &row, (fact, &risks), now);
-        json["questions"] = part_questions::questions_json(name, &asked);
+        json["questions"] = part_questions::questions_json(name, &asked, &materials);
+        json["awaiting"] = materials.status_json(&row);
         machine.status = (text, json);
     }
     status_alerts::update_ledger_alerts(desk.shared.ledger, desk.machines, desk.shared.alerts, rows).await?;
@@ -319,6 +324,7 @@ fn status_json(
         "printers": fact.printers,
         "dates_at_risk": risks,
         "paused": row.paused.is_some(),
+        "material": row.material,
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,

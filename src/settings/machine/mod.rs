@@ -2,6 +2,7 @@
 
 pub(super) mod farm_zone;
 pub(super) mod keep_out;
+pub(super) mod materials;
 pub(super) mod printer;
 pub(super) mod profile;
 pub(super) mod profile_inputs;

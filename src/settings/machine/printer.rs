@@ -65,6 +65,8 @@ pub enum WithdrawalPolicy {
 /// How the machine is used: what a print takes beside its height, and which builds wait for a yes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PrintingRules {
+    /// What is loaded as long as no person says otherwise; "" = nothing is said.
+    pub material: String,
     /// Hours from the end of a print to the begin of the next one on the same printer: cooling and unpacking.
     pub cool_down_hours: f64,
     /// Which builds wait for a person's yes.

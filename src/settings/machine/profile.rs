@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     build::MachineSpec,
-    settings::{FarmZone, KeepOutZone, PrinterRules, PrintingRules},
+    settings::{FarmZone, KeepOutZone, Materials, PrinterRules, PrintingRules},
 };
 
 /// The folders of a machine profile.
@@ -83,6 +83,9 @@ pub struct MachineProfile {
     /// The time zone of the farm: of its due dates and times of day.
     #[serde(skip)]
     pub time_zone: FarmZone,
+    /// What materials are called.
+    #[serde(skip)]
+    pub materials: Materials,
     /// Its build space, and the distances between parts there.
     #[serde(flatten)]
     pub space: BuildSpace,

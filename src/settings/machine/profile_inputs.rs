@@ -119,6 +119,7 @@ option_group! {
 option_group! {
     /// How the printers are used.
     PrintingInputs {
+        material: String = String::new(),
         cool_down_hours: f64 = 0.0,
         hours: String = "always".to_owned(),
         days_off: Vec<String> = Vec::new(),

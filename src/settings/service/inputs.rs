@@ -1,7 +1,7 @@
 //! The second stage: the values of the farm file, with defaults for missing ones. Only types are checked here. All
 //! defaults are defined here and in `profile_inputs`, and documented in `config/nestd.toml`; a test compares both.
 
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -33,6 +33,7 @@ pub(crate) struct FarmInputs {
     pub metrics: MetricsInputs,
     pub notify: NotifyInputs,
     pub limits: build_file::ReadLimits,
+    pub materials: BTreeMap<String, Vec<String>>,
     pub defaults: ProfileInputs,
 }
 
@@ -53,13 +54,15 @@ impl Default for FarmInputs {
             metrics: MetricsInputs::default(),
             notify: NotifyInputs::default(),
             limits: build_file::ReadLimits::default(),
+            materials: BTreeMap::new(),
             defaults: ProfileInputs::default(),
         }
     }
 }
 
 read_options!(
-    FarmInputs: root time_zone language scan_secs orphan_ticket_secs node folders files log web metrics notify limits defaults,
+    FarmInputs: root time_zone language scan_secs orphan_ticket_secs node folders files log web metrics notify limits
+    materials defaults,
     groups resources: ResourceInputs
 );
 

@@ -11,7 +11,8 @@ use language::Language;
 use ledger::LedgerAddress;
 
 use crate::settings::{
-    FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
+    FarmZone, LogSettings, MachineFolders, MachineProfile, Materials, MetricsFile, NodeSettings, NotifySettings,
+    WebSettings,
 };
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
@@ -48,6 +49,8 @@ pub struct Settings {
     pub files: FilePermissions,
     /// What people and other programs see of the daemon.
     pub interfaces: InterfaceSettings,
+    /// What materials are called.
+    pub materials: Materials,
     /// The profiles by the names of their machines.
     pub profiles: BTreeMap<String, MachineProfile>,
 }

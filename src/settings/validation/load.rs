@@ -14,7 +14,7 @@ use super::{printer_validation, validation_rules};
 use crate::settings::{
     ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, PrinterRules, ResourceSettings,
     Settings,
-    machine::{farm_zone, profile_inputs::ProfileInputs},
+    machine::{farm_zone, materials, profile_inputs::ProfileInputs},
     reading::{
         folder_conflicts::{self, FolderClaim},
         fragment::{ConfigFragment, read_config_text},
@@ -116,18 +116,16 @@ fn read_settings(
     validation_rules::validate_farm(&inputs, &mut validator);
     let (time_zone, language) = farm_zone::validate_place(&inputs.time_zone, &inputs.language, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
-
     let node = crate::settings::service::node::validate_node(&inputs.node, &mut validator);
     let web = crate::settings::service::web::validate_web(&inputs.web, &mut validator);
     let metrics = crate::settings::service::metrics::validate_metrics(&inputs.metrics, &mut validator);
     let notify = crate::settings::service::notify::validate_notify(&inputs.notify, &mut validator);
+    let materials = materials::validate_materials(&inputs.materials, &mut validator);
     let root = folders::farm_root(&inputs, root);
     let state_dir = folders::path_below(&root, &inputs.folders.state);
     let state = state_claim(&state_dir, &validator);
     problems.append(&mut validator.problems);
-    let mut validator = ConfigValidator::new(vec![(&farm, "defaults.")]);
-    validation_rules::validate_defaults(&inputs.defaults, &mut validator);
-    problems.append(&mut validator.problems);
+    problems.append(&mut problems_of_defaults(&farm, &inputs.defaults));
 
     let mut profiles = BTreeMap::new();
     let (mut claims, mut places) = (Vec::new(), BTreeMap::new());
@@ -136,6 +134,7 @@ fn read_settings(
         let validator = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
         if let Some(mut profile) = build_profile(name, &own, &farm, &root, &inputs, validator) {
             profile.time_zone = time_zone.clone();
+            printer_validation::name_loaded(&mut profile, &materials, validator);
             claims.extend(folder_claims(&profile, validator));
             places.insert(name.to_owned(), validator.locate_key("printer"));
             profiles.insert(name.to_owned(), profile);
@@ -164,8 +163,15 @@ fn read_settings(
         limits: inputs.limits,
         files,
         interfaces: InterfaceSettings { log, web, metrics, notify },
+        materials,
         profiles,
     })
+}
+
+fn problems_of_defaults(farm: &ConfigFragment, inputs: &ProfileInputs) -> Vec<ConfigProblem> {
+    let mut validator = ConfigValidator::new(vec![(farm, "defaults.")]);
+    validation_rules::validate_defaults(inputs, &mut validator);
+    validator.problems
 }
 
 fn state_claim(state_dir: &Path, validator: &ConfigValidator<'_>) -> FolderClaim {

@@ -8,7 +8,7 @@ use std::{
 use crate::{
     queue::QueueAddress,
     settings::{
-        ConfigProblem, MachineProfile, PrinterRules, PrintingRules, WorkCalendar,
+        ConfigProblem, MachineProfile, Materials, PrinterRules, PrintingRules, WorkCalendar,
         machine::{
             printer::PrinterInputs,
             profile::is_machine_name,
@@ -88,12 +88,26 @@ pub(super) fn validate_printing(inputs: &PrintingInputs, validator: &mut ConfigV
     validator.require_within("thin", inputs.thin, 0.0..=1.0);
     validator.require_within("queue_depth", f64::from(inputs.queue_depth), 0.0..=1000.0);
     PrintingRules {
+        material: inputs.material.trim().to_owned(),
         cool_down_hours: inputs.cool_down_hours,
         approve: inputs.approve,
         thin: inputs.thin,
         queue_depth: inputs.queue_depth,
         withdraw: inputs.withdraw,
     }
+}
+
+/// Gives a machine the materials of the farm, and what is loaded in it its name.
+pub(super) fn name_loaded(profile: &mut MachineProfile, materials: &Materials, validator: &mut ConfigValidator) {
+    match materials.require_name(&profile.printing.material) {
+        Ok(name) => profile.printing.material = name,
+        Err(_) => {
+            let text = format!("material = \"{}\" is not in [materials]", profile.printing.material.escape_debug());
+            let remedy = format!("name one of {}, or add it to [materials] in the farm file", materials.known_text());
+            validator.report_problem("material", text, remedy);
+        }
+    }
+    profile.materials = materials.clone();
 }
 
 /// Reports printers of one name: a person names one without its machine.

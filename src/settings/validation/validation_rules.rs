@@ -8,8 +8,8 @@ use jiff::civil::Time;
 
 use super::printer_validation::{validate_calendar, validate_printing};
 use crate::settings::{
-    BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
-    TurningRules,
+    BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, Materials, OutputRules, SearchRules,
+    TriggerRules, TurningRules,
     machine::{
         printer::PrinterRules,
         profile::is_machine_name,
@@ -143,6 +143,7 @@ pub(super) fn validate_profile(
         printers,
         printing: validate_printing(&printing, validator),
         time_zone: FarmZone::default(),
+        materials: Materials::default(),
         space: BuildSpace {
             volume_mm,
             wall_margin_mm: space.wall_margin_mm,

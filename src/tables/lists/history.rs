@@ -36,6 +36,7 @@ pub const HISTORY_COLUMNS: &[TableColumn<HistoryRow>] = &[
     TableColumn::for_programs("method", fields::METHOD, |row| row.search.method.as_ref().into()),
     TableColumn::for_programs("version", fields::VERSION, |row| row.search.version.as_ref().into()),
     TableColumn::for_programs("repeats", fields::REPEATS, |row| row.search.repeats.into()),
+    TableColumn::for_programs("material", fields::MATERIAL, |row| (&row.material).into()),
     TableColumn::for_programs("fired_by", fields::FIRED_BY, |row| (&row.fired_by).into()),
     TableColumn::for_programs("file_name", fields::FILE, |row| row.result.file_name.as_ref().into()),
     TableColumn::for_programs("reason", fields::REASON, |row| CellValue::Prose(row.result.reason.clone())),

@@ -138,11 +138,19 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
     // What is asked was a warning before.
     let warnings = part.told_warnings().filter(|line| asked.is_none() || intake::read_print_question(line).is_none());
     let asked = asked.map(|asked| say!("waits-for-yes-to", question = language::told(asked)));
-    CellValue::Prose(language::join_sentences(asked.into_iter().chain(warnings.map(language::told))))
+    let awaits = part.owed.awaits_material.then(|| awaited_material(part));
+    CellValue::Prose(language::join_sentences(asked.into_iter().chain(awaits).chain(warnings.map(language::told))))
+}
+
+fn awaited_material(part: &PartRow) -> String {
+    say!("waits-for-material", material = &part.terms.material, machine = &part.machine)
 }
 
 fn where_or_why(row: &OrderedPart) -> CellValue {
     match row.part.refused.reason.as_str() {
+        "" if row.part.owed.awaits_material => {
+            format!("{}; {}", whereabouts(&row.placed), awaited_material(&row.part)).into()
+        }
         "" => whereabouts(&row.placed).into(),
         reason => CellValue::Prose(RefusalCause::introduce(row.part.refused.refusal, reason)),
     }

@@ -90,6 +90,7 @@ pub fn build_facts(
         optional_fact(fields::LOWER_BOUND, bound.map(|bound| say!("bound-text", bound = bound))),
         optional_fact(fields::LAYERS, layers.map(|layers| of_all(layers.to_string(), thick))),
         fields::DENSITY.fact(row.measures.density),
+        fields::MATERIAL.fact(&row.material),
         Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
         optional_fact(fields::CLEARANCE, clearance(row, machine)),
         optional_fact(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),

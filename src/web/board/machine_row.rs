@@ -24,7 +24,7 @@ use crate::{
     web::{
         base::listing::fact_list,
         core::{command::command_button, state::DashboardState},
-        forms::drop_form::drop_form,
+        forms::{drop_form::drop_form, machine_forms::load_form},
         look::{
             chip::chip,
             times::{due_of, time_of},
@@ -84,7 +84,7 @@ impl MachineRowOnBoard<'_> {
                             details { summary { (phrase!("add-files-here", unseen = html! { span.unseen { " " (say!("unseen-to", machine = name)) } }, soft = html! { span.soft { (say!("or-drop-here")) } })) }
                                 (drop_form(web, self.profile, web.current_settings().limits.max_bytes)) }
                         }
-                        details { summary { (say!("details")) span.unseen { " " (say!("unseen-of", name = name)) } } (self.details(view, now)) }
+                        details { summary { (say!("details")) span.unseen { " " (say!("unseen-of", name = name)) } } (self.details(web, view, now)) }
                     }
                 }
             }
@@ -97,6 +97,7 @@ impl MachineRowOnBoard<'_> {
         html! {
             div.machine-head {
                 h2 { (name) " " (chip(self.fact.state.word())) }
+                @if !status.material.is_empty() { p.soft { (say!("material-loaded", material = &status.material)) } }
                 @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now) { p.soft { (phrase!("free-time", time = time_of(free, view))) } }
                 (machine_warnings(status, self.observed, view))
                 div.buttons {
@@ -189,6 +190,10 @@ impl MachineRowOnBoard<'_> {
                         None => (phrase!("waiting", copies = copies, parts = status.waiting_parts)),
                     } }
                 }
+                // Of a machine with one printer, its lane says it.
+                @if self.fact.printers.len() > 1 {
+                    @for awaiting in &status.awaiting { span { (say!("copies-await-material", copies = awaiting.copies, material = &awaiting.material)) } }
+                }
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) }
                 @if let Some(fires) = fires { (fire_time(&fires, (self.profile, status), view)) }
                 @if let Some(held) = held_text(self.profile, status) { span { (say!("it-waits", why = held)) } }
@@ -242,10 +247,11 @@ impl MachineRowOnBoard<'_> {
     }
 
     /// What only some want to know.
-    fn details(&self, view: &TimeView, now: Timestamp) -> Markup {
+    fn details(&self, web: &DashboardState, view: &TimeView, now: Timestamp) -> Markup {
         let machine = MachineForecast::new(self.status.clone(), Some(self.profile), self.fact.clone(), now);
         html! {
             (fact_list(&more_facts(&machine, view), view))
+            (load_form(web, self.status))
             (self.last_outcome(view))
             @for note in plan_notes(self.plan, view) { p { (note) } }
         }

@@ -145,7 +145,7 @@ const QUESTIONS: [ApiRoute; 13] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 13] = [
+const DOORS: [ApiRoute; 14] = [
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
@@ -255,6 +255,16 @@ const DOORS: [ApiRoute; 13] = [
             "Says that a proved build may be published",
             RequestBody::Json(schema_of::<operate_door::ReleaseRequest>),
             |method| on(method, operate_door::post_release),
+        )
+    },
+    ApiRoute {
+        role: TokenRole::Operate,
+        ..tell(
+            ("POST", "/api/v1/machines/{machine}/load"),
+            "post_load",
+            "Says what material is loaded in a machine; parts of another one wait from then on",
+            RequestBody::Json(schema_of::<operate_door::LoadRequest>),
+            |method| on(method, operate_door::post_load),
         )
     },
     ApiRoute {

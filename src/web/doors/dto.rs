@@ -58,6 +58,8 @@ pub(crate) struct BuildResource {
     fact: BuildFact,
     /// Why it failed, or the note of its outcome.
     reason: String,
+    /// What it is made of: what was loaded when it fired; "" = not known, or it has not fired.
+    material: String,
     /// Trigger that fired it: full, fill, copies, max_wait, due, at, flush.
     fired_by: String,
     /// How often its nesting was started.
@@ -144,6 +146,10 @@ struct PartTermsFields {
     order: String,
     /// Who it is for; "" = not said.
     customer: String,
+    /// What it is to be made of; "" = anything.
+    material: String,
+    /// Whether it waits because its machine has another material loaded, or none.
+    awaits_material: bool,
     /// Priority, 0 to 100.
     priority: u8,
     /// When it is due; a day is due at its last second in the time zone of the farm.
@@ -260,6 +266,7 @@ impl BuildResource {
             state: row.state,
             fact,
             reason: row.reason,
+            material: row.material,
             fired_by: row.fired_by,
             attempts: row.attempts,
             times: row.times,
@@ -296,6 +303,8 @@ impl From<PartRow> for PartResource {
             terms: PartTermsFields {
                 order: terms.order_name,
                 customer: terms.customer,
+                material: terms.material,
+                awaits_material: row.owed.awaits_material,
                 priority: terms.priority,
                 due_at: terms.due_at,
                 due_text: terms.due_text,

@@ -58,6 +58,8 @@ pub(crate) struct EditRequest {
     note: Option<String>,
     /// Another order that it belongs to.
     order: Option<String>,
+    /// What it is to be made of; empty = anything.
+    material: Option<String>,
     /// Who it is for; can also be changed where nothing waits any more.
     customer: Option<String>,
 }
@@ -100,6 +102,7 @@ impl EditRequest {
             copies: self.copies,
             order_name: self.order.clone(),
             customer: self.customer.clone(),
+            material: self.material.clone(),
             priority: self.priority,
             due: self.due.as_ref().map(due).transpose()?,
             orientation: self.orientation,

@@ -114,6 +114,28 @@ pub(super) async fn post_close(
     say(&web, &OperatorWord::CloseOrder(order), &by, false).await
 }
 
+/// What is loaded in a machine.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoadRequest {
+    /// The material; empty = nothing.
+    material: String,
+}
+
+/// Says what is loaded in a machine.
+pub(super) async fn post_load(
+    State(web): State<Arc<DashboardState>>,
+    Path(machine): Path<String>,
+    RequestUser(by): RequestUser,
+    JsonBody(request): JsonBody<LoadRequest>,
+) -> HandlerResult<Json<CarriedOut>> {
+    check_takes_orders(&web)?;
+    if !web.current_settings().profiles.contains_key(&machine) {
+        return Err(HandlerError::NotFound(format!("machine {machine}")));
+    }
+    say(&web, &OperatorWord::Load { machine, material: request.material }, &by, false).await
+}
+
 /// Nests and publishes the waiting parts of a machine.
 pub(super) async fn post_flush(
     State(web): State<Arc<DashboardState>>,

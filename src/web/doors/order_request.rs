@@ -85,7 +85,7 @@ pub(crate) struct LineRequest {
     /// Note for people.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// Material; noted.
+    /// What it is to be made of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
@@ -142,7 +142,7 @@ impl OrderRequest {
         }
         for (at, line) in self.lines.iter().enumerate() {
             let name = line.name.trim();
-            match line.check_line(self, &profile.time_zone) {
+            match line.check_line(self, profile) {
                 Ok(_) if !names.insert(intake::fold_name(name)) => {
                     wrong.push(format!(
                         "line {}: another line is called {name}, too: a later one would replace it",
@@ -158,7 +158,7 @@ impl OrderRequest {
 }
 
 impl LineRequest {
-    fn check_line(&self, order: &OrderRequest, zone: &FarmZone) -> Result<CheckedLine, String> {
+    fn check_line(&self, order: &OrderRequest, profile: &MachineProfile) -> Result<CheckedLine, String> {
         let name = self.name.trim();
         let is_plain = check_upload_name(name).map_err(|error| error.to_string())? == *name;
         if !is_plain {
@@ -172,7 +172,11 @@ impl LineRequest {
             });
         }
         let (ticket, ticket_text) = self.read_ticket(order)?;
-        due_of(&ticket, zone)?;
+        due_of(&ticket, &profile.time_zone)?;
+        profile
+            .materials
+            .require_name(ticket.material.as_deref().unwrap_or_default())
+            .map_err(|error| error.to_string())?;
         let copies = ticket.copies.unwrap_or(1);
         Ok(CheckedLine { name: name.to_owned(), content, ticket, ticket_text, copies })
     }
@@ -197,11 +201,6 @@ impl LineRequest {
             (None, None, CopiesInName::Said(copies)) => json!(copies),
             (None, None, _) => json!(1),
         };
-        let notes = [
-            self.note.clone().or_else(|| order.note.clone()),
-            self.material.as_ref().map(|material| format!("material: {material}")),
-        ];
-        let note = notes.into_iter().flatten().collect::<Vec<_>>().join("; ");
         let fields = [
             ("copies", Some(copies)),
             ("order", Some(json!(order.order.trim()))),
@@ -213,7 +212,8 @@ impl LineRequest {
             ("not_down", self.not_down.clone()),
             ("clearance_mm", self.clearance_mm.clone()),
             ("unit", self.unit.clone()),
-            ("note", (!note.is_empty()).then(|| json!(note))),
+            ("material", self.material.as_ref().map(|material| json!(material))),
+            ("note", self.note.as_ref().or(order.note.as_ref()).map(|note| json!(note))),
         ];
         Ok(fields.into_iter().filter_map(|(field, value)| Some((field.to_owned(), value?))).collect())
     }
@@ -256,7 +256,8 @@ mod tests {
         let [hinge, cover] = &lines[..] else { panic!("{lines:?}") };
         assert_eq!((hinge.copies, hinge.ticket.priority), (4, Some(70)));
         assert_eq!(hinge.ticket.order.as_deref(), Some("K-12"));
-        assert_eq!(hinge.ticket.note.as_deref(), Some("for the door; material: PA12"));
+        assert_eq!(hinge.ticket.note.as_deref(), Some("for the door"));
+        assert_eq!(hinge.ticket.material.as_deref(), Some("PA12"));
         assert_eq!(hinge.ticket.customer.as_deref(), Some("Brandt"));
         assert_eq!(hinge.ticket.due.unwrap().to_string(), "2026-11-25");
         assert_eq!((cover.copies, cover.ticket.priority, cover.ticket.clearance_mm), (2, Some(100), Some(1.5)));

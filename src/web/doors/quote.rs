@@ -23,7 +23,8 @@ use super::{
 };
 use crate::{
     farm::{
-        OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan, read_quoted_files,
+        MaterialReading, OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan,
+        read_quoted_files,
     },
     settings::MachineProfile,
     web::{
@@ -88,12 +89,15 @@ pub(super) async fn post_quote(
     let (files, due_at) = find_files(&web, &profile, &asked, &came).await?;
     let now = Timestamp::now();
     let reading = read_plan(&web.ledger, &profile, now).await?;
+    let materials = MaterialReading::read(&web.ledger, &settings.materials).await?;
     let (limits, meshes) = (settings.limits.clone(), web.quote_meshes.clone());
     let work = move || {
         let parts = read_quoted_files(&profile, &limits, &files, Some(Instant::now() + TIME_LIMIT), now);
         // They are in memory, or refused.
         drop(came);
-        let question = QuoteQuestion { parts: parts?, due_at, within: QUOTE_SEARCH_TIME };
+        let parts = parts?;
+        materials.ensure_loaded(&parts)?;
+        let question = QuoteQuestion { parts, due_at, within: QUOTE_SEARCH_TIME };
         Ok(quote_order(&profile, &reading, question, &meshes, place, now))
     };
     let made = tokio::time::timeout(TIME_LIMIT, tokio::task::spawn_blocking(work)).await;
@@ -101,6 +105,7 @@ pub(super) async fn post_quote(
     match made.map_err(late)?.context("making a quote ended")? {
         Ok(quote) => Ok(Json(quote)),
         Err(QuoteError::Refused(reason)) => Err(unprocessable(reason.trim_end_matches('.'))),
+        Err(QuoteError::AwaitsMaterial(why)) => Err(refused(StatusCode::CONFLICT, why)),
         Err(QuoteError::TryLater(why)) => Err(refused(StatusCode::SERVICE_UNAVAILABLE, why)),
     }
 }

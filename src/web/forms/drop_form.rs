@@ -21,6 +21,7 @@ pub(crate) struct DropFields {
     pub(crate) key: String,
     order: String,
     customer: String,
+    material: String,
     copies: String,
     due: String,
     due_time: String,
@@ -36,6 +37,7 @@ impl DropFields {
             "key" => &mut self.key,
             "order" => &mut self.order,
             "customer" => &mut self.customer,
+            "material" => &mut self.material,
             "copies" => &mut self.copies,
             "due" => &mut self.due,
             "due_time" => &mut self.due_time,
@@ -61,6 +63,7 @@ impl DropFields {
         };
         set("order", &self.order);
         set("customer", &self.customer);
+        set("material", &self.material);
         set("orientation", &self.orientation);
         set("note", &self.note);
         let due = match self.due_time.as_str() {
@@ -113,6 +116,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
                     @for (word, text) in orientations() { option value=(word) { (text) } }
                 } }
                 label { (say!("drop-priority")) input name="priority" type="number" min="0" max="100"; }
+                label { (fields::MATERIAL.said()) input name="material" maxlength="200"; }
                 label { (fields::NOTE.said()) input name="note" maxlength="500"; }
             }
             p.chosen role="status" {}
@@ -155,6 +159,7 @@ mod tests {
         let said = [
             ("order", "10\"42\n\\"),
             ("customer", "Brandt"),
+            ("material", "PA 12"),
             ("copies", "12"),
             ("due", "2026-11-27"),
             ("due_time", "17:00"),
@@ -163,6 +168,7 @@ mod tests {
         let text = ticket(&said).unwrap();
         let read = Ticket::from_toml(&text, "t").unwrap();
         assert_eq!((read.copies, read.due.unwrap().to_string()), (Some(12), "2026-11-27 17:00".to_owned()));
+        assert_eq!(read.material.as_deref(), Some("PA 12"));
         assert!(read.order.unwrap().starts_with("10\"42") && read.customer.as_deref() == Some("Brandt"));
         for wrong in [
             ("copies", "0"),

@@ -87,6 +87,7 @@ fn edit_form(web: &DashboardState, order: &OrderRow, address: &str, waiting: u32
                 p { (say!("change-order-text", parts = waiting)) }
                 label { (say!("due-example-none")) input name="due" maxlength=(MAX_NOTE); }
                 label { (say!("priority-range")) input type="number" name="priority" min="0" max="100"; }
+                label { (fields::MATERIAL.said()) input name="material" maxlength=(MAX_NOTE); }
                 label { (fields::NOTE.said()) input name="note" maxlength=(MAX_NOTE); }
             }
             button type="submit" { (say!("change-order")) }

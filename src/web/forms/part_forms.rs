@@ -48,6 +48,8 @@ pub(crate) struct PartEditForm {
     was_note: String,
     customer: String,
     was_customer: String,
+    material: String,
+    was_material: String,
 }
 
 /// The form that prints copies of a part again.
@@ -97,6 +99,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                 @if part.state == PartState::Waiting {
                     (field(&say!("due-example"), "due", &due_text(part)))
                     (number(&say!("priority-range"), "priority", &part.terms.priority.to_string(), (0, MAX_PRIORITY.into())))
+                    (field(&fields::MATERIAL.said(), "material", &part.terms.material))
                     (field(&fields::NOTE.said(), "note", &part.terms.note))
                 } @else {
                     p { (say!("no-copy-waits")) }
@@ -197,6 +200,7 @@ impl PartEditForm {
             due: changed(&self.due, &self.was_due).map(due).transpose()?,
             note: changed(&self.note, &self.was_note),
             customer: changed(&self.customer, &self.was_customer),
+            material: changed(&self.material, &self.was_material),
             ..PartEdit::default()
         };
         edit.checked()

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{PartQuestion, count_copies_in_layout},
+    farm::{MaterialReading, PartQuestion, count_copies_in_layout},
     tables::{
         EVENT_COLUMNS, PART_COLUMNS, PART_PAGE_KEYS, PLACEMENT_COLUMNS, PlacedCopy, TimeView, fields, gathered_events,
         part_facts,
@@ -132,12 +132,13 @@ pub(crate) async fn show_part(
     named.retain(|other| other.file.content_hash != part.file.content_hash);
     let open = find_open_build(&web, &part).await?;
     let view = web.time_view();
+    let materials = MaterialReading::read(&web.ledger, &web.current_settings().materials).await?;
     let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
         h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&part.state.to_string())) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&RefusalCause::introduce(part.refused.refusal, &part.refused.reason))) } }
         @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
-        @for question in PartQuestion::of_part(&part) {
+        @for question in PartQuestion::of_part(&part, &materials) {
             p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
         }
         (part_buttons(&web, &part, published))

@@ -41,7 +41,7 @@ use crate::{
             api_routes, openapi, quote,
             request_stage::{self, MAX_BODY_BYTES},
         },
-        forms::{build_forms, order_forms, part_forms},
+        forms::{build_forms, machine_forms, order_forms, part_forms},
         help::pages as help,
         labels::label_form,
         pages::{
@@ -147,6 +147,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/machines/{machine}/drop", get(drop::show_form))
         .route("/machines/{machine}/files", post(drop::post_files).layer(DefaultBodyLimit::disable()))
         .route("/machines/{machine}/dismiss", post(needs::post_dismiss))
+        .route("/machines/{machine}/load", post(machine_forms::post_load))
         .route("/history", get(history::show_history))
         .route("/history.csv", get(history::download_csv))
         .route("/history.json", get(history::download_json))

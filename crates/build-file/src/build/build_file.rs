@@ -93,6 +93,8 @@ pub struct OrderWords {
     pub note: Option<String>,
     /// What the customer's own system calls the line.
     pub reference: Option<String>,
+    /// What the build is made of.
+    pub material: Option<String>,
 }
 
 /// One placed copy.

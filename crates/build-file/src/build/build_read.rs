@@ -186,6 +186,7 @@ impl BuildFileReader<'_> {
                 due: metadata.nestd_value("due"),
                 note: metadata.nestd_value("note"),
                 reference: metadata.nestd_value("reference"),
+                material: metadata.nestd_value("material"),
             },
             source_name: metadata.nestd_value("source"),
             source_hash: metadata.nestd_value("source_hash"),

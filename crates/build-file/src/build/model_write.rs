@@ -117,7 +117,7 @@ fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result
 
 fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
     write!(out, "<metadatagroup>")?;
-    let OrderWords { order, due, note, reference } = &item.words;
+    let OrderWords { order, due, note, reference, material } = &item.words;
     if let Some(order) = order {
         write_metadata(out, "nestd:order", order)?;
     }
@@ -129,6 +129,9 @@ fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result
     }
     if let Some(reference) = reference {
         write_metadata(out, "nestd:reference", reference)?;
+    }
+    if let Some(material) = material {
+        write_metadata(out, "nestd:material", material)?;
     }
     write_metadata(out, "nestd:copy", &item.copy.to_string())?;
     write_metadata(out, "nestd:source", &item.source_name)?;

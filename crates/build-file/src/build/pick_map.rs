@@ -10,7 +10,7 @@ use crate::{BuildFile, BuildFileItem, FileWriteError, OrderWords, csv_cell};
 type PickMapColumn = (&'static str, fn(&PickMapRow) -> String);
 
 /// The columns of the pick map.
-const COLUMNS: [PickMapColumn; 17] = [
+const COLUMNS: [PickMapColumn; 18] = [
     ("item", |row| row.item.to_string()),
     ("part", |row| csv_cell(&row.part)),
     ("part_number", |row| csv_cell(&row.part_number)),
@@ -28,6 +28,7 @@ const COLUMNS: [PickMapColumn; 17] = [
     ("due", |row| csv_cell(row.words.due.as_deref().unwrap_or_default())),
     ("note", |row| csv_cell(row.words.note.as_deref().unwrap_or_default())),
     ("reference", |row| csv_cell(row.words.reference.as_deref().unwrap_or_default())),
+    ("material", |row| csv_cell(row.words.material.as_deref().unwrap_or_default())),
 ];
 
 /// One placed copy, for the person who unpacks the build.

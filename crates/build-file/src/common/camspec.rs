@@ -11,7 +11,10 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{file_name::CAMSPEC_ENDING, part_terms::MAX_CLEARANCE_MM};
+use super::{
+    file_name::CAMSPEC_ENDING,
+    part_terms::{MAX_CLEARANCE_MM, check_name},
+};
 use crate::{FileReadError, LengthUnit, escape_invisible};
 
 /// Greatest deviation of a rotation matrix from an orthonormal one, and of a normal from length 1.
@@ -29,6 +32,9 @@ pub fn is_camspec_name(name: &str) -> bool {
 pub struct SolidRequest {
     /// The customer's own number of the line, as given.
     pub reference: String,
+    /// What it is to be made of; `None` = not said.
+    #[serde(default)]
+    pub material: Option<String>,
     /// Priority, 0 to 100; `None` = not said.
     pub priority: Option<u8>,
     /// Least distance to all other parts, mm; `None` = not said.
@@ -73,6 +79,9 @@ struct RawLine {
     file: String,
     #[serde(default)]
     name: Option<String>,
+    /// Its own word of nestd: the schema has none.
+    #[serde(default)]
+    material: Option<String>,
     #[serde(default)]
     priority: Option<i64>,
     quantity: i64,
@@ -167,7 +176,9 @@ fn read_line(raw: &RawLine) -> Result<CamspecLine, FileReadError> {
         _ => Err(invalid(format!("{} is {priority}; it is 0 to 100", of("priority")))),
     });
     let reference = escape_invisible(raw.id.trim());
-    let request = SolidRequest { reference, priority: priority.transpose()?, ..SolidRequest::default() };
+    let material = raw.material.as_deref().filter(|word| !word.trim().is_empty());
+    let material = material.map(|word| check_name("material", word)).transpose().map_err(invalid)?;
+    let request = SolidRequest { reference, material, priority: priority.transpose()?, ..SolidRequest::default() };
     let name = escape_invisible(raw.name.as_deref().unwrap_or_default().trim());
     Ok(CamspecLine { file: raw.file.clone(), name, copies, unit: read_unit(&raw.units, &of("unit"))?, request })
 }

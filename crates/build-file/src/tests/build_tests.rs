@@ -34,6 +34,7 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildFileItem {
             due: (copy == 1).then(|| "2026-12-24".to_owned()),
             note: (copy == 1).then(|| "nicht strahlen".to_owned()),
             reference: (copy == 1).then(|| "550e8400-e29b-41d4-a716-446655440000".to_owned()),
+            material: (copy == 1).then(|| "PA12".to_owned()),
         },
         copy,
         source_name: "a & b <ü>.stl".to_owned(),

@@ -105,7 +105,8 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
     ),
     (
         ListColumn::Material,
-        "material mat werkstoff matière matériau materiale materiaal materiál materiaali malzeme 材料 材質 材质 재료 소재 материал",
+        "material mat materials werkstoff werkstoffe matière matériau materiale materiaal materiál materiał materiaali materyal malzeme \
+         材料 材質 材质 素材 原料 재료 소재 재질 материал",
     ),
 ];
 

@@ -334,24 +334,16 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
         orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
         order: cell(ListColumn::Order).map(|order| check_name("order", order)).transpose()?,
         customer: cell(ListColumn::Customer).map(|name| check_name("customer", name)).transpose()?,
+        material: cell(ListColumn::Material).map(|name| check_name("material", name)).transpose()?,
         unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
         clearance_mm: cell(ListColumn::Clearance)
             .map(|c| parse_decimal("clearance", c))
             .transpose()?
             .map(check_clearance)
             .transpose()?,
-        note: combine_notes(&cell).map(|note| check_note(&note)).transpose()?,
+        note: cell(ListColumn::Note).map(check_note).transpose()?,
         ..Ticket::default()
     })
-}
-
-/// Combines the note with the material, which is meant for people.
-fn combine_notes<'a>(cell: &impl Fn(ListColumn) -> Option<&'a str>) -> Option<String> {
-    let own = cell(ListColumn::Note).map(str::to_owned);
-    let material =
-        cell(ListColumn::Material).map(|material| format!("{}: {material}", ListColumn::Material.ticket_word()));
-    let all: Vec<String> = own.into_iter().chain(material).collect();
-    (!all.is_empty()).then(|| all.join("; "))
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub struct Ticket {
     pub order: Option<String>,
     /// Who it is for.
     pub customer: Option<String>,
+    /// What it is to be made of.
+    pub material: Option<String>,
     /// When it is due.
     pub due: Option<DueDate>,
     /// Priority from 0 to 100. A part with 100 must be in the next build.
@@ -75,6 +77,7 @@ struct TicketFields {
     copies: Option<toml::Value>,
     order: Option<toml::Value>,
     customer: Option<toml::Value>,
+    material: Option<toml::Value>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
     priority: Option<toml::Value>,
@@ -105,6 +108,7 @@ impl Ticket {
             copies: self.copies.or(weaker.copies),
             order: self.order.or(weaker.order),
             customer: self.customer.or(weaker.customer),
+            material: self.material.or(weaker.material),
             due: self.due.or(weaker.due),
             priority: self.priority.or(weaker.priority),
             orientation: self.orientation.or(weaker.orientation),
@@ -121,6 +125,7 @@ impl Ticket {
             copies: words.copies.map(|value| check_copies(whole_number("copies", value)?)).transpose()?,
             order: words.order.map(|order| parse_name("order", order)).transpose()?,
             customer: words.customer.map(|customer| parse_name("customer", customer)).transpose()?,
+            material: words.material.map(|material| parse_name("material", material)).transpose()?,
             due: words.due.map(parse_due_value).transpose()?,
             priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
             orientation: words.orientation,
@@ -205,9 +210,9 @@ mod tests {
 
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
-        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
+        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nmaterial = \"PA12\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
                     keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
-        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","due":"2026-11-25","priority":100,"orientation":"upright",
+        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","material":"PA12","due":"2026-11-25","priority":100,"orientation":"upright",
                        "keep_up":[{"direction":[0,0,1],"within_deg":30}],
                        "not_down":[{"direction":[1,0,0],"spare_deg":45}],
                        "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
@@ -215,6 +220,7 @@ mod tests {
             copies: Some(10),
             order: Some("A-7".into()),
             customer: Some("Brandt".into()),
+            material: Some("PA12".into()),
             due: Some(DueDate::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
             orientation: Some(OrientationRule::Upright),

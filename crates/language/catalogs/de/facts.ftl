@@ -9,6 +9,10 @@ reading-files =
        *[other] { $files } Dateien
     } ein
 collecting-copies = sammelt { $copies } Stück
+copies-await-material = { $copies } Stück { $copies ->
+        [one] wartet
+       *[other] warten
+    } auf { $material }
 print-times-set = { $per_mm } h je mm und { $hours } h, wie eingestellt
 print-times-learned =
     { $per_mm } h je mm und { $hours } h, aus { $prints ->
@@ -55,6 +59,7 @@ risk-no-begin = kein Drucker beginnt einen Druck
 risk-printer-closed = der Drucker beginnt keinen Druck vor { $time }
 risk-awaits-release = der Baujob wartet auf Freigabe
 risk-awaits-answer = wartet auf eine Antwort
+risk-awaits-material = der Werkstoff ist auf der Maschine nicht geladen
 risk-file-missing = die Datei ist beschädigt oder wird gerade geholt
 risk-not-read = die Datei ist noch nicht eingelesen
 risk-paused = die Maschine ist pausiert
@@ -72,8 +77,8 @@ plan-done = Wenn nichts mehr kommt, ist für { $machine } alles fertig: { $time 
 plan-unknown = Es ist nicht bekannt, wann die Baujobs von { $machine } fertig sind.
 plan-unplanned =
     { $parts ->
-        [one] { $parts } Teil kann noch in keinen Baujob: es ist nicht eingelesen, wartet auf eine Antwort, oder seine Datei fehlt.
-       *[other] { $parts } Teile können noch in keinen Baujob: sie sind nicht eingelesen, warten auf eine Antwort, oder ihre Datei fehlt.
+        [one] { $parts } Teil kann noch in keinen Baujob: es ist nicht eingelesen, wartet auf eine Antwort oder seinen Werkstoff, oder seine Datei fehlt.
+       *[other] { $parts } Teile können noch in keinen Baujob: sie sind nicht eingelesen, warten auf eine Antwort oder ihren Werkstoff, oder ihre Datei fehlt.
     }
 plan-heights-usual = Höhen mit „etwa“ sind nach der üblichen Packdichte geschätzt.
 plan-heights-learned =

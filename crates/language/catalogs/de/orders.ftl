@@ -93,6 +93,7 @@ show-more = Mehr anzeigen
 closed-by = { $time } von { $by }, mit { $accepted } von { $copies } Stück
 no-copies = keine
 waits-for-yes-to = Wartet auf Freigabe: { $question }
+waits-for-material = Wartet, bis { $material } auf { $machine } geladen ist
 in-build-state = { $copies } in Baujob { $build } ({ $state })
 none-in-build = keine in einem Baujob
 and-more = und { $count } weitere

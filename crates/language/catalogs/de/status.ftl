@@ -36,6 +36,13 @@ question-original = Das Original fehlt oder ist beschädigt, deshalb wird es nic
 question-original-remedy = { $name } noch einmal ablegen oder mit `nestd cancel { $part }` zurückziehen.
 question-copies = Wie viele Stück? Vorerst gilt 1.
 question-copies-remedy = `{ $command }` beantwortet das, und `nestd confirm { $part }` lässt es bei 1.
+material-awaited = Es wartet auf { $material }: auf { $machine } ist { $loaded } geladen.
+material-awaited-none = Es wartet auf { $material }: für { $machine } ist kein geladener Werkstoff gemeldet.
+material-elsewhere = { $material } ist geladen auf { $machines }.
+material-nowhere = { $material } ist auf keiner Maschine geladen.
+material-unknown = [materials] in nestd.toml nennt { $material } nicht, nur { $known }.
+material-remedy = `{ $load }` meldet es als geladen, `nestd move { $part } --to MACHINE` verschiebt das Teil, `nestd edit { $part } --material NAME` berichtigt es.
+status-loaded = Geladen: { $material }.
 status-question = Frage: Wie viele Stück? Für Teil { $part } ({ $name }) gilt vorerst 1; antworten mit `{ $command }`.
 status-questions-more =
     Dieselbe Frage stellt sich bei { $parts ->

@@ -21,6 +21,11 @@ collecting-copies =
         [one] { $copies } copy
        *[other] { $copies } copies
     }
+copies-await-material =
+    { $copies ->
+        [one] { $copies } copy waits
+       *[other] { $copies } copies wait
+    } for { $material }
 print-times-set = { $per_mm } h per mm and { $hours } h, as set
 print-times-learned =
     { $per_mm } h per mm and { $hours } h, from { $prints ->
@@ -75,6 +80,7 @@ risk-no-begin = no printer begins a print
 risk-printer-closed = the printer begins no print before { $time }
 risk-awaits-release = its build waits for a person's yes
 risk-awaits-answer = it waits for a person's answer
+risk-awaits-material = its material is not loaded on the machine
 risk-file-missing = its file is damaged or being fetched
 risk-not-read = its file is not read yet
 risk-paused = the machine is paused
@@ -92,8 +98,8 @@ plan-done = If nothing more arrives, all of { $machine } is done at { $time }.
 plan-unknown = It is not known when the builds of { $machine } are done.
 plan-unplanned =
     { $parts ->
-        [one] { $parts } part can be in no build yet: it is not read, waits for an answer, or lacks its file.
-       *[other] { $parts } parts can be in no build yet: they are not read, wait for an answer, or lack their file.
+        [one] { $parts } part can be in no build yet: it is not read, waits for an answer or its material, or lacks its file.
+       *[other] { $parts } parts can be in no build yet: they are not read, wait for an answer or their material, or lack their file.
     }
 plan-heights-usual = Heights marked 'about' go by the usual density.
 plan-heights-learned =

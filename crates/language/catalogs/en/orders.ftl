@@ -100,6 +100,7 @@ closed-by =
     }
 no-copies = none
 waits-for-yes-to = Waits for a yes: { $question }
+waits-for-material = Waits until { $material } is loaded on { $machine }
 in-build-state = { $copies } in build { $build } ({ $state })
 none-in-build = none in a build
 and-more = and { $count } more

@@ -36,6 +36,13 @@ question-original = Its original is missing or damaged, so it is not printed.
 question-original-remedy = Drop { $name } once more, or take it back with `nestd cancel { $part }`.
 question-copies = How many copies? It is taken as 1.
 question-copies-remedy = `{ $command }` answers it, and `nestd confirm { $part }` leaves it at 1.
+material-awaited = It waits for { $material }: { $machine } has { $loaded } loaded.
+material-awaited-none = It waits for { $material }: nothing is loaded on { $machine }, as far as anybody said.
+material-elsewhere = { $material } is loaded on { $machines }.
+material-nowhere = { $material } is loaded on no machine.
+material-unknown = [materials] in nestd.toml does not name { $material }, only { $known }.
+material-remedy = `{ $load }` says that it is loaded, `nestd move { $part } --to MACHINE` moves the part, `nestd edit { $part } --material NAME` corrects it.
+status-loaded = Loaded: { $material }.
 status-question = Question: How many copies? part { $part } ({ $name }) is taken as 1; answer with `{ $command }`.
 status-questions-more =
     The same is asked of { $parts ->

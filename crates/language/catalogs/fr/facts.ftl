@@ -21,6 +21,11 @@ collecting-copies =
         [one] { $copies } exemplaire
        *[other] { $copies } exemplaires
     }
+copies-await-material =
+    { $copies ->
+        [one] { $copies } exemplaire attend
+       *[other] { $copies } exemplaires attendent
+    } { $material }
 print-times-set = { $per_mm } h par mm et { $hours } h, d’après les réglages
 print-times-learned =
     { $per_mm } h par mm et { $hours } h, d’après { $prints ->
@@ -75,6 +80,7 @@ risk-no-begin = aucune imprimante ne commence d’impression
 risk-printer-closed = l’imprimante ne commence aucune impression avant { $time }
 risk-awaits-release = son plateau attend un accord
 risk-awaits-answer = une réponse est attendue
+risk-awaits-material = son matériau n’est pas chargé sur la machine
 risk-file-missing = son fichier est endommagé ou en cours de récupération
 risk-not-read = son fichier n’est pas encore lu
 risk-paused = la machine est en pause
@@ -92,8 +98,8 @@ plan-done = { $machine } : si plus rien n’arrive, tout est terminé { $time 
 plan-unknown = { $machine } : on ne sait pas quand les plateaux seront terminés.
 plan-unplanned =
     { $parts ->
-        [one] { $parts } pièce ne peut encore aller dans aucun plateau : elle n’est pas lue, attend une réponse, ou son fichier manque.
-       *[other] { $parts } pièces ne peuvent encore aller dans aucun plateau : elles ne sont pas lues, attendent une réponse, ou leur fichier manque.
+        [one] { $parts } pièce ne peut encore aller dans aucun plateau : elle n’est pas lue, attend une réponse ou son matériau, ou son fichier manque.
+       *[other] { $parts } pièces ne peuvent encore aller dans aucun plateau : elles ne sont pas lues, attendent une réponse ou leur matériau, ou leur fichier manque.
     }
 plan-heights-usual = Les hauteurs marquées « env. » suivent la densité habituelle.
 plan-heights-learned =

@@ -100,6 +100,7 @@ closed-by =
     } sur { $copies }
 no-copies = aucun exemplaire
 waits-for-yes-to = Attend un accord : { $question }
+waits-for-material = Attend que { $material } soit chargé sur { $machine }
 in-build-state = { $copies } dans le plateau { $build } ({ $state })
 none-in-build = aucun dans un plateau
 and-more = et { $count } de plus

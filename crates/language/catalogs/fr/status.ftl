@@ -36,6 +36,13 @@ question-original = Son original manque ou est endommagé, elle n’est donc pas
 question-original-remedy = Déposer { $name } encore une fois, ou l’annuler avec `nestd cancel { $part }`.
 question-copies = Combien d’exemplaires ? Elle compte pour 1.
 question-copies-remedy = `{ $command }` donne la réponse, et `nestd confirm { $part }` la laisse à 1.
+material-awaited = Elle attend { $material } : { $machine } est chargée en { $loaded }.
+material-awaited-none = Elle attend { $material } : aucun matériau n’est annoncé sur { $machine }.
+material-elsewhere = { $material } est chargé sur { $machines }.
+material-nowhere = { $material } n’est chargé sur aucune machine.
+material-unknown = [materials] dans nestd.toml ne nomme pas { $material }, seulement { $known }.
+material-remedy = `{ $load }` dit qu’il est chargé, `nestd move { $part } --to MACHINE` déplace la pièce, `nestd edit { $part } --material NAME` la corrige.
+status-loaded = Chargé : { $material }.
 status-question = Question : combien d’exemplaires ? La pièce { $part } ({ $name }) compte pour 1 ; répondre avec `{ $command }`.
 status-questions-more =
     La même question se pose pour { $parts ->

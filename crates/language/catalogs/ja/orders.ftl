@@ -57,6 +57,7 @@ show-more = さらに表示
 closed-by = { $time }、{ $by }、{ $copies } 個中 { $accepted } 個
 no-copies = なし
 waits-for-yes-to = 承認待ち: { $question }
+waits-for-material = { $machine } に { $material } が入るのを待っています
 in-build-state = ビルド { $build } に { $copies } 個({ $state })
 none-in-build = ビルド内になし
 and-more = ほか { $count } 件

@@ -347,10 +347,7 @@ pub enum LedgerError {
         state: crate::PartState,
     },
     /// Fewer copies of the part are wanted than the build holds.
-    #[error(
-        "part {part} has fewer copies wanted than build {build} holds, so the same build cannot be issued again; \
-         `nestd edit {part} --copies N` orders more"
-    )]
+    #[error("build {build} holds more of part {part} than is wanted; `nestd edit {part} --copies N` orders more")]
     FewerWanted {
         /// The part.
         part: PartId,
@@ -370,6 +367,9 @@ pub enum LedgerError {
     /// An order cannot be closed.
     #[error(transparent)]
     NotClosed(#[from] crate::base::close_order_error::CloseOrderError),
+    /// A material cannot be loaded, or a part cannot be made of it.
+    #[error(transparent)]
+    Material(#[from] crate::MaterialError),
     /// A part was accepted without any solid.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),

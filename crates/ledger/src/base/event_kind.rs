@@ -89,6 +89,8 @@ pub enum EventKind {
     PrinterDown,
     /// A person put a printer into use again.
     PrinterUp,
+    /// A material was loaded in a machine.
+    Loaded,
     /// The file of a published build was moved to another printer.
     Relocated,
     /// A second file of a published build lay in a queue folder.

@@ -8,6 +8,7 @@ pub(super) mod event_kind;
 pub(super) mod id;
 pub(super) mod in_queue_error;
 pub(super) mod lock_wait;
+pub(super) mod material_error;
 pub(super) mod name_pattern;
 pub(super) mod refusal_cause;
 pub(super) mod server_error;

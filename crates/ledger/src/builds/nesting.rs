@@ -19,7 +19,8 @@ impl Ledger {
         let machine = change.move_build(build, BuildState::Nesting, fired_by).await?;
         // A layout that lacks some of them tells nothing of their height.
         sql::query(
-            "UPDATE build SET attempts = 1, fired_by = $1, height_mm = CASE WHEN copies = $2 THEN height_mm END, \
+            "UPDATE build SET attempts = 1, fired_by = $1, \
+             material = coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = build.machine), ''), height_mm = CASE WHEN copies = $2 THEN height_mm END, \
              density = CASE WHEN copies = $2 THEN density END, \
              part_volume_mm3 = CASE WHEN copies = $2 THEN part_volume_mm3 END, copies = $2 WHERE id = $3",
         )
@@ -128,6 +129,7 @@ async fn insert_placements(
     if part.state != PartState::Waiting {
         return Err(LedgerError::NotWaiting { part: id, state: part.state });
     }
+    part.ensure_material_loaded()?;
     for &copy in copies {
         if copy >= part.owed.copies {
             return Err(LedgerError::NoSuchCopy { part: id, copy });

@@ -393,6 +393,7 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
          fetch_at = CASE $1 WHEN 'built' THEN NULL ELSE fetch_at END WHERE id = $3",
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
+    change.decide_awaiting(part).await?;
     let detail = "according to the record of a build";
     change.write_event(state, &row.machine, Some(part), Some(build), detail).await
 }

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(crate) const TABLES: [CopiedTable; 19] = [
+pub(crate) const TABLES: [CopiedTable; 20] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -42,6 +42,7 @@ pub(crate) const TABLES: [CopiedTable; 19] = [
     numbered("pick_mark", None),
     numbered("command", None),
     keyed("pause", None),
+    keyed("loaded_material", None),
     keyed("node", None),
     keyed("station", None),
     keyed("receiver", None),

@@ -30,13 +30,15 @@ pub struct NamedPartRow {
     pub order_name: String,
     /// Who it is for, "" = not said.
     pub customer: String,
-    /// The note that came with it; a list's material stands there.
+    /// What it is to be made of, "" = anything.
+    pub material: String,
+    /// The note that came with it.
     pub note: String,
     /// Its state.
     pub state: PartState,
 }
 
-sql_row!(NamedPartRow { id, machine, name, object_name, order_name, customer, note, state });
+sql_row!(NamedPartRow { id, machine, name, object_name, order_name, customer, material, note, state });
 
 impl NamedPartRow {
     /// Name of the part together with the name of its solid.
@@ -67,7 +69,7 @@ pub struct NamedBuildRow {
 sql_row!(NamedBuildRow { id, machine, state, state_at, file_name, height_mm, copies });
 
 impl Ledger {
-    /// Hands the parts whose file, solid, order, customer or note can match to `take`, newest first, until that returns `false`. It looks at
+    /// Hands the parts whose file, solid, order, customer, material or note can match to `take`, newest first, until that returns `false`. It looks at
     /// every part that was ever taken.
     pub async fn parts_resembling(
         &self,
@@ -76,7 +78,8 @@ impl Ledger {
     ) -> Result<()> {
         let query = sql::select_as(
             "FROM part \
-             WHERE lower(name || ' ' || object_name || ' ' || order_name || ' ' || customer || ' ' || note) LIKE $1 ESCAPE '!' ORDER BY id DESC",
+             WHERE lower(name || ' ' || object_name || ' ' || order_name || ' ' || customer || ' ' || material || ' ' || note) \
+             LIKE $1 ESCAPE '!' ORDER BY id DESC",
         );
         Ok(query.bind(pattern.text()).for_each_while(self.reader()?, take).await?)
     }

@@ -1,6 +1,6 @@
 //! The first steps of a part: claimed, read, refused, cancelled, retried.
 
-use super::part_size::is_same_size;
+use super::{material::material_key, part_size::is_same_size};
 use crate::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
     RecordedAs, RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
@@ -243,8 +243,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let id = sql::query_scalar(
         "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
-         read_unit, customer) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
-         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22) \
+         read_unit, customer, material, material_key) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
+         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22, $23, $24) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -269,6 +269,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(part.dropped.mtime_ns)
     .bind(part.terms.read_unit)
     .bind(&part.terms.customer)
+    .bind(&part.terms.material)
+    .bind(material_key(&part.terms.material))
     .fetch_optional(change.db())
     .await?;
     Ok(id)
@@ -311,9 +313,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
-         customer, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
+         customer, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
          SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
-         customer, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
+         customer, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)
@@ -365,7 +367,7 @@ async fn write_request(change: &mut LedgerChange, part: &PartRow, request: &Requ
     );
     let set = set.bind(&terms.reference).bind(terms.priority).bind(terms.clearance_mm).bind(terms.orientation);
     set.bind(&terms.tilts).bind(part.id).execute(change.db()).await?;
-    Ok(())
+    change.set_material(part.id, &terms.material).await
 }
 
 /// Returns the lines of `known` and those of `more` that are not among them, one per line.

@@ -223,6 +223,11 @@ async fn edit_terms(
     if let Some(note) = &edit.note {
         terms.note.clone_from(note);
     }
+    if let Some(material) = edit.material.as_ref().filter(|material| **material != terms.material) {
+        terms.material.clone_from(material);
+        change.set_material(part.id, material).await?;
+        change.begin_to_wait_again(&[part.id]).await?;
+    }
     changes.extend(describe_changes(&part.terms, &terms));
     sql::query(
         "UPDATE part SET order_name = $1, priority = $2, due_at = $3, due_text = $4, orientation = $5, tilts = $6, \
@@ -256,6 +261,7 @@ fn describe_changes(old: &crate::PartTerms, new: &crate::PartTerms) -> Vec<Strin
     let rule = |terms: &crate::PartTerms| format!("{:?} {}", terms.orientation, terms.tilts).trim().to_lowercase();
     let all = [
         ("order", old.order_name.clone(), new.order_name.clone()),
+        ("material", old.material.clone(), new.material.clone()),
         ("priority", old.priority.to_string(), new.priority.to_string()),
         ("due", due(old), due(new)),
         ("orientation", rule(old), rule(new)),

@@ -4,6 +4,7 @@ pub(super) mod claim;
 pub(super) mod due_dates;
 pub(super) mod edit;
 pub(super) mod late_ticket;
+pub(super) mod material;
 pub(super) mod part;
 pub(super) mod part_edit;
 pub(super) mod part_list;

@@ -17,6 +17,8 @@ pub struct PartEdit {
     pub order_name: Option<String>,
     /// Who it is for, "" = not said. It can always be changed.
     pub customer: Option<String>,
+    /// What it is to be made of, "" = anything.
+    pub material: Option<String>,
     /// Priority from 0 to 100.
     pub priority: Option<u8>,
     /// When it is due, and the date as it was given; the inner `None` = no due date.
@@ -53,6 +55,7 @@ impl PartEdit {
             priority: self.priority.map(|priority| check_priority(priority.into())).transpose()?,
             order_name: name("order", self.order_name)?,
             customer: name("customer", self.customer)?,
+            material: name("material", self.material)?,
             note: self.note.as_deref().map(check_note).transpose()?,
             ..self
         })

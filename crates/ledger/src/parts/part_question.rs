@@ -24,6 +24,8 @@ pub enum QuestionKind {
     Original,
     /// How many copies are wanted.
     Copies,
+    /// Its material must be loaded on its machine, or be another one.
+    Material,
 }
 
 own_word!(QuestionKind);
@@ -40,6 +42,7 @@ impl QuestionKind {
             (Self::Confirmation, is_waiting && !part.owed.question.is_empty()),
             (Self::Original, part.state.is_live() && part.times.damaged_at.is_some()),
             (Self::Copies, is_taken && is_unclear),
+            (Self::Material, is_waiting && part.owed.awaits_material),
         ];
         asked.into_iter().filter_map(|(kind, is_open)| is_open.then_some(kind)).collect()
     }
@@ -67,7 +70,8 @@ impl Ledger {
             "FROM (SELECT *, COUNT(*) OVER (PARTITION BY machine, kind) AS total, \
              ROW_NUMBER() OVER (PARTITION BY machine, kind ORDER BY id) AS at FROM (\
              SELECT *, CASE WHEN state = 'waiting' AND question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
-             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
+             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' \
+             WHEN state = 'waiting' AND awaits_material THEN 'material' END AS kind \
              FROM part WHERE state IN ('waiting', 'batched')) AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY machine, id",
         );
         Ok(query.bind(COPIES_QUESTION).bind(most).fetch_all(self.reader()?).await?)

@@ -18,12 +18,13 @@ pub struct WaitingPart {
 }
 
 impl Ledger {
-    /// The waiting copies of a machine, without parts whose file is damaged, in order of precedence.
+    /// The waiting copies of a machine that can be in its next build, in order of precedence: without parts whose file is damaged, of
+    /// which something is asked, or whose material is not loaded.
     pub async fn waiting_copies(&self, machine: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.begin_snapshot().await?;
         let mut parts: Vec<PartRow> = sql::select_as(
             "FROM part WHERE machine = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
-             AND question = '' AND replaced_by IS NULL",
+             AND question = '' AND NOT awaits_material AND replaced_by IS NULL",
         )
         .bind(machine)
         .fetch_all(&mut snapshot)

@@ -19,6 +19,8 @@ pub struct BuildRow {
     pub state: BuildState,
     /// Why it failed, or the note of its outcome.
     pub reason: String,
+    /// What was loaded on its machine when it fired; "" = not known, or it has not fired.
+    pub material: String,
     /// Trigger: full, fill, copies, max_wait, due, at, flush.
     pub fired_by: String,
     /// Number of times that nesting was started.
@@ -45,7 +47,7 @@ pub struct BuildRow {
     pub kept: BuildDocuments,
 }
 
-sql_row!(BuildRow { id, machine, state, reason, fired_by, attempts, searches; times, staged, place, measures, search, kept });
+sql_row!(BuildRow { id, machine, state, reason, material, fired_by, attempts, searches; times, staged, place, measures, search, kept });
 
 /// Times at which a build entered its states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

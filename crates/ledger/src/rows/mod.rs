@@ -5,3 +5,4 @@ pub(super) mod part_measures;
 pub(super) mod part_row;
 pub(super) mod precedence;
 pub(super) mod recorded_part;
+pub(super) mod solid_facts;

@@ -45,12 +45,12 @@ impl Ledger {
         Ok(query.bind(machine).bind(limit).fetch_all(self.reader()?).await?)
     }
 
-    /// The parts of a machine that are wanted and cannot be in a build yet: they are not read, wait for an answer, or their file is
-    /// damaged or being fetched; in order of precedence.
+    /// The parts of a machine that are wanted and cannot be in a build yet: they are not read, wait for an answer or for their
+    /// material, or their file is damaged or being fetched; in order of precedence.
     pub async fn unplanned_parts(&self, machine: &str) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
             "FROM part WHERE machine = $1 AND state IN ('claimed', 'waiting') AND replaced_by IS NULL \
-             AND (state = 'claimed' OR damaged_at IS NOT NULL OR fetch_at IS NOT NULL OR question <> '')",
+             AND (state = 'claimed' OR damaged_at IS NOT NULL OR fetch_at IS NOT NULL OR question <> '' OR awaits_material)",
         );
         let mut parts: Vec<PartRow> = query.bind(machine).fetch_all(self.reader()?).await?;
         sort_by_precedence(&mut parts);

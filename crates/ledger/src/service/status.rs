@@ -29,6 +29,10 @@ pub struct MachineStatus {
     pub waiting_parts: u32,
     /// Waiting copies.
     pub waiting_copies: u32,
+    /// What is loaded there; "" = nothing, or nothing is said.
+    pub material: String,
+    /// The waiting parts whose material is not loaded there, by material; they are among those that wait.
+    pub awaiting: Vec<AwaitedMaterial>,
     /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]), of which copies are wanted; cancelled ones do not count.
     pub refused_parts: u32,
     /// When the oldest waiting part was claimed.
@@ -72,12 +76,30 @@ impl MachineStatus {
         Self { machine: machine.to_owned(), ..Self::default() }
     }
 
+    /// The waiting copies without those that wait for their material.
+    pub fn collecting_copies(&self) -> u32 {
+        self.waiting_copies.saturating_sub(self.awaiting.iter().map(|awaiting| awaiting.copies).sum())
+    }
+
     /// The status of a machine among those of all machines.
     pub fn of_machine(statuses: &[Self], machine: &str) -> Self {
         let found = statuses.iter().find(|status| status.machine == machine);
         found.cloned().unwrap_or_else(|| Self::nothing_of(machine))
     }
 }
+
+/// Waiting parts whose material is not loaded on their machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct AwaitedMaterial {
+    /// Their material.
+    pub material: String,
+    /// Number of parts.
+    pub parts: u32,
+    /// Number of their copies.
+    pub copies: u32,
+}
+
+sql_row!(AwaitedMaterial { material, parts, copies });
 
 /// A due date, and when the first waiting part with that date arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -208,7 +230,7 @@ const COUNTS: &str = "SELECT p.machine, count(*) FILTER (WHERE p.state = 'claime
     (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
     min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.state = 'waiting' AND p.damaged_at IS NULL \
-    AND p.fetch_at IS NULL AND p.question = '' AND p.replaced_by IS NULL) AS waits_since, \
+    AND p.fetch_at IS NULL AND p.question = '' AND NOT p.awaits_material AND p.replaced_by IS NULL) AS waits_since, \
     max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.machine";
 
@@ -231,7 +253,7 @@ const DUE_ARRIVALS: &str = "SELECT machine, due_at, arrived_at, due_of FROM (\
     SELECT id, machine, due_at, CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END AS arrived_at, \
     CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
     WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
-    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY machine, due_at";
+    AND NOT awaits_material AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY machine, due_at";
 
 const OPEN: &str = "SELECT b.machine, b.id AS build, b.height_mm, b.density, b.copies, n.state AS night, \
     n.cpu_secs AS night_cpu_secs, \
@@ -240,6 +262,14 @@ const OPEN: &str = "SELECT b.machine, b.id AS build, b.height_mm, b.density, b.c
 
 const NESTING: &str = "SELECT machine, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
+
+/// The waiting parts whose material is not loaded, by machine and material.
+const AWAITED: &str = "SELECT p.machine, p.material, count(*) AS parts, CAST(sum(p.copies - p.cancelled_copies - \
+    (SELECT count(*) FROM placement l WHERE l.part_id = p.id)) AS BIGINT) AS copies FROM part p \
+    WHERE p.state = 'waiting' AND p.awaits_material GROUP BY p.machine, p.material ORDER BY p.machine, p.material";
+
+/// What is loaded.
+const LOADED: &str = "SELECT machine, material FROM loaded_material WHERE material <> ''";
 
 /// Paused machines.
 const PAUSES: &str = "SELECT machine, paused_by, cause, paused_at FROM pause";
@@ -317,6 +347,7 @@ impl Ledger {
         for WithMachine { machine, row } in fetch_by_machine(db, BUILDS_AHEAD).await? {
             machine_entry(&mut machines, &machine).ahead.push(row);
         }
+        note_materials(db, &mut machines).await?;
         for WithMachine { machine, row } in fetch_by_machine(db, PAUSES).await? {
             machine_entry(&mut machines, &machine).paused = Some(row);
         }
@@ -340,6 +371,17 @@ impl Ledger {
             WHERE machine = $1 AND state IN ('claimed', 'waiting')";
         Ok(sql::query_scalar(query).bind(machine).fetch_one(self.reader()?).await?)
     }
+}
+
+/// Notes what is loaded on machines, and what waits for another material there.
+async fn note_materials(db: &mut SqlTransaction, machines: &mut BTreeMap<String, MachineStatus>) -> Result<()> {
+    for WithMachine { machine, row } in fetch_by_machine(db, AWAITED).await? {
+        machine_entry(machines, &machine).awaiting.push(row);
+    }
+    for (machine, material) in sql::query_as::<(String, String)>(LOADED).fetch_all(&mut *db).await? {
+        machines.entry(machine).and_modify(|status| status.material = material);
+    }
+    Ok(())
 }
 
 async fn fetch_by_machine<T: FromSqlRow + Send>(

@@ -206,7 +206,7 @@ impl LedgerChange {
             .bind(part.id)
             .execute(self.db())
             .await?;
-        Ok(())
+        self.decide_awaiting(part.id).await
     }
 
     /// Moves a build to another state. `detail` is the reason of a failure and is stored in the event. Returns its

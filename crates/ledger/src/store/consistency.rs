@@ -6,7 +6,7 @@ use crate::base::{
 };
 
 /// The rules of states and places of copies. Each violation as a sentence, and the query that finds it.
-const PLACE_RULES: [(&str, &str); 13] = [
+const PLACE_RULES: [(&str, &str); 15] = [
     (
         "a claimed or refused part has a copy in a build that is not published",
         "\
@@ -74,6 +74,18 @@ const PLACE_RULES: [(&str, &str); 13] = [
         OR (b.state IN ('verified', 'published', 'printing', 'complete', 'interrupted') AND b.verified_at IS NULL) \
         OR (b.state IN ('open', 'nesting', 'verified') AND b.published_at IS NOT NULL) \
         OR (b.state IN ('published', 'printing', 'complete', 'interrupted') AND b.published_at IS NULL)",
+    ),
+    (
+        "a waiting part does not say whether its material is loaded on its machine",
+        "\
+        SELECT p.id FROM part p WHERE p.state = 'waiting' AND p.awaits_material <> (p.material_key <> '' AND p.material_key <> \
+        coalesce((SELECT l.material_key FROM loaded_material l WHERE l.machine = p.machine), ''))",
+    ),
+    (
+        "a build that is not published holds parts of two materials, or of one that it does not name",
+        "\
+        SELECT b.id FROM build b WHERE b.state IN ('nesting', 'verified') AND (SELECT count(DISTINCT p.material_key) FROM placement l \
+        JOIN part p ON p.id = l.part_id WHERE l.build_id = b.id AND p.material_key <> '') > CASE b.material WHEN '' THEN 0 ELSE 1 END",
     ),
     ("a refused part has no reason", "SELECT id FROM part WHERE state = 'refused' AND reason = ''"),
     (

@@ -47,6 +47,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (39, "no lanes", include_str!("../../../../migrations/0039_no_lanes.sql")),
     (40, "machine is the word", include_str!("../../../../migrations/0040_machine_is_the_word.sql")),
     (41, "customers", include_str!("../../../../migrations/0041_customers.sql")),
+    (42, "material", include_str!("../../../../migrations/0042_material.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

@@ -27,6 +27,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let terms = NewTerms {
         order_name: "kit 7".into(),
         customer: "Brandt".into(),
+        material: "PA12".into(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
         due_text: "2026-12-01".into(),

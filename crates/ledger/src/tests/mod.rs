@@ -2,6 +2,7 @@
 
 mod closed_orders;
 mod lifecycle;
+mod material;
 mod night_search;
 mod nodes;
 mod on_postgres;

@@ -282,6 +282,7 @@ async fn what_a_file_asks_for_one_of_its_solids_holds_for_that_one_alone() {
     let asks = |reference: &str, priority: Option<u8>, orientation: Option<OrientationRule>| {
         Some(RequestedTerms {
             reference: reference.to_owned(),
+            material: None,
             priority,
             clearance_mm: None,
             orientation,

@@ -115,6 +115,7 @@ impl Ledger {
             OperatorWord::Release { .. }
             | OperatorWord::SeenTo(_)
             | OperatorWord::CloseOrder(_)
+            | OperatorWord::Load { .. }
             | OperatorWord::PrinterDown { .. }
             | OperatorWord::PrinterUp { .. } => Vec::new(),
             OperatorWord::Reprint(target) => {
@@ -142,6 +143,10 @@ impl Ledger {
             }
             OperatorWord::CloseOrder(name) => {
                 return Ok(WordAnswer { sentences: self.close_order(name, by).await?, noted: Vec::new() });
+            }
+            OperatorWord::Load { machine, material } => {
+                let sentences = self.load_material(machine, material, by).await?;
+                return Ok(WordAnswer { sentences, noted: Vec::new() });
             }
             OperatorWord::SeenTo(build) => {
                 return Ok(WordAnswer::from(match self.mark_seen(*build, by).await? {

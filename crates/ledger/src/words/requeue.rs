@@ -49,8 +49,9 @@ async fn insert_repeated_build(
 ) -> Result<BuildId> {
     let now = change.now;
     let new: BuildId = sql::query_scalar(
-        "INSERT INTO build (machine, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats) \
-         VALUES ($1, 'nesting', 'requeue', 1, $2, $2, $2, $3, $4) RETURNING id",
+        "INSERT INTO build (machine, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats, material) \
+         VALUES ($1, 'nesting', 'requeue', 1, $2, $2, $2, $3, $4, \
+         coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = $1), '')) RETURNING id",
     )
     .bind(machine)
     .bind(now)
@@ -74,6 +75,7 @@ async fn take_copies(
     if part.machine != machine {
         return Err(LedgerError::WrongMachine { part: id, machine: part.machine, build: from });
     }
+    part.ensure_material_loaded()?;
     for &copy in copies {
         let holder: Option<BuildId> =
             sql::query_scalar("SELECT build_id FROM placement WHERE part_id = $1 AND copy = $2")

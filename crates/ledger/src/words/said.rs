@@ -28,6 +28,13 @@ pub enum OperatorWord {
     CloseOrder(String),
     /// Somebody has seen to its failed print, or to a second file of it.
     SeenTo(BuildId),
+    /// A material was loaded in a machine.
+    Load {
+        /// The machine.
+        machine: String,
+        /// The material, "" = nothing is loaded.
+        material: String,
+    },
     /// A printer takes no builds any more.
     PrinterDown {
         /// Its machine.

@@ -36,8 +36,8 @@ fn a_day_is_due_at_its_end_in_the_zone_of_the_farm_and_is_that_day_everywhere() 
         file.with_file_name(file.file_name().unwrap().to_str().unwrap().replace(".build.3mf", ".parts.csv")),
     );
     let map = map.unwrap();
-    assert!(map.lines().next().unwrap().ends_with(",due,note,reference"), "{map}");
-    assert!(map.lines().nth(1).unwrap().ends_with(",2098-12-24,nicht <strahlen>,"), "{map}");
+    assert!(map.lines().next().unwrap().ends_with(",due,note,reference,material"), "{map}");
+    assert!(map.lines().nth(1).unwrap().ends_with(",2098-12-24,nicht <strahlen>,,"), "{map}");
 }
 
 #[test]

@@ -124,8 +124,9 @@ fn the_number_of_copies_is_asked_and_answered_also_while_the_build_is_made_and_i
         farm.order(CommandKind::Flush, None);
         farm.pass_moments_until("its build is made", |farm| !farm.parts(PartState::Batched).is_empty());
         let part = farm.parts(PartState::Batched).remove(0);
-        let kinds =
-            |part: &PartRow| PartQuestion::of_part(part).into_iter().map(|asked| asked.kind).collect::<Vec<_>>();
+        let kinds = |part: &PartRow| {
+            PartQuestion::of_part(part, &Default::default()).into_iter().map(|asked| asked.kind).collect::<Vec<_>>()
+        };
         assert_eq!(kinds(&part), [QuestionKind::Copies]);
         assert_eq!(farm.ask(async |ledger| ledger.parts_with_questions(9).await.unwrap()).len(), 1);
         if is_answered {

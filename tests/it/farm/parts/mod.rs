@@ -6,6 +6,7 @@ pub mod interlock;
 pub mod kept_time;
 pub mod life;
 pub mod lists;
+pub mod materials;
 pub mod memory;
 pub mod names;
 pub mod open;

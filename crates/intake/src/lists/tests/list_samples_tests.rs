@@ -47,6 +47,7 @@ fn ticket_text(ticket: &Ticket) -> String {
         other => format!("unit {other:?}").to_lowercase(),
     }));
     words.extend(ticket.customer.as_ref().map(|customer| format!("customer {customer}")));
+    words.extend(ticket.material.as_ref().map(|material| format!("material {material}")));
     words.extend(ticket.note.as_ref().map(|note| format!("note {}", note.replace('\n', " "))));
     words.join("; ")
 }

@@ -160,13 +160,13 @@ fn every_row_is_a_list_of_its_own() {
 }
 
 #[test]
-fn further_columns_are_read_and_what_is_for_people_is_kept_in_the_note() {
+fn further_columns_are_read_with_what_is_for_people() {
     let list = list(
         "Fichier;Quantité;Commande;Unité;Clearance (mm);Remarque;Client;Matière\na.stl;2;K-7;pouces;2,5;urgent;Brandt;PA12\n",
     );
     let ticket = row(&list, "a.stl").ticket.clone().unwrap();
     assert_eq!((ticket.copies, ticket.order.as_deref(), ticket.clearance_mm), (Some(2), Some("K-7"), Some(2.5)));
     assert_eq!(ticket.unit, Some(build_file::LengthUnit::Inch));
-    assert_eq!(ticket.note.as_deref(), Some("urgent; material: PA12"));
-    assert_eq!(ticket.customer.as_deref(), Some("Brandt"));
+    assert_eq!(ticket.note.as_deref(), Some("urgent"));
+    assert_eq!((ticket.customer.as_deref(), ticket.material.as_deref()), (Some("Brandt"), Some("PA12")));
 }

@@ -184,6 +184,28 @@ async fn customers_that_stood_in_notes_become_a_field_of_parts_and_orders() {
 }
 
 #[tokio::test]
+async fn materials_that_stood_in_notes_become_a_field_and_their_parts_wait_until_they_are_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let pool = raw(&path).await;
+    let earlier: Vec<_> = MIGRATIONS.iter().filter(|migration| migration.version < 42).cloned().collect();
+    Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
+    for (number, note) in ["urgent; material: PA 12", "material: PA11", "the material: any"].into_iter().enumerate() {
+        let part = "INSERT INTO part (claim, machine, name, note, state, content_hash, bytes, copies, claimed_at, state_at) \
+            VALUES ($1, 'm', 'a.stl', $2, 'waiting', 'aa', 684, 1, '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z')";
+        sqlx::query(part).bind(format!("c{number}")).bind(note).execute(&pool).await.unwrap();
+    }
+    pool.close().await;
+    let ledger = Ledger::open(&path).await.unwrap();
+    let mut found = Vec::new();
+    for id in 1..=3 {
+        let part = ledger.find_part(PartId(id)).await.unwrap().unwrap();
+        found.push((part.terms.material, part.owed.awaits_material));
+    }
+    assert_eq!(found, [("PA 12".to_owned(), true), ("PA11".to_owned(), true), (String::new(), false)]);
+}
+
+#[tokio::test]
 async fn the_list_of_migrations_is_the_folder() {
     let folder = Migrator::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../migrations")).await.unwrap();
     let all = |migrator: &Migrator| {

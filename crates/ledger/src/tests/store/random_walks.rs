@@ -35,6 +35,8 @@ pub(crate) enum WalkStep {
     ReprintBuild(usize),
     Requeue(usize),
     EditCopies(usize, u32),
+    EditMaterial(usize, usize),
+    Load(usize),
     CancelCopies(usize, u32),
 }
 
@@ -64,9 +66,15 @@ pub(crate) fn step() -> impl Strategy<Value = WalkStep> {
         1 => any.clone().prop_map(WalkStep::ReprintBuild),
         2 => any.clone().prop_map(WalkStep::Requeue),
         2 => (any.clone(), 1..7u32).prop_map(|(part, copies)| WalkStep::EditCopies(part, copies)),
+        1 => (any.clone(), any.clone()).prop_map(|(part, material)| WalkStep::EditMaterial(part, material)),
+        1 => any.clone().prop_map(WalkStep::Load),
         2 => (any, 1..4u32).prop_map(|(part, copies)| WalkStep::CancelCopies(part, copies)),
     ]
 }
+
+/// The materials of parts and machines, "" = any, or none.
+const MATERIALS: [&str; 3] = ["", "PA12", "PA11"];
+const OF_PARTS: [&str; 8] = ["", "PA12", "", "", "", "PA11", "", ""];
 
 /// The test driver knows what it created, but no states.
 #[derive(Default)]
@@ -90,7 +98,11 @@ impl RandomWalk {
         match step {
             WalkStep::Claim(copies) => {
                 let claim = format!("claim-{}", self.parts.len());
-                let orders = |terms: &mut NewTerms| terms.order_name = format!("order-{}", self.parts.len() / 3);
+                let at = self.parts.len();
+                let orders = |terms: &mut NewTerms| {
+                    (terms.order_name, terms.material) =
+                        (format!("order-{}", at / 3), OF_PARTS[at % OF_PARTS.len()].to_owned());
+                };
                 let id = ledger.record_claim(&asked(new_part(&claim, copies), orders)).await?.id;
                 self.parts.push((id, copies));
                 Ok(())
@@ -146,6 +158,13 @@ impl RandomWalk {
                 let edit = PartEdit { copies: Some(copies), ..PartEdit::default() };
                 ledger.edit_part(self.part(part).0, &edit, "walker").await.map(drop)
             }
+            WalkStep::EditMaterial(part, material) => {
+                let edit = PartEdit { material: Some(MATERIALS[material % 3].to_owned()), ..PartEdit::default() };
+                ledger.edit_part(self.part(part).0, &edit, "walker").await.map(drop)
+            }
+            WalkStep::Load(material) => {
+                ledger.load_material("paper-200", MATERIALS[material % 3], "walker").await.map(drop)
+            }
             WalkStep::CancelCopies(part, copies) => ledger.cancel_copies(self.part(part).0, copies, "walker").await,
         }
     }
@@ -164,9 +183,14 @@ impl RandomWalk {
             ledger.mark_fetched(&part.file.content_hash).await.unwrap();
         }
         let mut seen = BTreeSet::new();
-        for waiting in ledger.waiting_copies("paper-200").await.unwrap() {
-            assert!(!waiting.copies.is_empty(), "part {} waits with nothing", waiting.part.id);
-            seen.extend(waiting.copies.iter().map(|&copy| (waiting.part.id, copy)));
+        // A part waits with each material that is loaded, or with its own.
+        let loaded = ledger.loaded_material("paper-200").await.unwrap();
+        for material in MATERIALS.into_iter().chain([loaded.as_str()]) {
+            ledger.load_material("paper-200", material, "walker").await.unwrap();
+            for waiting in ledger.waiting_copies("paper-200").await.unwrap() {
+                assert!(!waiting.copies.is_empty(), "part {} waits with nothing", waiting.part.id);
+                seen.extend(waiting.copies.iter().map(|&copy| (waiting.part.id, copy)));
+            }
         }
         for &build in &self.builds {
             for row in ledger.placements_of_build(build).await.unwrap().iter().filter(|row| !row.is_bad) {
@@ -225,6 +249,6 @@ fn whatever_happens_no_copy_is_lost_or_in_two_builds() {
     });
     walked.unwrap();
     let done = done.into_inner();
-    assert_eq!(done.len(), 17, "the walks must reach every step: {done:?}");
+    assert_eq!(done.len(), 19, "the walks must reach every step: {done:?}");
     assert!(done.values().all(|&count| count >= 5), "the walks reach some steps hardly ever: {done:?}");
 }

@@ -1,0 +1,36 @@
+//! `nestd machine`: writes the file of a new machine, and says what material is loaded in one.
+
+use anyhow::Result;
+use ledger::OperatorWord;
+
+use super::operate::say;
+use crate::cli::{
+    CommandExit, CommonArgs,
+    serve::new_farm::{MachineArgs, run_machine},
+    terminal::candidates,
+};
+
+/// What is done with machines.
+#[derive(Debug, clap::Subcommand)]
+pub enum MachineCommand {
+    /// Write the file of a new machine
+    New(MachineArgs),
+    /// Say what material is loaded; parts of another one wait from then on
+    Load {
+        /// Machine
+        #[arg(add = candidates::of_machines())]
+        machine: String,
+        /// Its material, as in PA12, or none
+        material: String,
+    },
+}
+
+/// Runs the command.
+pub fn run(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit> {
+    let (machine, material) = match command {
+        MachineCommand::New(args) => return run_machine(common, args),
+        MachineCommand::Load { machine, material } => (machine.clone(), material.clone()),
+    };
+    let material = if material.eq_ignore_ascii_case("none") { String::new() } else { material };
+    say(common, &[OperatorWord::Load { machine, material }], false)
+}

@@ -113,7 +113,7 @@ impl LedgerChange {
     pub async fn ensure_not_being_built(&mut self, part: PartId) -> Result<()> {
         let nested: Option<(BuildId, BuildState)> = sql::query_as(
             "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = $1 AND b.published_at IS NULL LIMIT 1",
+             WHERE l.part_id = $1 AND b.published_at IS NULL ORDER BY b.id LIMIT 1",
         )
         .bind(part)
         .fetch_optional(self.db())

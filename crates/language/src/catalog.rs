@@ -127,12 +127,12 @@ pub enum Piece {
 const FIRST_SLOT: u32 = 0xE000;
 const LAST_SLOT: u32 = 0xE0FF;
 
-pub(crate) fn is_slot(letter: char) -> bool {
+fn is_slot(letter: char) -> bool {
     (FIRST_SLOT..=LAST_SLOT).contains(&u32::from(letter))
 }
 
 /// The place that a letter stands for.
-pub(crate) fn slot_of(letter: char) -> u8 {
+fn slot_of(letter: char) -> u8 {
     (u32::from(letter) - FIRST_SLOT) as u8
 }
 
@@ -167,9 +167,13 @@ pub fn say(id: &str, args: &[(&'static str, Arg)]) -> String {
 
 /// The sentence of a name in pieces, between which the caller puts what it has for the places.
 pub fn say_pieces(id: &str, args: &[(&'static str, Arg)]) -> Vec<Piece> {
+    pieces_of(&say(id, args))
+}
+
+/// A sentence in pieces, at the letters that stand for places.
+pub(crate) fn pieces_of(said: &str) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut words = String::new();
-    let said = say(id, args);
     for letter in said.chars() {
         if is_slot(letter) {
             if !words.is_empty() {

@@ -7,8 +7,8 @@
 use std::{cmp::Reverse, collections::HashMap, sync::LazyLock};
 
 use crate::{
-    Arg, Language,
-    catalog::{AREAS, is_slot, sentence, slot_letter, slot_of},
+    Arg, Language, Piece,
+    catalog::{AREAS, pieces_of, sentence, slot_letter},
     comma, current, decimal, say,
 };
 
@@ -36,7 +36,8 @@ struct Pattern {
     values: Vec<(&'static str, ValueKind)>,
     /// Numbers that this form says itself: `1 copy`.
     fixed: Vec<(usize, u32)>,
-    tokens: Vec<Token>,
+    /// Its words, and the places of its values.
+    pieces: Vec<Piece>,
     /// Letters of its own. The more they are, the surer it is meant.
     letters: usize,
 }
@@ -57,11 +58,6 @@ enum ValueKind {
     Sentence,
     /// A whole number that chooses words.
     Number,
-}
-
-enum Token {
-    Words(String),
-    Value(usize),
 }
 
 static PATTERNS: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
@@ -132,38 +128,18 @@ fn forms_of((name, text): (&'static str, &'static str)) -> Vec<Pattern> {
             for at in &numbers {
                 said = said.replace(&(SAMPLE + *at as u32).to_string(), &slot_letter(*at as u8));
             }
-            let tokens = tokens_of(said.strip_suffix('.').unwrap_or(&said));
-            let letters = tokens.iter().map(Token::letters).sum();
-            Pattern { name, values: values.clone(), fixed, tokens, letters }
+            let pieces = pieces_of(said.strip_suffix('.').unwrap_or(&said));
+            let letters = pieces.iter().map(letters_of).sum();
+            Pattern { name, values: values.clone(), fixed, pieces, letters }
         })
         .collect()
 }
 
-fn tokens_of(said: &str) -> Vec<Token> {
-    let mut tokens = Vec::new();
-    let mut words = String::new();
-    for letter in said.chars() {
-        if is_slot(letter) {
-            if !words.is_empty() {
-                tokens.push(Token::Words(std::mem::take(&mut words)));
-            }
-            tokens.push(Token::Value(usize::from(slot_of(letter))));
-        } else {
-            words.push(letter);
-        }
-    }
-    if !words.is_empty() {
-        tokens.push(Token::Words(words));
-    }
-    tokens
-}
-
-impl Token {
-    fn letters(&self) -> usize {
-        match self {
-            Self::Words(words) => words.chars().filter(|letter| letter.is_alphabetic()).count(),
-            Self::Value(_) => 0,
-        }
+/// Letters of the sentence itself.
+fn letters_of(piece: &Piece) -> usize {
+    match piece {
+        Piece::Text(words) => words.chars().filter(|letter| letter.is_alphabetic()).count(),
+        Piece::Slot(_) => 0,
     }
 }
 
@@ -232,18 +208,18 @@ impl Telling {
 impl Pattern {
     /// The sentence in the language that is current, if a text is this one.
     fn say_again(&self, text: &str, telling: &mut Telling) -> Option<String> {
-        let has_words = |token: &Token| match token {
-            Token::Words(words) => text.contains(words.as_str()),
-            Token::Value(_) => true,
+        let has_words = |piece: &Piece| match piece {
+            Piece::Text(words) => text.contains(words.as_str()),
+            Piece::Slot(_) => true,
         };
-        if !self.tokens.iter().all(has_words) {
+        if !self.pieces.iter().all(has_words) {
             return None;
         }
         let mut found: Vec<Option<Arg>> = vec![None; self.values.len()];
         for (at, number) in &self.fixed {
             found[*at] = Some(Arg::Number((*number).into()));
         }
-        if !self.matches(&self.tokens, text, &mut found, telling) {
+        if !self.matches(&self.pieces, text, &mut found, telling) {
             return None;
         }
         let args: Option<Vec<(&'static str, Arg)>> =
@@ -251,16 +227,16 @@ impl Pattern {
         Some(say(self.name, &args?))
     }
 
-    fn matches(&self, tokens: &[Token], text: &str, found: &mut Vec<Option<Arg>>, telling: &mut Telling) -> bool {
-        let Some((first, rest)) = tokens.split_first() else { return text.is_empty() };
+    fn matches(&self, pieces: &[Piece], text: &str, found: &mut Vec<Option<Arg>>, telling: &mut Telling) -> bool {
+        let Some((first, rest)) = pieces.split_first() else { return text.is_empty() };
         let at = match first {
-            Token::Words(words) => {
+            Piece::Text(words) => {
                 return text.strip_prefix(words.as_str()).is_some_and(|text| self.matches(rest, text, found, telling));
             }
-            Token::Value(at) => *at,
+            Piece::Slot(at) => usize::from(*at),
         };
         let ends: Vec<usize> = match rest.first() {
-            Some(Token::Words(words)) => text.match_indices(words.as_str()).map(|(end, _)| end).collect(),
+            Some(Piece::Text(words)) => text.match_indices(words.as_str()).map(|(end, _)| end).collect(),
             _ => vec![text.len()],
         };
         ends.into_iter().filter(|end| *end > 0).any(|end| {

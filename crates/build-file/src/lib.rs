@@ -42,3 +42,4 @@ pub use read::file_end::{has_end, may_be_part, may_grow};
 pub use read::part_read::read_part_file;
 pub use stl::stl_write::write_stl;
 pub use threemf::package::declared_entries;
+pub use threemf::unpack_guard::{MAX_RATIO, RATIO_FREE_BYTES};

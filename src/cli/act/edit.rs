@@ -79,9 +79,13 @@ pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
     })
 }
 
+/// Whether a word says that there is none.
+pub(super) fn is_none(word: &str) -> bool {
+    word.is_empty() || word.eq_ignore_ascii_case("none")
+}
+
 impl EditArgs {
     fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit> {
-        let is_none = |text: &str| text.is_empty() || text.eq_ignore_ascii_case("none");
         let due = self.due.as_deref().map(|text| match is_none(text) {
             true => Ok(None),
             false => intake::parse_due_text(text, zone.time_zone()).map(Some).map_err(UsageError),

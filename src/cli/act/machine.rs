@@ -3,7 +3,7 @@
 use anyhow::Result;
 use ledger::OperatorWord;
 
-use super::operate::say;
+use super::{edit::is_none, operate::say};
 use crate::cli::{
     CommandExit, CommonArgs,
     serve::new_farm::{MachineArgs, run_machine},
@@ -31,6 +31,6 @@ pub fn run(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit>
         MachineCommand::New(args) => return run_machine(common, args),
         MachineCommand::Load { machine, material } => (machine.clone(), material.clone()),
     };
-    let material = if material.eq_ignore_ascii_case("none") { String::new() } else { material };
+    let material = if is_none(&material) { String::new() } else { material };
     say(common, &[OperatorWord::Load { machine, material }], false)
 }

@@ -80,14 +80,16 @@ impl ReadyFiles<'_> {
                 let late = LateTicket::from_orphan(self.hold.folder_path(), ticket, part_name, is_last_offer)?;
                 match expiry_reason {
                     Some(reason) if self.earlier_offers.contains(&late.key) => {
-                        self.refuse_file(ticket, RefusalCause::Ticket, reason, received);
+                        refuse_file(self.profile, ticket, RefusalCause::Ticket, reason, received);
                     }
                     _ => self.offer_late_tickets(vec![late], received),
                 }
             }
             // It waits, or was made into a refusal, before it comes here.
             SettledEntry::RivalList { .. } | SettledEntry::Blocked { .. } => {}
-            SettledEntry::Refuse { seen, reason } => self.refuse_file(seen, refusal_kind(seen), reason, received),
+            SettledEntry::Refuse { seen, reason } => {
+                refuse_file(self.profile, seen, refusal_kind(seen), reason, received)
+            }
         }
         None
     }
@@ -137,10 +139,6 @@ impl ReadyFiles<'_> {
             Ok(ListOutcome::Archived(_)) => {}
             Err(error) => received.warnings.push(error_chain(&error)),
         }
-    }
-
-    fn refuse_file(&self, seen: &InboxEntry, cause: RefusalCause, reason: &str, received: &mut HotFolderScan) {
-        refuse_file(self.profile, seen, cause, reason, received);
     }
 }
 

@@ -7,10 +7,10 @@ use crate::FileReadError;
 
 /// No tag, text or comment of a valid file is longer.
 const MAX_TOKEN_BYTES: u64 = 1 << 20;
-/// Mesh XML compresses about tenfold; an entry with a higher ratio than this is a zip bomb.
-const MAX_RATIO: u64 = 200;
-/// Small entries may have any compression ratio.
-const RATIO_FREE_BYTES: u64 = 16 << 20;
+/// Meshes compress about tenfold; an entry of a package with a higher ratio than this is a zip bomb.
+pub const MAX_RATIO: u64 = 200;
+/// Entries that unpack to no more bytes may have any compression ratio.
+pub const RATIO_FREE_BYTES: u64 = 16 << 20;
 
 /// A reader that stops when a limit is exceeded.
 pub(crate) struct UnpackGuard<R> {

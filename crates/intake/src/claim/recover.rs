@@ -230,10 +230,8 @@ pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result
         Err(error) if error.kind() != io::ErrorKind::NotFound => return renamed.map(|()| true),
         _ => step(),
     }
-    match fs::remove_dir_all(&done) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => step(),
-    }
+    disk::remove_folder(&done)?;
+    step();
     dir.parent().map_or(Ok(()), disk::fsync_dir)?;
     Ok(renamed.is_ok())
 }

@@ -14,7 +14,7 @@ use std::{
     time::SystemTime,
 };
 
-use build_file::{ReadLimits, escape_invisible};
+use build_file::{MAX_RATIO, RATIO_FREE_BYTES, ReadLimits, escape_invisible};
 use zip::{ZipArchive, read::ZipFile, result::ZipError};
 
 use super::scan::is_file_name;
@@ -37,10 +37,6 @@ pub(super) const UNPACK_PREFIX: &str = ".unpack-";
 const FILES: &str = "files";
 /// Sub-folder of the archive, once all is unpacked, at its path below the hot folder.
 const ARCHIVE: &str = "archive";
-/// A part compresses about tenfold; an entry with a higher ratio than this is a bomb.
-const MAX_RATIO: u64 = 200;
-/// Small entries may have any ratio.
-const RATIO_FREE_BYTES: u64 = 16 << 20;
 
 /// What became of an archive.
 #[derive(Debug, PartialEq, Eq)]
@@ -128,10 +124,10 @@ pub(super) fn unpack_stepwise(
     let relative = seen.path.strip_prefix(inbox).map_err(|_| ClaimError::Gone(seen.path.clone()))?;
     let made = inbox.join(CLAIMED_DIR).join(format!("{UNPACK_PREFIX}{}-{}", seen.inode, seen.mtime_ns));
     let failed = |error| io_error("unpack", &seen.path, error);
-    remove_if_there(&made).map_err(failed)?;
+    disk::remove_folder(&made).map_err(failed)?;
     disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(failed)?;
     if let Err(error) = unpack_files(inbox, seen, &made.join(FILES), limits, step) {
-        remove_if_there(&made).map_err(failed)?;
+        disk::remove_folder(&made).map_err(failed)?;
         return match error {
             UnpackError::Refused(reason) => Ok(UnpackOutcome::Refused(reason)),
             UnpackError::Io(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -145,7 +141,7 @@ pub(super) fn unpack_stepwise(
     disk::create_dirs(kept.parent().unwrap_or(&made)).map_err(failed)?;
     let is_same = fs::symlink_metadata(&seen.path).is_ok_and(|meta| disk::is_unchanged(seen, &meta));
     if !is_same {
-        remove_if_there(&made).map_err(failed)?;
+        disk::remove_folder(&made).map_err(failed)?;
         return Err(ClaimError::Changed(seen.path.clone()));
     }
     step();
@@ -153,7 +149,7 @@ pub(super) fn unpack_stepwise(
     step();
     if !disk::is_same_file(seen, &kept) {
         disk::rename_in(&kept, inbox, relative).map_err(failed)?;
-        remove_if_there(&made).map_err(failed)?;
+        disk::remove_folder(&made).map_err(failed)?;
         return Err(ClaimError::Changed(seen.path.clone()));
     }
     finish(inbox, &made, step)
@@ -180,7 +176,7 @@ fn finish(inbox: &Path, made: &Path, step: &mut dyn FnMut()) -> io::Result<Optio
         order = Some(move_to_free_folder(&made.join(FILES), inbox, &folder)?);
         step();
     }
-    remove_if_there(made)?;
+    disk::remove_folder(made)?;
     disk::fsync_dir(&inbox.join(CLAIMED_DIR))?;
     Ok(order)
 }
@@ -211,13 +207,6 @@ fn move_to_free_folder(files: &Path, inbox: &Path, folder: &Path) -> io::Result<
         }
     }
     Err(io::ErrorKind::AlreadyExists.into())
-}
-
-fn remove_if_there(dir: &Path) -> io::Result<()> {
-    match fs::remove_dir_all(dir) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }
 
 /// Unpacks all files into `folder`, durably.

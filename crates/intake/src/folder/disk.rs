@@ -344,6 +344,14 @@ pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// Removes a folder with all that is in it, if it is there.
+pub(crate) fn remove_folder(dir: &Path) -> io::Result<()> {
+    match fs::remove_dir_all(dir) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
 /// Removes a folder and its sub-folders if they hold no file. A file in one of them is an error.
 pub(crate) fn remove_empty_folders(dir: &Path) -> io::Result<()> {
     for entry in fs::read_dir(dir)? {

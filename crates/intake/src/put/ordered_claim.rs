@@ -86,10 +86,8 @@ pub(super) fn place_stepwise(
 }
 
 fn assemble_claim(new: &Path, file: &OrderedFile, step: &mut dyn FnMut()) -> io::Result<()> {
-    match fs::remove_dir_all(new) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => step(),
-    }
+    disk::remove_folder(new)?;
+    step();
     disk::create_dirs(new)?;
     step();
     let mut ticket = disk::create_fresh_file(&new.join(format!("{}.json", file.name)))?;

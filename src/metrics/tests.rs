@@ -202,7 +202,10 @@ async fn the_file_is_written_as_a_whole_and_follows_the_settings() {
     let mut without_file = settings.clone();
     without_file.interfaces.metrics = None;
     let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(without_file)));
-    let task = tokio::spawn(keep_metrics_file(shared.clone()));
+    let task = tokio::spawn(keep_metrics_file(
+        shared.clone(),
+        ledger::LedgerOnDemand::for_user(ledger::LedgerUser::Monitoring),
+    ));
     tokio::time::sleep(Duration::from_millis(1500)).await;
     assert!(!file.exists(), "it is not asked for yet");
     *shared.write().unwrap() = Arc::new(settings);

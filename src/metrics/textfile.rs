@@ -10,7 +10,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use ledger::Ledger;
+use ledger::LedgerOnDemand;
 use tracing::{info, warn};
 
 use super::MetricsExporter;
@@ -22,9 +22,8 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 const MODE: u32 = 0o644;
 
 /// Writes the file as configured until the future is dropped. A failure is logged once and retried.
-pub async fn keep_metrics_file(settings: SharedSettings) {
-    let (metrics, mut ledger, mut written, mut failing) =
-        (MetricsExporter::default(), None, None::<Instant>, String::new());
+pub async fn keep_metrics_file(settings: SharedSettings, ledger: LedgerOnDemand) {
+    let (metrics, mut written, mut failing) = (MetricsExporter::default(), None::<Instant>, String::new());
     loop {
         tokio::time::sleep(LOOK_EVERY).await;
         let now = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
@@ -33,7 +32,7 @@ pub async fn keep_metrics_file(settings: SharedSettings) {
             continue;
         }
         written = Some(Instant::now());
-        match write_metrics(&metrics, &mut ledger, &now, file).await {
+        match write_metrics(&metrics, &ledger, &now, file).await {
             Ok(()) if failing.is_empty() => {}
             Ok(()) => {
                 info!("The metrics are written into {} again.", file.path.display());
@@ -50,15 +49,12 @@ pub async fn keep_metrics_file(settings: SharedSettings) {
 
 async fn write_metrics(
     metrics: &MetricsExporter,
-    ledger: &mut Option<Ledger>,
+    ledger: &LedgerOnDemand,
     settings: &Settings,
     file: &MetricsFile,
 ) -> Result<()> {
-    let ledger = match ledger {
-        Some(ledger) => ledger,
-        None => ledger.insert(Ledger::open_existing(&settings.ledger).await?),
-    };
-    let (text, path) = (metrics.render_text(ledger, settings).await?, file.path.clone());
+    let ledger = ledger.get(&settings.ledger).await?;
+    let (text, path) = (metrics.render_text(&ledger, settings).await?, file.path.clone());
     tokio::task::spawn_blocking(move || replace_file(&path, &text)).await.context("writing the metrics")?
 }
 

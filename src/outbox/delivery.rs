@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
-use ledger::{EventRow, Ledger, ReceiverKind};
+use ledger::{EventRow, Ledger, LedgerOnDemand, ReceiverKind};
 use tracing::{info, warn};
 
 use super::{
@@ -20,6 +20,8 @@ use crate::settings::{Settings, SharedSettings};
 
 /// Interval of the checks for new events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// The same while another node delivers.
+const LOOK_BESIDE_OTHER: Duration = Duration::from_secs(10);
 /// Wait after the first failure, and maximum wait.
 const FIRST_WAIT: Duration = Duration::from_secs(1);
 const LONGEST_WAIT: Duration = Duration::from_secs(300);
@@ -35,8 +37,12 @@ const SEND_GRACE: Duration = Duration::from_secs(5);
 
 /// Delivers events to the configured receivers until the future is dropped. Calls `report_failure` with a message when a
 /// receiver fails for long, and with `None` when it works.
-pub async fn deliver_events(settings: SharedSettings, report_failure: impl Fn(ReceiverKind, Option<String>)) {
-    let deliver = |receiver| ReceiverDelivery::new(settings.clone(), receiver).run(&report_failure);
+pub async fn deliver_events(
+    settings: SharedSettings,
+    ledger: LedgerOnDemand,
+    report_failure: impl Fn(ReceiverKind, Option<String>),
+) {
+    let deliver = |receiver| ReceiverDelivery::new(settings.clone(), ledger.clone(), receiver).run(&report_failure);
     tokio::join!(deliver(ReceiverKind::Webhook), deliver(ReceiverKind::Command));
 }
 
@@ -55,10 +61,13 @@ pub async fn forget_unconfigured_receivers(settings: &SharedSettings) -> Result<
 }
 
 async fn forget_receivers(settings: &Settings, receivers: &[ReceiverKind]) -> Result<()> {
+    // Where several nodes share the ledger, another one may deliver to it.
+    if settings.ledger.file().is_none() {
+        return Ok(());
+    }
     let ledger = Ledger::open_existing(&settings.ledger).await?;
     let mut forgotten = Ok(());
-    // Where several nodes share the ledger, another one may deliver to it.
-    for receiver in receivers.iter().filter(|_| ledger.file().is_some()) {
+    for receiver in receivers {
         forgotten = forgotten.and(ledger.forget_receiver(*receiver).await);
     }
     ledger.close().await;
@@ -69,6 +78,8 @@ async fn forget_receivers(settings: &Settings, receivers: &[ReceiverKind]) -> Re
 enum DeliveryStep {
     /// No event to deliver, or the receiver is not configured.
     Idle,
+    /// Another node delivers.
+    OfOther,
     /// One event was delivered.
     Delivered,
     /// Delivery failed; with a message if a person must act.
@@ -79,7 +90,9 @@ enum DeliveryStep {
 struct ReceiverDelivery {
     settings: SharedSettings,
     receiver: ReceiverKind,
-    ledger: Option<Ledger>,
+    ledger: LedgerOnDemand,
+    /// Id of the last event when there was nothing left to deliver; `None` = that is not known.
+    idle_at: Option<i64>,
     /// Id of the last event that was delivered or skipped; `None` = not read from the ledger yet.
     position: Option<i64>,
     /// The position stored in the ledger, and when it was stored.
@@ -91,12 +104,13 @@ struct ReceiverDelivery {
 }
 
 impl ReceiverDelivery {
-    fn new(settings: SharedSettings, receiver: ReceiverKind) -> Self {
-        let (ledger, at, failing) = (None, None, String::new());
+    fn new(settings: SharedSettings, ledger: LedgerOnDemand, receiver: ReceiverKind) -> Self {
+        let (idle_at, at, failing) = (None, None, String::new());
         Self {
             settings,
             receiver,
             ledger,
+            idle_at,
             position: at,
             recorded_position: (0, Instant::now()),
             is_forgotten: false,
@@ -118,6 +132,10 @@ impl ReceiverDelivery {
                     report_failure(self.receiver, None);
                     tokio::time::sleep(LOOK_EVERY).await;
                 }
+                Ok(DeliveryStep::OfOther) => {
+                    report_failure(self.receiver, None);
+                    tokio::time::sleep(LOOK_BESIDE_OTHER).await;
+                }
                 Ok(DeliveryStep::Delivered) => {
                     report_failure(self.receiver, None);
                     wait = FIRST_WAIT;
@@ -130,7 +148,7 @@ impl ReceiverDelivery {
                 Err(failure) => {
                     // The ledger does not exist yet or is damaged; the farm reports that.
                     tracing::debug!("Nothing can be delivered to the {} now: {failure:#}.", self.receiver);
-                    self.position = None;
+                    (self.position, self.idle_at) = (None, None);
                     self.wait_before_retry(wait, &settings).await;
                     wait = (2 * wait).min(LONGEST_WAIT);
                 }
@@ -151,15 +169,21 @@ impl ReceiverDelivery {
             return self.forget_receiver(settings).await;
         }
         self.is_forgotten = false;
-        let ledger = match &self.ledger {
-            Some(ledger) => ledger.clone(),
-            None => self.ledger.insert(Ledger::open_existing(&settings.ledger).await?).clone(),
-        };
+        let ledger = self.ledger.get(&settings.ledger).await?;
+        let last = ledger.last_event_id().await?;
+        let (recorded, recorded_at) = self.recorded_position;
+        if self.idle_at == Some(last) && (recorded >= last || recorded_at.elapsed() < POSITION_WRITE_INTERVAL) {
+            return Ok(DeliveryStep::Idle);
+        }
         let duty = format!("messages to the {}", self.receiver);
         let lease = Duration::from_secs_f64(settings.interfaces.notify.timeout_secs) + SEND_GRACE + DUTY_GRACE;
         if !ledger.hold_duty(&duty, &settings.node.name, lease).await? {
             self.position = None;
-            return Ok(DeliveryStep::Idle);
+            return Ok(DeliveryStep::OfOther);
+        }
+        if self.idle_at.take().is_some() && ledger.file().is_none() {
+            // Another node may have delivered meanwhile.
+            self.position = None;
         }
         let at = match self.position {
             Some(at) => at,
@@ -169,7 +193,6 @@ impl ReceiverDelivery {
                 row.delivered_id
             }
         };
-        let last = ledger.last_event_id().await?;
         if last > at
             && let Some(event) = ledger.next_event(at, &event_kinds(&settings.interfaces.notify.events)).await?
         {
@@ -180,6 +203,7 @@ impl ReceiverDelivery {
             ledger.mark_delivered(self.receiver, last).await?;
             self.recorded_position = (last, Instant::now());
         }
+        self.idle_at = Some(last);
         Ok(DeliveryStep::Idle)
     }
 
@@ -187,7 +211,7 @@ impl ReceiverDelivery {
     async fn forget_receiver(&mut self, settings: &Settings) -> Result<DeliveryStep> {
         if !self.is_forgotten {
             forget_receivers(settings, &[self.receiver]).await?;
-            (self.is_forgotten, self.position, self.ledger) = (true, None, None);
+            (self.is_forgotten, self.position, self.idle_at) = (true, None, None);
         }
         Ok(DeliveryStep::Idle)
     }

@@ -55,8 +55,10 @@ impl OutboxFixture {
     /// Starts the delivery and waits until the receivers have their positions.
     async fn tell(&self, receivers: usize) -> JoinHandle<()> {
         let failures = self.failures.clone();
-        let telling =
-            deliver_events(self.settings.clone(), move |receiver, why| failures.lock().unwrap().push((receiver, why)));
+        let ledger = ledger::LedgerOnDemand::for_user(ledger::LedgerUser::Monitoring);
+        let telling = deliver_events(self.settings.clone(), ledger, move |receiver, why| {
+            failures.lock().unwrap().push((receiver, why))
+        });
         let task = tokio::spawn(telling);
         while self.ledger.list_receivers().await.unwrap().len() < receivers {
             tokio::time::sleep(Duration::from_millis(5)).await;

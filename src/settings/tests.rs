@@ -252,6 +252,15 @@ fn values_out_of_range_are_refused_each_by_itself() {
 }
 
 #[test]
+fn a_daemon_has_room_for_its_connections_and_leaves_room_for_those_of_others() {
+    for connections in [5, 51] {
+        let farm = format!("[node]\nconnections = {connections}\n");
+        let problems = TestConfig::new(&farm, &[("a.toml", CUBE)]).problems();
+        assert!(problems.len() == 1 && problems[0].contains("node.connections"), "{problems:?}");
+    }
+}
+
+#[test]
 fn a_wrong_default_is_reported_once_also_where_every_machine_has_a_value_of_its_own() {
     let farm =
         "[defaults]\nclearance_mm = -1\nlid_margin_mm = -2\nvolume_mm = [0, 1, 1]\n[defaults.trigger]\ncopies = 0\n";

@@ -6,6 +6,8 @@ use anyhow::Result;
 pub trait BackgroundJob<O: 'static>: Clone + Send + 'static {
     /// Name in logs and of its threads.
     const KIND: &'static str;
+    /// Whether it only looks, now and then, whether there is anything to do: while it runs, nobody waits for its end.
+    const IS_LOOK: bool = false;
     /// Result of the work.
     type Outcome: Send + 'static;
     /// What its end may touch of the owner; `&'a mut O` = all of it.

@@ -2,7 +2,7 @@
 
 use std::{
     any::Any,
-    collections::HashSet,
+    collections::HashMap,
     fmt,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::mpsc,
@@ -18,7 +18,8 @@ use crate::{
 
 /// The running jobs, and the events that wait to be taken in.
 pub struct JobRunner<O> {
-    running: HashSet<JobKey>,
+    /// Each with whether it only looks.
+    running: HashMap<JobKey, bool>,
     sender: UnboundedSender<LoopEvent<O>>,
     events: UnboundedReceiver<LoopEvent<O>>,
 }
@@ -26,7 +27,7 @@ pub struct JobRunner<O> {
 impl<O> Default for JobRunner<O> {
     fn default() -> Self {
         let (sender, events) = unbounded_channel();
-        Self { running: HashSet::new(), sender, events }
+        Self { running: HashMap::new(), sender, events }
     }
 }
 
@@ -57,17 +58,17 @@ impl<O: 'static> JobRunner<O> {
 
     /// Whether a job of this kind and subject is running.
     pub fn is_running<J: BackgroundJob<O>>(&self, about: impl fmt::Display) -> bool {
-        self.running.contains(&JobKey { kind: J::KIND, subject: about.to_string() })
+        self.running.contains_key(&JobKey { kind: J::KIND, subject: about.to_string() })
     }
 
     /// The subjects of the running jobs of a kind.
     pub fn running_subjects<J: BackgroundJob<O>>(&self) -> impl Iterator<Item = &str> {
-        self.running.iter().filter(|key| key.kind == J::KIND).map(|key| key.subject.as_str())
+        self.running.keys().filter(|key| key.kind == J::KIND).map(|key| key.subject.as_str())
     }
 
-    /// Whether no job but those of one kind is running.
-    pub fn runs_only<J: BackgroundJob<O>>(&self) -> bool {
-        self.running.iter().all(|key| key.kind == J::KIND)
+    /// Whether no job is running for whose end anything waits.
+    pub fn only_looks(&self) -> bool {
+        self.running.values().all(|&is_look| is_look)
     }
 
     /// Whether no job is running.
@@ -92,7 +93,7 @@ impl<O: 'static> JobRunner<O> {
         let key = JobKey { kind: J::KIND, subject: job.subject() };
         // If the loop has ended, nobody needs an event: every step finds its work again.
         let sender = self.sender.clone();
-        if !self.running.insert(key.clone()) {
+        if self.running.insert(key.clone(), J::IS_LOOK).is_some() {
             let _ = sender.send(LoopEvent::new(|owner: &mut O| carried.give_back(owner.into())));
             return;
         }

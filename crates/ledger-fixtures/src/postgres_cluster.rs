@@ -108,6 +108,12 @@ impl PostgresCluster {
         (port, certificate)
     }
 
+    /// Has the server ask a user for a password, once its configuration was read again.
+    pub fn demand_password(&self, user: &str) {
+        let rules = format!("local all {user} scram-sha-256\nlocal all all trust\n");
+        std::fs::write(self.data().join("pg_hba.conf"), rules).expect("it can be written");
+    }
+
     /// Stops the server, as an administrator would.
     pub fn stop_server(&self) {
         self.run("pg_ctl", &["stop", "-m", "fast", "-w"]);

@@ -62,11 +62,12 @@ pub use service::status::{
     RETRY_PERIOD,
 };
 pub use service::totals::{BuildCount, FarmTotals, MeasuredBuild};
-pub use store::address::{LedgerAddress, ServerAddress};
+pub use store::address::{DAEMON_CONNECTIONS, LedgerAddress, ServerAddress};
 pub use store::consistency::RuleScope;
 pub use store::ledger::Ledger;
 pub use store::location::find_network_file_system;
-pub use store::service::{LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
+pub use store::on_demand::LedgerOnDemand;
+pub use store::service::{LedgerUser, LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
 pub use words::command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
 pub use words::operator_word::TakenBackFor;
 pub use words::outcome::{OutcomeRow, PrintOutcome, ToldOutcome};

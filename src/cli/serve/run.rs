@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use ledger::ReceiverKind;
+use ledger::{LedgerOnDemand, LedgerUser, ReceiverKind};
 use tokio::runtime::Runtime;
 
 use crate::{
@@ -112,11 +112,12 @@ async fn serve_dashboard(
 
 /// Writes metrics and sends messages in tasks of their own, while its ledger is open.
 async fn serve_monitoring(shared: SharedSettings, outside: farm::ServiceBridge) {
+    let ledger = LedgerOnDemand::for_user(LedgerUser::Monitoring);
     let report_failure = |receiver: ReceiverKind, why| outside.report_receiver(&receiver.to_string(), why);
     let telling = async {
         tokio::join!(
-            metrics::keep_metrics_file(shared.clone()),
-            outbox::deliver_events(shared.clone(), report_failure)
+            metrics::keep_metrics_file(shared.clone(), ledger.clone()),
+            outbox::deliver_events(shared.clone(), ledger, report_failure)
         );
     };
     outside.run_while_open(telling).await;

@@ -1,12 +1,13 @@
 //! Files of live parts on the disks of two servers: each node copies those of the node before it, in the circle of the nodes that run. If
 //! that server is lost, whoever adopts its machines has them from here, and nobody is asked for a file again.
 
-use std::{collections::BTreeSet, path::Path, time::Duration};
+use std::{collections::BTreeSet, time::Duration};
 
 use anyhow::Result;
 use build_file::format_count;
+use intake::ContentStore;
 use jobs::BackgroundJob;
-use ledger::NodeRow;
+use ledger::{NodeRow, PartId};
 use tracing::info;
 
 use crate::farm::{
@@ -14,6 +15,7 @@ use crate::farm::{
     core::{
         desks::{Serving, Shared},
         farm::Farm,
+        state::SecondCopyLook,
     },
     nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
 };
@@ -22,6 +24,8 @@ use crate::farm::{
 const STEP: &str = "copying files of another node";
 /// A copy is kept this long although no part needs it: its part may just be claimed.
 const KEEP_COPIES: Duration = Duration::from_secs(600);
+/// All live parts are looked at so often: some came from another machine, and some have ended. Otherwise the newer ones are.
+const LOOK_AT_ALL: Duration = Duration::from_secs(60);
 
 /// Copies the files of another node's parts.
 #[derive(Clone)]
@@ -31,6 +35,7 @@ pub(crate) struct SecondCopyJob {
 
 impl BackgroundJob<Farm> for SecondCopyJob {
     const KIND: &'static str = "SecondCopy";
+    const IS_LOOK: bool = true;
     /// Number of files that were copied.
     type Outcome = Result<usize>;
     type Desk<'f> = Shared<'f>;
@@ -47,7 +52,11 @@ impl BackgroundJob<Farm> for SecondCopyJob {
                     info!("{} of the node {} copied.", format_count(count, "file", "files"), self.node);
                 }
             }
-            Err(failure) => shared.report_failure(AlertKind::StepFails, "", STEP, &failure),
+            Err(failure) => {
+                // Whatever is missing is looked for again.
+                shared.schedule.copies = SecondCopyLook::default();
+                shared.report_failure(AlertKind::StepFails, "", STEP, &failure);
+            }
         }
         Ok(())
     }
@@ -58,14 +67,31 @@ pub(crate) async fn keep_second_copies(desk: &mut Serving<'_>) -> Result<()> {
     if desk.shared.ledger.file().is_some() || desk.jobs.is_running::<SecondCopyJob>("") {
         return Ok(());
     }
+    let (now, look) = (desk.shared.now(), &mut desk.shared.schedule.copies);
+    if !look.changes.may_have_changed(desk.shared.ledger, [], (now, LOOK_AT_ALL)).await {
+        return Ok(());
+    }
     let rows = desk.shared.ledger.list_nodes().await?;
     let node = node_before(&desk.shared.settings.node.name, &rows).unwrap_or_default();
     let nodes = OtherNodes::from_rows(desk.shared.settings, rows);
+    let newest = desk.shared.ledger.newest_part().await?;
+    let is_all = look.node != node || look.all_at.is_none_or(|at| now.saturating_duration_since(at) >= LOOK_AT_ALL);
+    let after = look.newest.filter(|_| !is_all).unwrap_or(PartId(0));
+    if after == newest {
+        return Ok(());
+    }
+    (look.node, look.newest) = (node.clone(), Some(newest));
+    look.all_at = if is_all { Some(now) } else { look.all_at };
     let (state_dir, ledger) = (desk.shared.settings.state_dir.clone(), desk.shared.ledger.clone());
     let runtime = tokio::runtime::Handle::current();
     desk.jobs.start(SecondCopyJob { node: node.clone() }, move || {
-        let contents = runtime.block_on(ledger.live_contents())?;
-        copy_files(&state_dir, &node, &contents, &nodes)
+        let contents = runtime.block_on(ledger.live_contents(after))?;
+        let files = second_copies(&state_dir);
+        if is_all {
+            let needed: BTreeSet<&str> = contents.iter().map(|(hash, _)| hash.as_str()).collect();
+            remove_unneeded(&files, KEEP_COPIES, |hash| needed.contains(hash))?;
+        }
+        copy_files(&files, &node, &contents, &nodes)
     });
     Ok(())
 }
@@ -82,17 +108,14 @@ fn node_before(own: &str, nodes: &[NodeRow]) -> Option<String> {
     (before != own).then(|| before.to_owned())
 }
 
-/// `contents` are the files of all live parts, each with the node of its machine. Returns how many of `node` ("" = none) were copied.
-fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes: &OtherNodes) -> Result<usize> {
-    let files = second_copies(state_dir);
+/// `contents` are files of live parts, each with the node of its machine. Returns how many of `node` ("" = none) were copied.
+fn copy_files(files: &ContentStore, node: &str, contents: &[(String, String)], nodes: &OtherNodes) -> Result<usize> {
     let kept = files.list_contents()?;
-    let needed: BTreeSet<&str> = contents.iter().map(|(hash, _)| hash.as_str()).collect();
-    remove_unneeded(&files, KEEP_COPIES, |hash| needed.contains(hash))?;
     let mut copied = 0;
     let is_missing = |(hash, of): &&(String, String)| !node.is_empty() && of == node && !kept.contains_key(hash);
     for (hash, _) in contents.iter().filter(is_missing) {
         // The part may have been built or moved meanwhile: then no copy is needed.
-        copied += usize::from(nodes.fetch_from_node(node, &files, hash)?);
+        copied += usize::from(nodes.fetch_from_node(node, files, hash)?);
     }
     Ok(copied)
 }

@@ -8,7 +8,7 @@ use std::{
 };
 
 use jiff::Timestamp;
-use ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies};
+use ledger::{BuildRow, CommandId, DueArrival, QueuedBuild, UtcTimestamp, WaitingPart, rank_waiting_copies};
 
 use super::printer_state::MachinePrinters;
 use crate::{
@@ -51,6 +51,8 @@ pub struct InboxState {
     pub relist: bool,
     /// Claim of the newest ordered line that had no part when a scan was last hurried for one.
     pub arriving: Option<String>,
+    /// Whether another scan is to follow the running one at once.
+    pub is_hurried: bool,
     /// Control files that became commands.
     pub controls: ObeyedControls,
     /// Files that were refused without becoming a part, and of which the ledger has no event yet.
@@ -67,10 +69,28 @@ pub struct BatchPacing {
     pub is_held: bool,
     /// No batch starts before this time.
     pub next_batch_at: Instant,
+    /// The passing of time alone may bring work at this time; `None` = it brings none.
+    pub wakes_at: Option<Instant>,
+}
+
+impl BatchPacing {
+    /// Whether the machine waits for a change of the ledger.
+    pub fn is_at_rest(&self, now: Instant) -> bool {
+        self.is_idle && self.wakes_at.is_none_or(|at| now < at)
+    }
 }
 
 /// The machines by name.
 pub type MachineStates = BTreeMap<String, MachineState>;
+
+/// What the ledger says of the queues of a machine.
+#[derive(Debug, Clone, Default)]
+pub struct QueuedRows {
+    /// Its newest builds that lie in them.
+    pub wanted: Vec<QueuedBuild>,
+    /// Those of its newest builds of which second files were seen.
+    pub copied: Vec<BuildRow>,
+}
 
 /// The state of an active machine.
 #[derive(Debug)]
@@ -96,6 +116,8 @@ pub struct MachineState {
     pub pacing: BatchPacing,
     /// Whether an operator has paused the machine.
     pub paused: bool,
+    /// What the ledger says of its queues; `None` = that may have changed since it was read.
+    pub queued: Option<QueuedRows>,
     /// Copies that are not in the next build although somebody counts on it.
     pub left_out: LeftOutNotices,
     /// Contents of `STATUS.txt` and `status.json`.
@@ -154,6 +176,7 @@ impl MachineState {
                 refused_file_count: 0,
                 relist: false,
                 arriving: None,
+                is_hurried: false,
                 controls: Default::default(),
                 unrecorded_refusals: Vec::new(),
             },
@@ -164,8 +187,9 @@ impl MachineState {
             may_claim: false,
             open: OpenBuildState { standing: layout.copies(), layout, ..OpenBuildState::default() },
             pending_flushes: Vec::new(),
-            pacing: BatchPacing { is_idle: false, is_held: false, next_batch_at: now },
+            pacing: BatchPacing { is_idle: false, is_held: false, next_batch_at: now, wakes_at: None },
             paused: false,
+            queued: None,
             left_out: LeftOutNotices::default(),
             status: Default::default(),
         }

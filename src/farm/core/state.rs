@@ -103,6 +103,10 @@ pub(crate) struct DisplayState {
     pub(crate) status_line: String,
     /// When the status was last updated.
     pub(crate) updated_at: Option<Instant>,
+    /// Whether the ledger has news since then.
+    pub(crate) is_behind: bool,
+    /// Whether builds are made, or files read, for the machines of this node, which may go on without news of the ledger.
+    pub(crate) is_work_under_way: bool,
     /// What is late, or at risk to be, according to the last plans.
     pub(crate) dates: PlannedDates,
 }
@@ -164,6 +168,20 @@ pub(crate) struct LoopSchedule {
     pub(crate) halts_for: Option<(AlertKind, String)>,
     /// When each task of the tick is due.
     pub(crate) tasks: TaskTimes,
+    /// What was looked at for second copies.
+    pub(crate) copies: SecondCopyLook,
+}
+
+/// What was looked at last for the second copies of another node's files.
+#[derive(Debug, Default)]
+pub(crate) struct SecondCopyLook {
+    pub(crate) changes: LedgerChangeDetector,
+    /// The node whose files are copied.
+    pub(crate) node: String,
+    /// The newest part.
+    pub(crate) newest: Option<PartId>,
+    /// When all live parts were looked at, and not the newer ones alone.
+    pub(crate) all_at: Option<Instant>,
 }
 
 impl LoopSchedule {
@@ -176,6 +194,7 @@ impl LoopSchedule {
             is_cut_off: false,
             halts_for: None,
             tasks: TaskTimes::starting_at(time.instant(), scan_secs),
+            copies: SecondCopyLook::default(),
             time,
         }
     }

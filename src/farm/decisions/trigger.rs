@@ -161,6 +161,12 @@ fn trigger_times(profile: &MachineProfile, facts: &TriggerFacts) -> Vec<(Timesta
     moments.into_iter().filter_map(|(at, by)| Some((at?, by))).collect()
 }
 
+/// When the next trigger holds by the passing of time alone; `None` = none does.
+pub(crate) fn next_timed(profile: &MachineProfile, facts: &TriggerFacts, now: Timestamp) -> Option<Timestamp> {
+    let to_come = |(at, _)| Some(at).filter(|at| *at > now);
+    trigger_times(profile, facts).into_iter().filter_map(to_come).min().filter(|_| facts.copies > 0)
+}
+
 /// The time this many seconds later.
 fn add_secs(time: Timestamp, secs: f64) -> Option<Timestamp> {
     time.checked_add(SignedDuration::try_from_secs_f64(secs).ok()?).ok()

@@ -21,6 +21,7 @@ pub(crate) struct FolderComparisonJob {
 
 impl BackgroundJob<Farm> for FolderComparisonJob {
     const KIND: &'static str = "Compare";
+    const IS_LOOK: bool = true;
     type Outcome = FolderComparison;
     type Desk<'f> = Serving<'f>;
 

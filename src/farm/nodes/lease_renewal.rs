@@ -37,6 +37,7 @@ pub(crate) struct LeaseRenewalJob {
 
 impl BackgroundJob<Farm> for LeaseRenewalJob {
     const KIND: &'static str = "Lease";
+    const IS_LOOK: bool = true;
     type Outcome = ();
     type Desk<'f> = Batching<'f>;
 

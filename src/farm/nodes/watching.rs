@@ -27,6 +27,7 @@ struct WatchJob;
 
 impl BackgroundJob<Farm> for WatchJob {
     const KIND: &'static str = "Watch";
+    const IS_LOOK: bool = true;
     type Outcome = Result<(), WatchError>;
     type Desk<'f> = Watching<'f>;
 

@@ -1,6 +1,9 @@
 //! The step "batched": waiting parts are kept nested in the open build, which fires when a trigger holds.
 
-use std::{collections::BTreeSet, time::Instant};
+use std::{
+    collections::BTreeSet,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
@@ -27,7 +30,7 @@ use crate::farm::{
         layout::{BatchLayout, CopyId, waiting_copy_ids},
         left_out::{LeftOutNotice, find_cut_off, find_left_out},
         queue_depth::has_queue_room,
-        trigger::FireTrigger,
+        trigger::{FireTrigger, next_timed},
     },
     nesting::{
         layout_search::{LayoutSearch, NestingRequest, NestingResult, SearchCutShort},
@@ -91,10 +94,17 @@ impl ImproveLayoutJob {
     }
 }
 
-/// Same as [`update_open_build`], but skipped while the rest after a slow run is not over.
-pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str) -> Result<()> {
+/// While parts wait, the passing of time alone may change what the printers can do: this is looked at so often.
+const LOOK_WHILE_WAITING: Duration = Duration::from_secs(30);
+
+/// Same as [`update_open_build`], but skipped while the rest after a slow run is not over, and where without news of the ledger there is
+/// nothing to do.
+pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str, has_news: bool) -> Result<()> {
     let (began, now) = (Instant::now(), desk.shared.now());
     let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };
+    if !has_news && machine.pacing.is_at_rest(now) && machine.pending_flushes.is_empty() {
+        return Ok(());
+    }
     if now < machine.pacing.next_batch_at || machine.agreed_folders.is_none() {
         machine.pacing.is_idle = false;
         return Ok(());
@@ -149,8 +159,13 @@ pub(crate) async fn update_open_build(desk: &mut Batching<'_>, name: &str) -> Re
     let is_paused = machine.paused || machine.printers.are_all_down();
     machine.pacing.is_held = is_held;
     let facts = BatchFacts { open, has_unread_claims, is_paused, is_held };
+    machine.pacing.wakes_at = (open.copies > 0).then(|| {
+        let rest = next_timed(&machine.profile, &open, now).and_then(|at| at.duration_since(now).try_into().ok());
+        desk.shared.now() + rest.map_or(LOOK_WHILE_WAITING, |rest: Duration| rest.min(LOOK_WHILE_WAITING))
+    });
     match decide_batch(&machine.profile, &facts, now) {
         BatchDecision::AwaitClaims => Ok(()),
+        BatchDecision::AnswerFlushes if machine.pending_flushes.is_empty() => Ok(()),
         BatchDecision::AnswerFlushes => {
             let status = MachineStatus::of_machine(&desk.shared.ledger.machine_statuses().await?, name);
             let answer = match status.awaiting {

@@ -51,6 +51,7 @@ fn pool_beside(found: &NestingResult, kept: &str, height_mm: f64) -> String {
 
 impl BackgroundJob<Farm> for NightSearchJob {
     const KIND: &'static str = "Night";
+    const IS_LOOK: bool = true;
     type Outcome = Result<NestingResult>;
     type Desk<'f> = Searching<'f>;
 

@@ -61,6 +61,11 @@ impl<K: Eq + Hash> RetryBackoff<K> {
         self.waits.len()
     }
 
+    /// Whether none failed.
+    pub fn is_empty(&self) -> bool {
+        self.waits.is_empty()
+    }
+
     /// Records a success and ends the wait.
     pub fn record_success(&mut self, what: &K) {
         self.waits.remove(what);

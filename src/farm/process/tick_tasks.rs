@@ -8,7 +8,7 @@ use std::{
 use crate::farm::leases::lease_clock;
 
 /// Interval of the heartbeats in the ledger.
-const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(4);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(5);
 /// Interval of retrying claims that could not be completed.
 const CLAIM_RETRY_INTERVAL: Duration = Duration::from_secs(20);
 /// Interval of copying the files of another node.

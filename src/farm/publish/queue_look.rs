@@ -13,7 +13,7 @@ use tracing::{info, warn};
 use crate::{
     farm::{
         alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-        core::{desks::Serving, farm::Farm, printer_state::MachinePrinters},
+        core::{desks::Serving, farm::Farm, machine_state::QueuedRows, printer_state::MachinePrinters},
         leases::folder_leases::FolderLeases,
         printers::queue_alerts::report_wrong_files,
         scanning::{
@@ -47,6 +47,7 @@ struct QueueFindings {
 
 impl BackgroundJob<Farm> for QueueLookJob {
     const KIND: &'static str = "Look";
+    const IS_LOOK: bool = true;
     type Outcome = QueueFindings;
     type Desk<'f> = Serving<'f>;
 
@@ -81,9 +82,15 @@ impl BackgroundJob<Farm> for QueueLookJob {
 
 /// Starts jobs that look into the queue folders.
 pub(crate) async fn look_at_queues(desk: &mut Serving<'_>) -> Result<()> {
-    for (name, machine) in desk.machines.iter() {
-        let wanted = desk.shared.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
-        let copied = desk.shared.ledger.builds_with_second_files(name, MAX_LOOKED_FOR).await?;
+    for (name, machine) in desk.machines.iter_mut() {
+        let QueuedRows { wanted, copied } = match &machine.queued {
+            Some(known) => known.clone(),
+            None => {
+                let wanted = desk.shared.ledger.newest_queued(name, MAX_LOOKED_FOR).await?;
+                let copied = desk.shared.ledger.builds_with_second_files(name, MAX_LOOKED_FOR).await?;
+                machine.queued.insert(QueuedRows { wanted, copied }).clone()
+            }
+        };
         let look = QueueLook {
             profile: machine.profile.clone(),
             queues: machine.printers.open_queues(),

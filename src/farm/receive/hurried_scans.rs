@@ -9,12 +9,10 @@ use crate::farm::core::desks::Serving;
 pub(crate) async fn hurry_scans(desk: &mut Serving<'_>) -> Result<()> {
     let now = desk.shared.now();
     for (name, machine) in desk.machines.iter_mut() {
-        if desk.jobs.is_running::<HotFolderScanJob>(name) {
-            continue;
-        }
         let newest = desk.shared.ledger.newest_arriving_line(name).await?;
         if newest != machine.inbox.arriving {
             machine.inbox.next_scan_at = now;
+            machine.inbox.is_hurried = desk.jobs.is_running::<HotFolderScanJob>(name);
             machine.inbox.arriving = newest;
         }
     }

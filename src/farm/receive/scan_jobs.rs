@@ -40,6 +40,7 @@ pub(crate) struct HotFolderScanJob {
 
 impl BackgroundJob<Farm> for HotFolderScanJob {
     const KIND: &'static str = "Scan";
+    const IS_LOOK: bool = true;
     type Outcome = HotFolderScan;
     type Desk<'f> = Receiving<'f>;
 
@@ -108,12 +109,14 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings));
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
         let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
+        let awaits_lines = machine.inbox.arriving.is_some();
         let limits = desk.shared.settings.limits.clone();
         let carried = CarriedScanner { machine: name.clone(), scanner };
         let language = desk.shared.settings.language;
         desk.jobs.start_with(HotFolderScanJob { machine: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
-            let ordered = runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, contents));
+            let lines = ArrivingLines::read_from(awaits_lines.then_some(&ledger), &profile.name, contents);
+            let ordered = runtime.block_on(lines);
             // What it refuses gets its reason beside it.
             let mut scan = language.within(|| {
                 let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);
@@ -200,7 +203,8 @@ fn tell_of_scan(desk: &mut Receiving<'_>, name: &str, scan: &HotFolderScan) {
     let (now, scan_secs) = (desk.shared.now(), desk.shared.settings.scan_secs);
     if let Some(machine) = desk.machines.get_mut(name) {
         let next_secs = scan.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-        machine.inbox.next_scan_at = now + Duration::from_secs_f64(next_secs);
+        let is_hurried = std::mem::take(&mut machine.inbox.is_hurried);
+        machine.inbox.next_scan_at = if is_hurried { now } else { now + Duration::from_secs_f64(next_secs) };
         machine.inbox.refused_file_count = scan.refused_file_count.unwrap_or(machine.inbox.refused_file_count);
         let error_dir = machine.profile.folders.error.display();
         match scan.is_truncated || scan.unavailable.is_some() {

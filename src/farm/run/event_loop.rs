@@ -25,13 +25,9 @@ use crate::farm::{
     },
     files::judged_file::JudgedFiles,
     nodes::{folder_comparison, lease_renewal, watching},
-    open_build::{
-        batch, nest,
-        night_search::{self, NightSearchJob},
-    },
+    open_build::{batch, nest, night_search},
     operate::commands,
     process::{
-        ledger_changes::LedgerFingerprint,
         signals::{DaemonSignal, SignalListener},
         systemd,
         tick_tasks::TimedTask,
@@ -54,6 +50,11 @@ const MAX_EVENTS_PER_TICK: usize = 64;
 /// While files are read one after the other, the other steps run only at this interval: each of them queries the
 /// ledger, and together they cost more than many small files.
 const TICK_INTERVAL_WHILE_READING: Duration = Duration::from_millis(250);
+
+/// The ledger is looked at so often for work that only depends on the time, while work is under way.
+const LOOK_WHILE_WORKING: Duration = Duration::from_secs(2);
+/// The same while none is.
+const LOOK_AT_REST: Duration = Duration::from_secs(120);
 
 /// Runs the daemon until it is told to stop.
 pub async fn run(load: Load, outside: ServiceBridge, judged: JudgedFiles) -> Result<()> {
@@ -154,8 +155,12 @@ pub(crate) async fn run_tick(farm: &mut Farm) {
         .await;
     reload::take_over_configuration(farm).await;
     scan_jobs::start_scans(&mut farm.desk());
-    if may_have_work(farm).await {
-        run_ledger_steps(farm).await;
+    match may_have_work(farm).await {
+        LedgerLook::Everywhere => run_ledger_steps(farm).await,
+        LedgerLook::Unfinished => {
+            batch_machines(farm, false).await;
+            update_status(farm).await;
+        }
     }
     // What only uses time that nobody needs comes after everything that may need it.
     farm.run_step("lowering open builds", async |farm| night_search::search_waiting_builds(&mut farm.desk()).await)
@@ -204,7 +209,8 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
 
 /// Runs every step that queries the ledger.
 async fn run_ledger_steps(farm: &mut Farm) {
-    let names: Vec<String> = farm.machines.keys().cloned().collect();
+    farm.display.is_behind = true;
+    farm.machines.values_mut().for_each(|machine| machine.queued = None);
     farm.run_step("commands", async |farm| commands::process_commands(&mut farm.desk()).await).await;
     farm.run_step("ordered lines", async |farm| hurried_scans::hurry_scans(&mut farm.desk()).await).await;
     farm.run_step("reading", async |farm| intake_jobs::start_reading(&mut farm.desk()).await).await;
@@ -212,12 +218,22 @@ async fn run_ledger_steps(farm: &mut Farm) {
     farm.run_step("originals", async |farm| fetch_originals::fetch_originals(&mut farm.desk()).await).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", async |farm| nest::nest_fired_builds(&mut farm.desk()).await).await;
-    for name in names {
-        farm.run_step(&format!("batching {name}"), async |farm| batch::batch_if_rested(&mut farm.desk(), &name).await)
-            .await;
-    }
+    batch_machines(farm, true).await;
     farm.run_step("taking builds back", async |farm| take_back::take_back_builds(&mut farm.desk()).await).await;
     farm.run_step("publishing", async |farm| publish::publish_verified_builds(&mut farm.desk()).await).await;
+    update_status(farm).await;
+}
+
+/// Keeps the open builds up to date; without news of the ledger, those of machines that are not at rest.
+async fn batch_machines(farm: &mut Farm, has_news: bool) {
+    let names: Vec<String> = farm.machines.keys().cloned().collect();
+    for name in names {
+        let step = format!("batching {name}");
+        farm.run_step(&step, async |farm| batch::batch_if_rested(&mut farm.desk(), &name, has_news).await).await;
+    }
+}
+
+async fn update_status(farm: &mut Farm) {
     farm.run_step("status", async |farm| status::update_status(&mut farm.desk()).await).await;
 }
 
@@ -241,13 +257,28 @@ async fn write_stopped_status(farm: &mut Farm) {
     job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
 }
 
-/// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
-async fn may_have_work(farm: &mut Farm) -> bool {
-    let is_busy = !farm.jobs.runs_only::<NightSearchJob>() || !farm.nesting.just_fired.is_empty();
-    let is_settled = farm.machines.values().all(|machine| machine.pacing.is_idle && machine.pending_flushes.is_empty());
-    let (now, mark) = (farm.now(), LedgerFingerprint::take(&farm.ledger).await);
-    let news = farm.schedule.ledger_changes.has_changed(mark, now);
-    is_busy || !is_settled || news
+/// Where steps look for work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LedgerLook {
+    /// In the whole ledger.
+    Everywhere,
+    /// Where something is unfinished, or is due by now.
+    Unfinished,
+}
+
+/// Where a step may find work: everywhere when a job runs for whose end something waits, or the ledger may have changed.
+async fn may_have_work(farm: &mut Farm) -> LedgerLook {
+    let is_busy = !farm.jobs.only_looks() || !farm.nesting.just_fired.is_empty();
+    let retries =
+        !(farm.schedule.step_backoff.is_empty() && farm.reading.backoff.is_empty() && farm.nesting.backoff.is_empty());
+    let has_closed_queue = farm.machines.values().any(|machine| !machine.printers.are_all_open());
+    let at_latest = match farm.display.is_work_under_way || retries || has_closed_queue {
+        true => LOOK_WHILE_WORKING,
+        false => LOOK_AT_REST,
+    };
+    let (now, own) = (farm.now(), farm.machines.keys().map(String::as_str));
+    let news = farm.schedule.ledger_changes.may_have_changed(&farm.ledger, own, (now, at_latest)).await;
+    if is_busy || news { LedgerLook::Everywhere } else { LedgerLook::Unfinished }
 }
 
 /// Takes in an event and those queued behind it, so that one tick serves them all. Returns whether all of them were

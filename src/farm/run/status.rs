@@ -47,6 +47,9 @@ const MAX_QUESTIONS: u32 = 100;
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 
+/// The same while the ledger has no news: only the time changes what is said.
+const STATUS_INTERVAL_AT_REST: Duration = Duration::from_secs(30);
+
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
 pub(crate) struct WriteStatusJob {
@@ -55,6 +58,7 @@ pub(crate) struct WriteStatusJob {
 
 impl BackgroundJob<Farm> for WriteStatusJob {
     const KIND: &'static str = "Status";
+    const IS_LOOK: bool = true;
     type Outcome = ();
     type Desk<'f> = Shared<'f>;
 
@@ -69,10 +73,12 @@ impl BackgroundJob<Farm> for WriteStatusJob {
 
 /// Updates the status everywhere.
 pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
-    if desk.display.updated_at.is_some_and(|at| desk.shared.schedule.time.passed_since(at) < STATUS_INTERVAL) {
+    let interval = if desk.display.is_behind { STATUS_INTERVAL } else { STATUS_INTERVAL_AT_REST };
+    if desk.display.updated_at.is_some_and(|at| desk.shared.schedule.time.passed_since(at) < interval) {
         return Ok(());
     }
     desk.display.updated_at = Some(desk.shared.now());
+    desk.display.is_behind = false;
     control_files::update_answers(desk.shared.ledger, desk.machines).await?;
     let asked = desk.shared.ledger.parts_with_questions(MAX_QUESTIONS).await?;
     let materials = MaterialReading::read(desk.shared.ledger, &desk.shared.settings.materials).await?;
@@ -80,6 +86,8 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     let profiles: Vec<_> = desk.machines.values().map(|machine| machine.profile.clone()).collect();
     let reading = FarmReading::read(desk.shared.ledger, profiles.iter().map(|profile| &**profile), now).await?;
     let (facts, rows) = (reading.facts(), &reading.rows.statuses);
+    let own = rows.iter().filter(|row| desk.machines.contains_key(&row.machine));
+    desk.display.is_work_under_way = own.into_iter().any(|row| row.claimed_parts > 0 || !row.nesting.is_empty());
     let event = desk.shared.ledger.last_event_id().await?;
     if desk.display.dates.is_due(event, desk.shared.now()) {
         let began = Instant::now();

@@ -54,6 +54,7 @@ pub(crate) struct MisplacedFilesJob;
 
 impl BackgroundJob<Farm> for MisplacedFilesJob {
     const KIND: &'static str = "Misplaced";
+    const IS_LOOK: bool = true;
     type Outcome = Vec<String>;
     type Desk<'f> = Shared<'f>;
 

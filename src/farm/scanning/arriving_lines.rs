@@ -22,8 +22,9 @@ pub struct ArrivingLines {
 }
 
 impl ArrivingLines {
-    /// Those of a machine as the ledger has them now. Where it does not answer, the next scan asks again.
-    pub(crate) async fn read_from(ledger: &Ledger, machine: &str, contents: PutContents) -> Self {
+    /// Those of a machine as the ledger has them now; `None` = it has none. Where it does not answer, the next scan asks again.
+    pub(crate) async fn read_from(ledger: Option<&Ledger>, machine: &str, contents: PutContents) -> Self {
+        let Some(ledger) = ledger else { return Self { lines: Vec::new(), contents } };
         let lines = ledger.arriving_lines(machine, LINES_PER_SCAN).await.unwrap_or_else(|failure| {
             warn!("The lines that were ordered for {machine} are not known just now: {failure}.");
             Vec::new()

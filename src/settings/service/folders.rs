@@ -36,11 +36,12 @@ pub(crate) fn path_below(base: &Path, path: &Path) -> PathBuf {
 }
 
 /// Returns where the ledger is: on a server, or in a file relative to the state directory.
-pub(crate) fn ledger_address(folders: &FarmFolders, state_dir: &Path) -> LedgerAddress {
+pub(crate) fn ledger_address(folders: &FarmFolders, connections: u32, state_dir: &Path) -> LedgerAddress {
     let server = folders
         .ledger
         .to_str()
         .and_then(|text| LedgerAddress::parse_server(text, folders.ledger_password_file.0.as_deref()));
+    let server = server.map(|server| server.with_connections(connections));
     server.unwrap_or_else(|| LedgerAddress::File(path_below(state_dir, &folders.ledger)))
 }
 

@@ -89,11 +89,12 @@ pub(crate) const HOST: &str = "host";
 pub(crate) struct NodeInputs {
     pub name: String,
     pub address: OptionalValue<String>,
+    pub connections: u32,
 }
 
 impl Default for NodeInputs {
     fn default() -> Self {
-        Self { name: HOST.to_owned(), address: OptionalValue::OFF }
+        Self { name: HOST.to_owned(), address: OptionalValue::OFF, connections: ledger::DAEMON_CONNECTIONS }
     }
 }
 

@@ -41,6 +41,7 @@ pub(crate) fn validate_node(inputs: &NodeInputs, validator: &mut ConfigValidator
             "write http://HOST:PORT, where HOST is a name that the other nodes know",
         );
     }
+    validator.require_within("node.connections", inputs.connections, 6..=50);
     NodeSettings { name, address }
 }
 

@@ -145,7 +145,7 @@ fn read_settings(
     }
     problems.extend(printer_validation::find_same_names(&profiles, &places));
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
-    let ledger = folders::ledger_address(&inputs.folders, &state_dir);
+    let ledger = folders::ledger_address(&inputs.folders, inputs.node.connections, &state_dir);
     problems.extend((!has_machines && problems.is_empty() && ledger.file().is_some()).then(|| missing_machine(file)));
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {

@@ -74,7 +74,7 @@ pub(super) fn validate_farm(inputs: &FarmInputs, validator: &mut ConfigValidator
 
 /// Validates the address of a ledger on a server. Its texts never hold the password.
 fn validate_ledger(folders: &FarmFolders, validator: &mut ConfigValidator) {
-    let address = crate::settings::service::folders::ledger_address(folders, Path::new(""));
+    let address = crate::settings::service::folders::ledger_address(folders, ledger::DAEMON_CONNECTIONS, Path::new(""));
     if let Some((text, remedy)) = address.find_problem() {
         validator.report_problem("folders.ledger", format!("folders.ledger: {text}"), remedy);
     }

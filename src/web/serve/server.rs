@@ -10,7 +10,7 @@ use axum::{
     routing::{get, post},
 };
 use language::say;
-use ledger::Ledger;
+use ledger::{Ledger, LedgerUser};
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
@@ -72,7 +72,8 @@ pub async fn serve_dashboard(
     };
     let current = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
     let (path, quote_meshes) = (current.ledger.clone(), QuoteMeshes::of_farm(&current));
-    let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
+    let opened = Ledger::open_existing_for(&path, LedgerUser::Pages).await;
+    let ledger = opened.context("opening the ledger for the dashboard")?;
     // Requests that are still in progress hold the ledger as well.
     let _closed = LedgerCloseGuard(ledger.clone());
     let listener = DashboardListener::bind_socket(&web.listen).await?;

@@ -19,6 +19,12 @@ pub enum ServerError {
     /// The server does not answer.
     #[error("the server of the ledger cannot be reached: {0}")]
     Unreachable(String),
+    /// A connection pooler stands between nestd and the database.
+    #[error(
+        "what answers there is no PostgreSQL but a connection pooler, as PgBouncer is: it does not keep the limits of a connection ({0}). Name \
+         the address of the database itself; `node.connections` limits how many connections nestd makes"
+    )]
+    Pooled(String),
     /// It was not this change's turn in time.
     #[error(
         "all changes of the ledger wait for the connection of {holder}. The database ends one that does nothing within 10 s: try again \
@@ -100,10 +106,21 @@ impl ServerError {
         let what = match &error {
             Io(_) | Tls(_) | PoolClosed | WorkerCrashed => error.to_string(),
             PoolTimedOut => "no connection was made in time".to_owned(),
-            // 08: connection; 57P: the server stops or starts; 53300: it has no connection left; 25P03: it has ended one that did
-            // nothing in a change; 57014: a statement took too long; 55P03: a lock was not free in time.
+            // 08: connection; 57P: the server stops or starts; 53300: it has no connection left; 28: it does not let this user in; 25P03:
+            // it has ended one that did nothing in a change; 57014: a statement took too long; 55P03: a lock was not free in time.
             other => match other.as_database_error().and_then(|error| error.code()) {
-                Some(code) if code.starts_with("08") || code.starts_with("57P") || code == "53300" => error.to_string(),
+                Some(code) if code == "08P01" && error.to_string().contains("startup parameter") => {
+                    return sqlx::Error::AnyDriverError(Box::new(Self::Pooled(error.to_string())));
+                }
+                Some(code) if code == "53300" => format!(
+                    "all its connections are in use ({error}). Each node uses up to `node.connections`, and each command 2: raise \
+                     max_connections there, or lower `node.connections` here"
+                ),
+                Some(code) if code.starts_with("28") => format!(
+                    "it does not let nestd in ({error}). The password stands in `folders.ledger_password_file`, which is read again for \
+                     each new connection"
+                ),
+                Some(code) if code.starts_with("08") || code.starts_with("57P") => error.to_string(),
                 Some(code) if ["25P03", "57014", LOCK_TIMEOUT].contains(&&*code) => error.to_string(),
                 _ => return error,
             },

@@ -91,6 +91,7 @@ impl Ledger {
     /// Adds CPU seconds of nesting for an open or nesting build.
     pub async fn add_cpu_secs(&self, build: BuildId, cpu_secs: f64) -> Result<()> {
         let mut change = self.begin_change().await?;
+        change.tell_nobody();
         change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
         let add = sql::query("UPDATE build SET cpu_secs = coalesce(cpu_secs, 0) + $1 WHERE id = $2");
         add.bind(cpu_secs).bind(build).execute(change.db()).await?;

@@ -73,6 +73,7 @@ impl Ledger {
     /// Stores how far the search for an open build has come.
     pub async fn save_night_search(&self, build: BuildId, row: &NightSearchRow) -> Result<()> {
         let mut change = self.begin_change().await?;
+        change.tell_nobody();
         change.ensure_build_state(build, &[BuildState::Open]).await?;
         sql::query("DELETE FROM night_search WHERE build_id = $1").bind(build).execute(change.db()).await?;
         sql::query(

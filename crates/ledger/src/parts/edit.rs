@@ -75,6 +75,7 @@ impl Ledger {
             set.bind(machine).bind(part.id).bind(fetch_at).execute(change.db()).await?;
             let detail = format!("{by}: from {} to {machine}", part.machine);
             change.write_event(EventKind::Moved, machine, Some(part.id), None, &detail).await?;
+            change.tell_node_of(&part.machine);
             change.count_decision(part.id).await?;
             if part.state == PartState::Waiting {
                 change.read_again(part.id, &detail).await?;

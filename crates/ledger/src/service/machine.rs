@@ -4,15 +4,21 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use sqlx::AssertSqlSafe;
 
 use crate::{
-    EventKind, Ledger, ServerError, UtcTimestamp,
+    EventKind, Ledger, PartId, ServerError, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
     },
     store::change::LedgerChange,
 };
+
+/// Columns of a machine that its node records.
+const MACHINE_COLUMNS: usize = 7;
+/// Machines that one statement records.
+const MACHINES_PER_STATEMENT: usize = 100;
 
 /// State of a machine as observed by the daemon.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -115,13 +121,18 @@ impl Ledger {
         Ok(self.file().is_none() && !self.find_repair_due().await?.contains(&serving))
     }
 
-    /// The contents of all live parts, each with the node that serves its machine; "" = none does.
-    pub async fn live_contents(&self) -> Result<Vec<(String, String)>> {
+    /// The newest part; 0 = there is none.
+    pub async fn newest_part(&self) -> Result<PartId> {
+        Ok(sql::query_scalar("SELECT coalesce(max(id), 0) FROM part").fetch_one(self.reader()?).await?)
+    }
+
+    /// The contents of the live parts that are newer than a part, each with the node that serves its machine; "" = none does.
+    pub async fn live_contents(&self, after: PartId) -> Result<Vec<(String, String)>> {
         let query = sql::query_as(
             "SELECT DISTINCT p.content_hash, coalesce(s.node, '') FROM part p LEFT JOIN station s ON s.machine = p.machine \
-             WHERE p.state IN ('claimed', 'waiting', 'batched')",
+             WHERE p.state IN ('claimed', 'waiting', 'batched') AND p.id > $1",
         );
-        Ok(query.fetch_all(self.reader()?).await?)
+        Ok(query.bind(after).fetch_all(self.reader()?).await?)
     }
 
     /// Gives a machine to a node. The node that served it is fenced off: it changes nothing more until it was started again. Returns
@@ -165,6 +176,7 @@ pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen:
     for gone in known.iter().filter(|row| !seen.iter().any(|s| s.machine == row.machine)) {
         sql::query("DELETE FROM station WHERE machine = $1").bind(&gone.machine).execute(change.db()).await?;
     }
+    let mut rows = Vec::with_capacity(seen.len());
     for seen in seen {
         let known = known.iter().find(|row| row.machine == seen.machine);
         let was = known.map_or("", |row| &row.trouble);
@@ -179,21 +191,27 @@ pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen:
             (false, true) => change.write_event(EventKind::Available, &seen.machine, None, None, "").await?,
             _ => {}
         }
-        sql::query(
+        rows.push((seen, is, since));
+    }
+    // Of whatever size it is, one statement.
+    for rows in rows.chunks(MACHINES_PER_STATEMENT) {
+        let places = (0..rows.len()).map(|row| {
+            let places: Vec<String> =
+                (1..=MACHINE_COLUMNS).map(|column| format!("${}", row * MACHINE_COLUMNS + column)).collect();
+            format!("({})", places.join(", "))
+        });
+        let mut record = sql::query(AssertSqlSafe(format!(
             "INSERT INTO station (machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node) \
-             VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT (machine) DO UPDATE SET node = excluded.node, \
+             VALUES {} ON CONFLICT (machine) DO UPDATE SET node = excluded.node, \
              scanned_at = coalesce(excluded.scanned_at, station.scanned_at), is_inbox_there = excluded.is_inbox_there, \
              is_queue_writable = excluded.is_queue_writable, trouble = excluded.trouble, trouble_at = excluded.trouble_at",
-        )
-        .bind(&seen.machine)
-        .bind(seen.scanned_at)
-        .bind(seen.is_inbox_there)
-        .bind(seen.is_queue_writable)
-        .bind(is)
-        .bind(since)
-        .bind(node)
-        .execute(change.db())
-        .await?;
+            places.collect::<Vec<_>>().join(", ")
+        )));
+        for (seen, trouble, since) in rows {
+            record = record.bind(&seen.machine).bind(seen.scanned_at).bind(seen.is_inbox_there);
+            record = record.bind(seen.is_queue_writable).bind(*trouble).bind(*since).bind(node);
+        }
+        record.execute(change.db()).await?;
     }
     Ok(())
 }

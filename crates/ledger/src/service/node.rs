@@ -117,6 +117,7 @@ impl Ledger {
     /// Writes a heartbeat.
     pub async fn write_heartbeat(&self, heartbeat: &NodeHeartbeat) -> Result<()> {
         let mut change = self.begin_change().await?;
+        change.tell_nobody();
         self.record_node(&mut change, heartbeat).await?;
         machine::record_machines(&mut change, &heartbeat.name, &heartbeat.machines).await?;
         change.commit().await

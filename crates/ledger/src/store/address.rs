@@ -11,6 +11,9 @@ const SCHEMES: [&str; 2] = ["postgres://", "postgresql://"];
 /// What may stand in the query of an address.
 const OPTION_WORDS: [&str; 4] = ["host", "port", "sslmode", "sslrootcert"];
 
+/// How many connections to a server a daemon may have, unless it is said.
+pub const DAEMON_CONNECTIONS: u32 = 7;
+
 /// Where a ledger is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LedgerAddress {
@@ -27,19 +30,30 @@ pub struct ServerAddress {
     url: String,
     /// A file with the password, which takes precedence over one in the address.
     password_file: Option<PathBuf>,
+    /// How many connections a daemon may have.
+    connections: u32,
 }
 
 impl LedgerAddress {
     /// The address of a database on a server, if the text begins like one.
     pub fn parse_server(text: &str, password_file: Option<&Path>) -> Option<Self> {
         SCHEMES.iter().any(|scheme| text.starts_with(scheme)).then(|| {
-            Self::Server(ServerAddress { url: text.to_owned(), password_file: password_file.map(Path::to_owned) })
+            let (url, password_file) = (text.to_owned(), password_file.map(Path::to_owned));
+            Self::Server(ServerAddress { url, password_file, connections: DAEMON_CONNECTIONS })
         })
     }
 
     /// The address that a text of a command names: a server's, or the path of a file.
     pub fn parse(text: &str, password_file: Option<&Path>) -> Self {
         Self::parse_server(text, password_file).unwrap_or_else(|| Self::File(text.into()))
+    }
+
+    /// The same address, to which a daemon may have so many connections.
+    pub fn with_connections(self, connections: u32) -> Self {
+        match self {
+            Self::File(file) => Self::File(file),
+            Self::Server(server) => Self::Server(ServerAddress { connections, ..server }),
+        }
     }
 
     /// Its file, unless it is on a server.
@@ -81,6 +95,16 @@ impl ServerAddress {
     fn unknown_words(&self) -> impl Iterator<Item = &str> {
         let words = self.url.split_once('?').map_or("", |(_, words)| words).split('&').filter(|word| !word.is_empty());
         words.map(|word| word.split('=').next().unwrap_or_default()).filter(|word| !OPTION_WORDS.contains(word))
+    }
+
+    /// The file with the password.
+    pub(crate) fn password_file(&self) -> Option<&Path> {
+        self.password_file.as_deref()
+    }
+
+    /// How many connections a daemon may have.
+    pub(crate) fn connections(&self) -> u32 {
+        self.connections
     }
 
     /// How to connect, with the password.

@@ -1,7 +1,7 @@
 //! A change of the ledger: one short immediate transaction. Every state transition of a row goes through this type,
 //! together with its event.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
 use super::{
     consistency::{self, RuleScope},
@@ -27,6 +27,10 @@ pub struct LedgerChange {
     commands: CommandsDone,
     /// Number of the last event that this change wrote.
     last_event: i64,
+    /// The machines that it concerns, whose nodes are told of it; none, or "" = all are.
+    told: BTreeSet<String>,
+    /// Whether nobody acts on it, unless it has an event.
+    is_quiet: bool,
 }
 
 /// Commands that are carried out by one change.
@@ -42,14 +46,14 @@ pub struct CommandsDone {
 pub enum ChangeOrigin {
     /// In this file, whose last change is compared.
     File(PathBuf, Arc<LastChangeSeen>),
-    /// On a server. A daemon's changes are counted.
-    Server(Option<super::postgres::CountedChange>),
+    /// On a server. A daemon's changes are counted, and its own are news to it at once.
+    Server(Option<super::postgres::CountedChange>, super::postgres::ChangeNotices),
 }
 
 impl LedgerChange {
     /// Creates a change from a transaction that holds the write lock.
     pub fn new(transaction: SqlTransaction, now: UtcTimestamp, origin: ChangeOrigin, commands: CommandsDone) -> Self {
-        Self { transaction, now, origin, commands, last_event: 0 }
+        Self { transaction, now, origin, commands, last_event: 0, told: BTreeSet::new(), is_quiet: false }
     }
 
     /// The connection to run queries on.
@@ -80,11 +84,16 @@ impl LedgerChange {
                     health::note_changes(file, counted);
                 }
             }
-            SqlTransaction::Postgres(transaction, limit) => {
+            SqlTransaction::Postgres(mut transaction, limit) => {
+                let is_told = !(self.is_quiet && self.told.is_empty());
+                if is_told {
+                    sql::answered_within(limit, super::postgres::notify(&mut transaction, &self.told)).await?;
+                }
                 let committed = sql::answered_within(limit, transaction.commit()).await;
                 committed.map_err(crate::ServerError::mark_unreachable)?;
-                if let ChangeOrigin::Server(Some(counted)) = self.origin {
-                    counted.confirm();
+                if let ChangeOrigin::Server(counted, notices) = self.origin {
+                    counted.into_iter().for_each(super::postgres::CountedChange::confirm);
+                    notices.count_own(is_told);
                 }
             }
         }
@@ -250,7 +259,18 @@ impl LedgerChange {
         );
         let insert = insert.bind(now).bind(kind.into()).bind(machine).bind(part).bind(build).bind(detail);
         self.last_event = insert.fetch_one(self.db()).await?;
+        self.tell_node_of(machine);
         Ok(())
+    }
+
+    /// Has the node of a machine told of this change when it is committed.
+    pub fn tell_node_of(&mut self, machine: &str) {
+        self.told.insert(machine.to_owned());
+    }
+
+    /// Nobody acts on this change, unless it has an event.
+    pub fn tell_nobody(&mut self) {
+        self.is_quiet = true;
     }
 
     /// Adds to the last event by how many the copies wanted of its part changed.

@@ -9,8 +9,8 @@ use super::{
     sqlite_store::SqliteStore,
 };
 use crate::{
-    CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
-    ServingRight, SharedFarm, UtcTimestamp,
+    CommandId, LedgerAddress, LedgerError, LedgerUser, LiveRights, ServerAddress, ServerError, ServiceState,
+    ServingNode, ServingRight, SharedFarm, UtcTimestamp,
     base::{
         error::Result,
         sql::{SqlExecutor, SqlTransaction, answered_within},
@@ -45,7 +45,7 @@ enum ServerUse<'a> {
     /// To serve it as a daemon.
     Serve(&'a ServingNode),
     /// To use it as it is.
-    Existing,
+    Existing(LedgerUser),
 }
 
 impl Ledger {
@@ -86,18 +86,25 @@ impl Ledger {
     /// # Errors
     /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
     pub async fn open_existing(at: impl Into<LedgerAddress>) -> Result<Self> {
+        Self::open_existing_for(at, LedgerUser::Command).await
+    }
+
+    /// The same, for one who uses a ledger on a server as long as a daemon runs.
+    ///
+    /// # Errors
+    /// As [`Ledger::open_existing`].
+    pub async fn open_existing_for(at: impl Into<LedgerAddress>, user: LedgerUser) -> Result<Self> {
         match at.into() {
             LedgerAddress::File(path) => Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_existing(&path).await?))),
-            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Existing).await,
+            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Existing(user)).await,
         }
     }
 
     async fn open_server(server: &ServerAddress, to: ServerUse<'_>) -> Result<Self> {
-        let (options, label) = (server.connect_options()?, server.to_string());
         Ok(Self::of(LedgerStore::Postgres(match to {
-            ServerUse::Any => PostgresStore::open(options, &label).await?,
-            ServerUse::Serve(node) => PostgresStore::open_to_serve(options, &label, node).await?,
-            ServerUse::Existing => PostgresStore::open_existing(options, &label).await?,
+            ServerUse::Any => PostgresStore::open(server).await?,
+            ServerUse::Serve(node) => PostgresStore::open_to_serve(server, node).await?,
+            ServerUse::Existing(user) => PostgresStore::open_existing(server, user).await?,
         })))
     }
 
@@ -111,15 +118,17 @@ impl Ledger {
                 Ok(meta) => meta.len() == 0,
                 Err(error) => error.kind() == std::io::ErrorKind::NotFound,
             }),
-            LedgerAddress::Server(server) => match Self::open_server(server, ServerUse::Existing).await {
-                Err(LedgerError::Missing { .. }) => Ok(true),
-                Err(LedgerError::OlderSchema { .. } | LedgerError::NewerSchema { .. }) => Ok(false),
-                Err(error) => Err(error),
-                Ok(ledger) => {
-                    ledger.close().await;
-                    Ok(false)
+            LedgerAddress::Server(server) => {
+                match Self::open_server(server, ServerUse::Existing(LedgerUser::Command)).await {
+                    Err(LedgerError::Missing { .. }) => Ok(true),
+                    Err(LedgerError::OlderSchema { .. } | LedgerError::NewerSchema { .. }) => Ok(false),
+                    Err(error) => Err(error),
+                    Ok(ledger) => {
+                        ledger.close().await;
+                        Ok(false)
+                    }
                 }
-            },
+            }
         }
     }
 
@@ -183,6 +192,15 @@ impl Ledger {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(()),
             LedgerStore::Postgres(store) => store.ensure_own_schema().await,
+        }
+    }
+
+    /// Number of the changes that these machines may be concerned by, of a ledger on a server which tells of them; `None` = it does not at
+    /// present. A hint: one that was not told is found by looking.
+    pub fn told_changes<'m>(&self, machines: impl IntoIterator<Item = &'m str>) -> Option<u64> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => None,
+            LedgerStore::Postgres(store) => store.told_changes(machines),
         }
     }
 
@@ -354,7 +372,7 @@ impl Ledger {
             LedgerStore::Sqlite(store) => (SqlTransaction::Sqlite(store.begin_change().await?), store.change_origin()),
             LedgerStore::Postgres(store) => {
                 let (transaction, counted) = store.begin_change().await?;
-                (transaction, super::change::ChangeOrigin::Server(counted))
+                (transaction, super::change::ChangeOrigin::Server(counted, store.notices()))
             }
         };
         Ok(LedgerChange::new(transaction, self.now(), origin, self.commands.clone()))

@@ -11,6 +11,7 @@ pub(super) mod health;
 pub(super) mod last_change;
 pub(super) mod ledger;
 pub(super) mod location;
+pub(crate) mod on_demand;
 pub(super) mod postgres;
 pub(super) mod schema;
 pub(super) mod service;

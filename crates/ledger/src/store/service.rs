@@ -3,6 +3,17 @@
 
 use std::{fmt, time::Duration};
 
+/// Who uses a ledger on a server without a right to serve it: that has a limited number of connections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LedgerUser {
+    /// A command.
+    Command,
+    /// The pages of a daemon, and what programs ask it.
+    Pages,
+    /// Metrics and messages of a daemon.
+    Monitoring,
+}
+
 /// A right that one process has at a time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ServingRight {

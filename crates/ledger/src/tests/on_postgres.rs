@@ -1,6 +1,7 @@
 //! The tests of the ledger once more, on PostgreSQL: this test program runs itself, with another database behind the
 //! same tests. And tests that hold the two databases against each other.
 
+mod connections;
 mod copies;
 mod encrypted;
 mod frozen;

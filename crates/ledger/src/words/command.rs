@@ -257,7 +257,13 @@ impl LedgerChange {
         );
         let insert = insert.bind(command.kind).bind(&command.machine).bind(command.part);
         let insert = insert.bind(command.argument.to_json()).bind(&command.asked_by).bind(now);
-        Ok(insert.fetch_one(self.db()).await?)
+        let id = insert.fetch_one(self.db()).await?;
+        let machine = match command.part {
+            Some(part) => self.require_part(part).await?.machine,
+            None => command.machine.clone(),
+        };
+        self.tell_node_of(&machine);
+        Ok(id)
     }
 
     /// Pauses a machine. Returns `false` if it was paused.

@@ -1,6 +1,7 @@
 //! Several daemons, and a ledger on a server.
 
-pub mod change_lock;
+mod at_rest;
+mod change_lock;
 pub mod failover;
 pub mod machines_move;
 pub mod nodes_on_postgres;

@@ -12,6 +12,7 @@ use tokio::{sync::Notify, task::AbortHandle};
 
 use super::{
     change_lock::begin_locked,
+    connections::ServerConnections,
     lease_watch::{LeaseRecord, LeaseWatch},
     repair_due,
     schema::SCHEMA,
@@ -32,7 +33,7 @@ pub struct HeldLease {
 }
 
 struct LeaseShared {
-    pool: PgPool,
+    connections: ServerConnections,
     node: ServingNode,
     watch: Mutex<LeaseWatch>,
     /// Why this process may not act until a renewal says otherwise, if so.
@@ -51,13 +52,13 @@ impl HeldLease {
     /// Takes the lease, and renews it from now on. The change lock keeps changes of an earlier owner out meanwhile.
     ///
     /// `ServedByOther` if another process holds it, or one that it excludes, `Behind` if the node is due for repair.
-    pub async fn acquire(pool: &PgPool, node: &ServingNode) -> Result<Self> {
+    pub async fn acquire(connections: &ServerConnections, node: &ServingNode) -> Result<Self> {
         let sent_at = since_boot();
-        let mut transaction = begin_locked(pool).await?;
+        let mut transaction = begin_locked(connections.pool()).await?;
         let granted = grant(&mut transaction, node).await?;
         transaction.commit().await.map_err(ServerError::mark_unreachable)?;
         let shared = Arc::new(LeaseShared {
-            pool: pool.clone(),
+            connections: connections.clone(),
             node: node.clone(),
             watch: Mutex::new(LeaseWatch::granted(granted, sent_at, usable(node.lease))),
             trouble: Mutex::default(),
@@ -126,7 +127,8 @@ impl HeldLease {
             tracing::warn!("The other nodes could not be told that the ledger has lost changes: {error}.");
         }
         let end = sqlx::query("UPDATE lease SET until = clock_timestamp() WHERE name = $1 AND epoch = $2");
-        let end = end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(&self.shared.pool);
+        let end =
+            end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(self.shared.connections.pool());
         let ended = answered_within(RENEWAL_TIMEOUT, end).await;
         if let Err(error) = ended {
             tracing::warn!("The right to serve the ledger could not be given back, and lapses: {error}.");
@@ -196,7 +198,7 @@ impl LeaseShared {
 
     /// Tells the other nodes that the ledger has lost changes of this one, or of all.
     async fn mark_repair_due(&self, node: &str, with_others: bool) -> Result<()> {
-        answered_within(RENEWAL_TIMEOUT, repair_due::mark(&self.pool, node, with_others)).await
+        answered_within(RENEWAL_TIMEOUT, repair_due::mark(self.connections.pool(), node, with_others)).await
     }
 
     /// Renews the lease. Returns whether it is still the own one.
@@ -207,7 +209,7 @@ impl LeaseShared {
                 "UPDATE lease SET until = clock_timestamp() + $2 * interval '1 millisecond' WHERE epoch = $1 AND name = $3",
             );
             let renewal = renewal.bind(before.epoch()).bind(millis(self.node.lease)).bind(self.name());
-            let mut db = self.pool.acquire().await.map_err(ServerError::mark_unreachable)?;
+            let mut db = self.connections.acquire().await?;
             renewal.execute(&mut *db).await.map_err(ServerError::mark_unreachable)?;
             let found = self.read_record(&mut *db).await?;
             Ok::<_, LedgerError>((found, self.ensure_no_repair_due(&mut db).await))
@@ -219,7 +221,7 @@ impl LeaseShared {
         self.change_watch(|watch| watch.renew(sent_at, usable(self.node.lease)));
         if let (Err(_), ServingRight::Node(node)) = (&no_repair_due, &self.node.right) {
             // It runs, and knows that nothing of its own is lost.
-            answered_within(RENEWAL_TIMEOUT, repair_due::record_repair(&self.pool, node)).await?;
+            answered_within(RENEWAL_TIMEOUT, repair_due::record_repair(self.connections.pool(), node)).await?;
         }
         no_repair_due.map(|()| true)
     }

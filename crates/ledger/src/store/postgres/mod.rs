@@ -2,10 +2,12 @@
 //! schema, and a server for tests.
 
 mod change_lock;
+mod connections;
 mod lease;
 #[cfg(test)]
 mod lease_interleavings;
 mod lease_watch;
+mod notices;
 mod repair_due;
 mod schema;
 mod shared_farm;
@@ -13,6 +15,7 @@ mod store;
 mod time_limits;
 
 pub(crate) use lease::{CountedChange, revoke_lapsed};
+pub(crate) use notices::{ChangeNotices, notify};
 pub(crate) use store::PostgresStore;
 
 /// Starts a newer nestd, whose schema has more migrations, as far as that changes the ledger.

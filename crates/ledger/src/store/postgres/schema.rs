@@ -199,7 +199,7 @@ impl ServerSchema {
             }
             schema::compare_versions(label.into(), found, self.newest)
         };
-        answered_within(ConnectionUser::Command.answered_within(), compare).await
+        answered_within(ConnectionUser::RightHolder.answered_within(), compare).await
     }
 
     /// Fails unless the schema is exactly that of this binary.

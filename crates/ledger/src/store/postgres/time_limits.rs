@@ -4,7 +4,9 @@
 
 use std::time::Duration;
 
-use sqlx::postgres::PgConnectOptions;
+use sqlx::{PgConnection, postgres::PgConnectOptions};
+
+use crate::{LedgerUser, ServerAddress, ServerError, base::error::Result};
 
 /// A connection that does nothing within a transaction is ended after this time, which is well below a lease.
 const IDLE_IN_CHANGE: &str = "10s";
@@ -24,13 +26,22 @@ const UNANSWERED_MS: &str = "20000";
 const KEEPALIVES: [(&str, &str); 3] =
     [("tcp_keepalives_idle", "10"), ("tcp_keepalives_interval", "5"), ("tcp_keepalives_count", "3")];
 
+/// Connections of the pages of a daemon.
+const PAGES_CONNECTIONS: u32 = 2;
+/// Connection of its metrics and messages.
+const MONITORING_CONNECTIONS: u32 = 1;
+/// Connections of a command.
+const COMMAND_CONNECTIONS: u32 = 2;
+
 /// For whom a connection is made.
 #[derive(Debug, Clone, Copy)]
 pub enum ConnectionUser<'a> {
     /// The daemon of this node.
     Node(&'a str),
-    /// A command, or whatever else is no node.
-    Command,
+    /// A process that has a right of another kind: it renews that beside its work.
+    RightHolder,
+    /// Somebody who looks, and asks.
+    Other(LedgerUser),
 }
 
 impl ConnectionUser<'_> {
@@ -40,30 +51,64 @@ impl ConnectionUser<'_> {
         self.statement_limit() + ANSWER_LATER
     }
 
+    /// How many connections there may be. Those of a daemon, its pages and its monitoring are together as many as it may have.
+    pub fn most_connections(self, server: &ServerAddress) -> u32 {
+        match self {
+            Self::Node(_) => server.connections().saturating_sub(PAGES_CONNECTIONS + MONITORING_CONNECTIONS).max(2),
+            Self::RightHolder => COMMAND_CONNECTIONS + 1,
+            Self::Other(LedgerUser::Command) => COMMAND_CONNECTIONS,
+            Self::Other(LedgerUser::Pages) => PAGES_CONNECTIONS,
+            Self::Other(LedgerUser::Monitoring) => MONITORING_CONNECTIONS,
+        }
+    }
+
+    /// How long a statement waits for a lock.
+    fn lock_timeout(self) -> &'static str {
+        match self {
+            Self::Node(_) => DAEMON_WAITS,
+            Self::RightHolder | Self::Other(_) => COMMAND_WAITS,
+        }
+    }
+
     /// After what time the database ends a statement.
     fn statement_limit(self) -> Duration {
         match self {
             Self::Node(_) => DAEMON_STATEMENT,
-            Self::Command => COMMAND_STATEMENT,
+            Self::RightHolder | Self::Other(_) => COMMAND_STATEMENT,
         }
     }
 }
 
-/// The options with the limits, and with a name by which `pg_stat_activity` shows whose connection it is.
-pub fn limit(options: PgConnectOptions, user: ConnectionUser<'_>) -> PgConnectOptions {
-    let (name, lock_timeout) = match user {
-        ConnectionUser::Node(node) => (node.to_owned(), DAEMON_WAITS),
-        ConnectionUser::Command => {
-            let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
-            (format!("a command on {host}, process {}", std::process::id()), COMMAND_WAITS)
+/// The limits, and a name by which `pg_stat_activity` shows whose connection it is.
+pub fn limits_of(user: ConnectionUser<'_>) -> impl Fn(PgConnectOptions) -> PgConnectOptions + Send + Sync + use<> {
+    let host = || rustix::system::uname().nodename().to_string_lossy().into_owned();
+    let lock_timeout = user.lock_timeout();
+    let name = match user {
+        ConnectionUser::Node(node) => node.to_owned(),
+        ConnectionUser::Other(LedgerUser::Pages) => format!("the pages on {}", host()),
+        ConnectionUser::Other(LedgerUser::Monitoring) => format!("metrics and messages on {}", host()),
+        ConnectionUser::RightHolder | ConnectionUser::Other(LedgerUser::Command) => {
+            format!("a command on {}, process {}", host(), std::process::id())
         }
     };
     let statement = format!("{}s", user.statement_limit().as_secs());
-    let limits = [
-        ("lock_timeout", lock_timeout),
-        ("statement_timeout", &statement),
-        ("idle_in_transaction_session_timeout", IDLE_IN_CHANGE),
-        ("tcp_user_timeout", UNANSWERED_MS),
-    ];
-    options.application_name(&name).options(limits).options(KEEPALIVES)
+    move |options| {
+        let limits = [
+            ("lock_timeout", lock_timeout),
+            ("statement_timeout", &statement),
+            ("idle_in_transaction_session_timeout", IDLE_IN_CHANGE),
+            ("tcp_user_timeout", UNANSWERED_MS),
+        ];
+        options.application_name(&name).options(limits).options(KEEPALIVES)
+    }
+}
+
+/// Fails if the limits of a connection are not in force: what stands between nestd and the database does not pass them on.
+pub async fn ensure_kept(db: &mut PgConnection, user: ConnectionUser<'_>) -> Result<()> {
+    let limit = sqlx::query_scalar("SELECT current_setting('lock_timeout')").fetch_one(db).await;
+    let limit: String = limit.map_err(ServerError::mark_unreachable)?;
+    match limit == user.lock_timeout() {
+        true => Ok(()),
+        false => Err(ServerError::Pooled(format!("lock_timeout is {limit}")).into()),
+    }
 }

@@ -84,6 +84,12 @@ impl ServerConnections {
         &self.pool
     }
 
+    /// One more connection beside these.
+    pub fn separate_one(&self) -> Result<PgPool> {
+        let one = PgPoolOptions::new().max_connections(1).acquire_timeout(CONNECT_TIMEOUT);
+        Ok(one.connect_lazy_with(self.login.connect_options()?))
+    }
+
     /// Takes a connection. The error says why there is none.
     pub async fn acquire(&self) -> Result<PoolConnection<Postgres>> {
         match self.pool().acquire().await {

@@ -8,7 +8,7 @@ use std::{
 };
 
 use sqlx::{
-    PgConnection,
+    Acquire, Connection, PgConnection,
     postgres::{PgListener, PgNotification},
 };
 use tokio::task::AbortHandle;
@@ -20,6 +20,9 @@ use crate::{ServerError, base::error::Result};
 const CHANNEL: &str = "nestd_changes";
 /// The most bytes of names in a notice, below the limit of PostgreSQL. Longer ones concern all machines.
 const MAX_BYTES: usize = 7000;
+/// Without a notice for this long, the connection is asked whether it lives; it answers within the other time.
+const ASK_AFTER: Duration = Duration::from_secs(4);
+const ANSWERED_WITHIN: Duration = Duration::from_secs(3);
 /// Between two attempts to listen.
 const RETRY: Duration = Duration::from_secs(1);
 
@@ -75,7 +78,9 @@ impl ChangeNotices {
     }
 
     async fn listen(&self, connections: &ServerConnections) -> Result<()> {
-        let mut listener = PgListener::connect_with(connections.pool()).await?;
+        // A connection that is dead without an end takes no place of the others.
+        let own = connections.separate_one()?;
+        let mut listener = PgListener::connect_with(&own).await?;
         listener.eager_reconnect(false);
         listener.listen(CHANNEL).await?;
         self.change(|counts| {
@@ -83,10 +88,21 @@ impl ChangeNotices {
             counts.of_all += 1;
             counts.is_listening = true;
         });
-        while let Some(notice) = listener.try_recv().await? {
-            self.take(&notice);
+        loop {
+            match tokio::time::timeout(ASK_AFTER, listener.try_recv()).await {
+                Ok(notice) => match notice? {
+                    Some(notice) => self.take(&notice),
+                    None => return Ok(()),
+                },
+                // It may have fallen silent.
+                Err(_) => {
+                    let ask = async { listener.acquire().await?.ping().await };
+                    if tokio::time::timeout(ANSWERED_WITHIN, ask).await.is_err() {
+                        return Ok(());
+                    }
+                }
+            }
         }
-        Ok(())
     }
 
     fn take(&self, notice: &PgNotification) {

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use tokio::task::AbortHandle;
+
 use super::{
     change_lock::begin_locked,
     connections::ServerConnections,
@@ -31,8 +33,9 @@ pub struct PostgresStore {
     label: String,
     /// The right to serve the ledger, which a daemon has.
     lease: Option<HeldLease>,
-    /// The changes that a daemon is told of.
+    /// The changes that a daemon is told of, and what listens to them.
     notices: ChangeNotices,
+    listening: Option<AbortHandle>,
 }
 
 impl PostgresStore {
@@ -59,10 +62,9 @@ impl PostgresStore {
             lease.release().await;
             return Err(error);
         }
-        if let ConnectionUser::Node(_) = user {
-            store.notices.listen_on(&store.connections);
-        }
-        Ok(Self { lease: Some(lease), ..store })
+        let is_node = matches!(user, ConnectionUser::Node(_));
+        let listening = is_node.then(|| store.notices.listen_on(&store.connections));
+        Ok(Self { lease: Some(lease), listening, ..store })
     }
 
     /// Opens a database that holds a ledger which this binary can use.
@@ -83,7 +85,14 @@ impl PostgresStore {
     async fn connect(server: &ServerAddress, user: ConnectionUser<'_>) -> Result<Self> {
         let connections = ServerConnections::open(server, user).await?;
         let (answered_within, label) = (user.answered_within(), server.to_string());
-        Ok(Self { connections, answered_within, label, lease: None, notices: ChangeNotices::default() })
+        Ok(Self {
+            connections,
+            answered_within,
+            label,
+            lease: None,
+            notices: ChangeNotices::default(),
+            listening: None,
+        })
     }
 
     /// What this process is told of changes.
@@ -108,6 +117,7 @@ impl PostgresStore {
 
     /// Gives the right to serve the ledger back, and closes all connections.
     pub async fn close(&self) {
+        self.listening.iter().for_each(AbortHandle::abort);
         if let Some(lease) = &self.lease
             && !self.connections.pool().is_closed()
         {

@@ -28,6 +28,8 @@ const KEEPALIVES: [(&str, &str); 3] =
 
 /// Connections of the pages of a daemon.
 const PAGES_CONNECTIONS: u32 = 2;
+/// The connection on which it is told of changes.
+const LISTENING_CONNECTIONS: u32 = 1;
 /// Connection of its metrics and messages.
 const MONITORING_CONNECTIONS: u32 = 1;
 /// Connections of a command.
@@ -54,7 +56,10 @@ impl ConnectionUser<'_> {
     /// How many connections there may be. Those of a daemon, its pages and its monitoring are together as many as it may have.
     pub fn most_connections(self, server: &ServerAddress) -> u32 {
         match self {
-            Self::Node(_) => server.connections().saturating_sub(PAGES_CONNECTIONS + MONITORING_CONNECTIONS).max(2),
+            Self::Node(_) => {
+                let others = PAGES_CONNECTIONS + MONITORING_CONNECTIONS + LISTENING_CONNECTIONS;
+                server.connections().saturating_sub(others).max(2)
+            }
             Self::RightHolder => COMMAND_CONNECTIONS + 1,
             Self::Other(LedgerUser::Command) => COMMAND_CONNECTIONS,
             Self::Other(LedgerUser::Pages) => PAGES_CONNECTIONS,

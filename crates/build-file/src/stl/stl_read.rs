@@ -134,10 +134,9 @@ fn check_trailer(
     file.seek(SeekFrom::Start(at))?;
     let mut bytes = Vec::new();
     file.take(length.min(MAX_TRAILER_BYTES)).read_to_end(&mut bytes)?;
-    let second = claimed_count(&bytes).filter(|more| (1..=limits.max_triangles).contains(more));
-    if let Some(more) = second.filter(|_| count > 0) {
-        let reason = format!("a second STL with {more} more triangles follows the {count} triangles of the first");
-        return Err(FileReadError::invalid_stl(reason));
+    let is_second = claimed_count(&bytes).is_some_and(|more| (1..=limits.max_triangles).contains(&more));
+    if count > 0 && is_second {
+        return Err(FileReadError::invalid_stl(format!("a second STL follows the {count} triangles of the first")));
     }
     let is_solid = |word: &[u8]| word.eq_ignore_ascii_case(b"solid");
     if count > 0 && bytes.trim_ascii_start().get(..5).is_some_and(is_solid) {

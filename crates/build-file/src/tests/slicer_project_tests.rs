@@ -84,6 +84,9 @@ fn modifiers_and_support_volumes_are_left_out_and_named() {
         for (slicer, read) in [
             ("PrusaSlicer", prusa("Metadata/Slic3r_PE_model.config", &of_type(volume_type))),
             ("SuperSlicer", prusa("Metadata/SuperSlicer_model.config", &of_type(volume_type))),
+            ("a program made of it", prusa("Metadata/QIDI_PE_model.config", &of_type(volume_type))),
+            ("a path from the root", prusa("/metadata/slic3r_pe_model.config", &of_type(volume_type))),
+            ("a path of Windows", prusa("Metadata\\Slic3r_PE_model.config", &of_type(volume_type))),
             ("Bambu Studio", bambu(subtype, "")),
         ] {
             let contents = read.unwrap();
@@ -97,6 +100,34 @@ fn modifiers_and_support_volumes_are_left_out_and_named() {
     let old =
         prusa("Metadata/Slic3r_PE_model.config", r#"<metadata type="volume" key="modifier" value="1"/>"#).unwrap();
     assert_eq!(size_of(&old), DVec3::from_array(BODY), "as before there were several types");
+}
+
+/// A project of Cura: the body, and a mesh with a setting that says what it is for.
+fn cura(name: &str, value: &str) -> Result<PartFileContents, FileReadError> {
+    let group = format!(
+        r#"<metadatagroup><metadata name="{name}" preserve="true" type="xs:string">{value}</metadata></metadatagroup>"#
+    );
+    let objects = format!(
+        r#"<object id="1" type="model">{}</object><object id="2" name="Pocket" type="model">{group}{}</object><object id="3" type="model"><components><component objectid="1"/><component objectid="2"/></components></object>"#,
+        boxes(&[BODY]),
+        boxes(&[OTHER])
+    );
+    let start = model(&objects, r#"<item objectid="3"/>"#).replacen(
+        "<model ",
+        r#"<model xmlns:cura="http://software.ultimaker.com/xml/cura/3mf/2015/10" "#,
+        1,
+    );
+    read_package(&[("3D/3dmodel.model", &start)])
+}
+
+#[test]
+fn the_meshes_of_cura_that_only_change_settings_are_left_out_and_named() {
+    for name in ["infill_mesh", "cutting_mesh", "anti_overhang_mesh", "support_mesh"] {
+        let contents = cura(&format!("cura:{name}"), "True").unwrap();
+        assert_eq!(size_of(&contents), DVec3::from_array(BODY), "{name}");
+        assert!(contents.solids[0].warnings.join("\n").contains("Pocket"), "{name}: {:?}", contents.solids[0].warnings);
+    }
+    assert_eq!(size_of(&cura("cura:infill_mesh", "False").unwrap()), DVec3::from_array(OTHER), "as any other mesh");
 }
 
 #[test]

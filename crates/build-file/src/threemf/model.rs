@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use super::xml_names::XmlNamespace;
 use crate::{FileReadError, LengthUnit, ReadLimits};
 
-/// Metadata without a namespace or in this project's namespace.
+/// Metadata without a namespace, and in the namespaces of this project and of Cura.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ModelMetadata(pub(crate) Vec<(XmlNamespace, String, String)>);
 
@@ -21,6 +21,14 @@ impl ModelMetadata {
     /// The value of one of the nine names of the specification.
     pub(crate) fn standard_value(&self, name: &str) -> Option<String> {
         self.value_in(XmlNamespace::None, name)
+    }
+
+    /// The value of a setting of Cura, which its older versions wrote without a namespace.
+    pub(crate) fn slicer_value(&self, name: &str) -> Option<&str> {
+        let is_it = |(space, known, _): &&(XmlNamespace, String, String)| {
+            matches!(space, XmlNamespace::Cura | XmlNamespace::None) && known == name
+        };
+        self.0.iter().find(is_it).map(|(_, _, value)| value.as_str())
     }
 
     fn value_in(&self, space: XmlNamespace, name: &str) -> Option<String> {
@@ -47,9 +55,9 @@ pub(crate) struct ObjectReference {
 /// What an object is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ObjectKind {
-    /// It is printed: `model` and `solidsupport`.
+    /// It is printed: `model`.
     Part,
-    /// It helps to print a part: `support` and `surface`.
+    /// It helps to print a part: `support`, `solidsupport`, `surface`, and what Cura calls a mesh with other settings.
     Support,
     /// It must not be printed, and the model does not say what it is for: `other`.
     Other,

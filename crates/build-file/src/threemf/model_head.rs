@@ -39,7 +39,7 @@ pub(super) fn open_model<R: BufRead>(xml: &mut ModelXmlReader<R>) -> Result<(), 
     }
 }
 
-/// Parses a `<metadata>` element; keeps names without a namespace and our own. Texts for people do not affect the
+/// Parses a `<metadata>` element; keeps names without a namespace, our own and those of Cura. Texts for people do not affect the
 /// shape: of two with the same name the first one counts, and one without a name or with an undeclared prefix is
 /// ignored. Our own names determine what is proved of a build, so each may appear only once.
 pub(super) fn parse_metadata<R: BufRead>(
@@ -62,7 +62,7 @@ pub(super) fn parse_metadata<R: BufRead>(
         },
     };
     let value = xml.text_inside()?;
-    if !matches!(space, XmlNamespace::None | XmlNamespace::Nestd) {
+    if !matches!(space, XmlNamespace::None | XmlNamespace::Nestd | XmlNamespace::Cura) {
         return Ok(());
     }
     budget.take_amount(CountedElement::MetadataBytes, (local.len() + value.len() + 64) as u64)?;

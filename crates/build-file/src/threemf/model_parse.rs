@@ -10,6 +10,7 @@ use super::{
         ObjectReference,
     },
     model_head::{ModelXmlReader, open_model, parse_metadata},
+    slicer_project::is_helper_mesh,
     xml::DocumentStep,
     xml_names::{CORE, ElementTag, NESTD, PRODUCTION, SLICE, XmlNamespace},
 };
@@ -127,8 +128,8 @@ fn parse_object<R: BufRead>(
     id: u32,
 ) -> Result<ModelObject, FileReadError> {
     let kind = match xml.plain_attribute("type").unwrap_or("model") {
-        "model" | "solidsupport" => ObjectKind::Part,
-        "support" | "surface" => ObjectKind::Support,
+        "model" => ObjectKind::Part,
+        "support" | "solidsupport" | "surface" => ObjectKind::Support,
         "other" => ObjectKind::Other,
         other => {
             return Err(xml.invalid_document(&format!("object {id} is of the type {other:?}, which 3MF does not know")));
@@ -156,7 +157,12 @@ fn parse_object<R: BufRead>(
                 object.body = ObjectBody::Components(parse_components(xml, budget)?);
                 bodies += 1;
             }
-            DocumentStep::Open(ElementTag::MetadataGroup) => object.metadata = parse_metadata_group(xml, budget)?,
+            DocumentStep::Open(ElementTag::MetadataGroup) => {
+                object.metadata = parse_metadata_group(xml, budget)?;
+                if object.kind == ObjectKind::Part && is_helper_mesh(&object.metadata) {
+                    object.kind = ObjectKind::Support;
+                }
+            }
             DocumentStep::Open(_) => xml.skip_element()?,
             DocumentStep::Close => break,
             _ => {}

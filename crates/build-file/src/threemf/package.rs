@@ -66,7 +66,7 @@ impl PackageReader {
         }
         let mut entries = HashMap::new();
         for (index, name) in archive.file_names().enumerate() {
-            if entries.insert(name.to_ascii_lowercase(), index).is_some() {
+            if entries.insert(plain_path(name), index).is_some() {
                 return Err(FileReadError::invalid_threemf(format!("the package names {name:?} twice")));
             }
         }
@@ -79,7 +79,7 @@ impl PackageReader {
         path: &str,
         parse: impl FnOnce(&mut EntryXmlReader<'_>) -> Result<T, FileReadError>,
     ) -> Result<T, FileReadError> {
-        let name = path.trim_start_matches('/').to_ascii_lowercase();
+        let name = plain_path(path);
         let index =
             *self.entries.get(&name).ok_or_else(|| FileReadError::invalid_threemf(format!("there is no {path:?}")))?;
         let entry = self.archive.by_index(index).map_err(zip_error)?;
@@ -104,15 +104,19 @@ impl PackageReader {
         paths.iter().map(|path| path.to_ascii_lowercase()).find(|path| self.entries.contains_key(path))
     }
 
-    /// The entries with one of these names, in any letter case, in the package or in its folders, in the order of the alphabet.
-    pub(crate) fn entries_named(&self, names: &[&str]) -> Vec<String> {
-        let is_named = |path: &&String| {
-            let name = path.split_once('/').map_or(path.as_str(), |(_, name)| name);
-            names.iter().any(|wanted| wanted.eq_ignore_ascii_case(name))
-        };
-        let mut found: Vec<String> = self.entries.keys().filter(is_named).cloned().collect();
+    /// The entries whose path fits, in lower case, in the order of the alphabet.
+    pub(super) fn entries_that(&self, fits: impl Fn(&str) -> bool) -> Vec<String> {
+        let mut found: Vec<String> = self.entries.keys().filter(|path| fits(path)).cloned().collect();
         found.sort();
         found
+    }
+
+    /// The entries with one of these names, in any letter case, in the package or in its folders, in the order of the alphabet.
+    pub(crate) fn entries_named(&self, names: &[&str]) -> Vec<String> {
+        self.entries_that(|path| {
+            let name = path.split_once('/').map_or(path, |(_, name)| name);
+            names.iter().any(|wanted| wanted.eq_ignore_ascii_case(name))
+        })
     }
 
     /// Unpacks an entry; a longer one than `most` bytes is refused.
@@ -184,6 +188,11 @@ fn relationship_targets(xml: &mut EntryXmlReader<'_>) -> Result<Vec<String>, Fil
             _ => {}
         }
     }
+}
+
+/// The path of an entry as it is compared: programs write it in any letter case, from the root or not, and with the signs of Windows.
+fn plain_path(path: &str) -> String {
+    path.replace('\\', "/").trim_start_matches("./").trim_start_matches('/').to_ascii_lowercase()
 }
 
 /// The number of entries that the end record of a ZIP package of `len` bytes declares; `None` without an end record.

@@ -1,6 +1,7 @@
 //! What a slicer writes beside the model of its project (`Metadata/*.config`): names, plates, and which volumes of an
 //! object are no model volumes. PrusaSlicer and SuperSlicer name ranges of an object's triangles (`volume`), Bambu Studio
-//! and OrcaSlicer its components (`part`). The model itself holds all of them as solids.
+//! and OrcaSlicer its components (`part`). The model itself holds all of them as solids. Cura writes into the model instead what a mesh
+//! of it is for ([`is_helper_mesh`]).
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -9,7 +10,7 @@ use std::{
 };
 
 use super::{
-    model::{CountedElement, ModelBudget},
+    model::{CountedElement, ModelBudget, ModelMetadata},
     package::PackageReader,
     unpack_guard::UnpackGuard,
     xml::{DocumentStep, XmlReader},
@@ -17,17 +18,26 @@ use super::{
 };
 use crate::{FileReadError, escape_invisible};
 
-/// The settings of objects, as the slicers call the file.
-const SETTINGS: [&str; 4] = [
-    "Metadata/Slic3r_PE_model.config",
-    "Metadata/SuperSlicer_model.config",
-    "Metadata/Slic3r_model.config",
-    "Metadata/model_settings.config",
-];
+/// Whether an entry of a package holds settings of objects: `Slic3r_PE_model.config`, as PrusaSlicer calls it, and others of the same
+/// kind by the programs made of it; Bambu Studio's `model_settings.config`.
+fn is_settings(path: &str) -> bool {
+    let name = path.strip_prefix("metadata/");
+    name.is_some_and(|name| name.ends_with("_model.config") || name == "model_settings.config")
+}
+
 /// More plates or names are not listed.
 const MAX_LISTED: usize = 20;
 /// No object of a project has more volumes.
 const MAX_VOLUMES: usize = 1000;
+
+/// Settings of Cura that make of a mesh no shape, but a place with other settings, or one without supports.
+const HELPER_MESHES: [&str; 4] = ["infill_mesh", "cutting_mesh", "anti_overhang_mesh", "support_mesh"];
+
+/// Whether metadata of an object say that its mesh only helps to print others, as Cura writes it (`cura:infill_mesh` = True).
+pub(super) fn is_helper_mesh(metadata: &ModelMetadata) -> bool {
+    let is_true = |value: &str| matches!(value.trim(), "1") || value.trim().eq_ignore_ascii_case("true");
+    HELPER_MESHES.iter().any(|name| metadata.slicer_value(name).is_some_and(is_true))
+}
 
 type SettingsReader<R> = XmlReader<UnpackGuard<R>>;
 
@@ -123,10 +133,8 @@ impl SlicerProject {
     /// Reads all settings of objects in the package.
     pub(crate) fn read_package(package: &mut PackageReader, budget: &mut ModelBudget) -> Result<Self, FileReadError> {
         let mut project = Self::default();
-        for name in SETTINGS {
-            if let Some(entry) = package.find_entry(&[name]) {
-                package.parse_entry(&entry, |xml| project.parse_settings(xml, budget))?;
-            }
+        for entry in package.entries_that(is_settings) {
+            package.parse_entry(&entry, |xml| project.parse_settings(xml, budget))?;
         }
         Ok(project)
     }

@@ -8,6 +8,8 @@ pub(crate) const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturin
 const CORE_2013: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01";
 pub(super) const SLICE: &str = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07";
 const LATTICE: &str = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02";
+/// Settings in a project of Cura.
+const CURA: &str = "http://software.ultimaker.com/xml/cura/3mf/2015/10";
 const RELATIONSHIPS: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
 
 /// The namespaces that the reader knows.
@@ -21,6 +23,7 @@ pub(crate) enum XmlNamespace {
     Lattice,
     Relationships,
     Nestd,
+    Cura,
     Other,
 }
 
@@ -33,6 +36,7 @@ impl XmlNamespace {
             LATTICE => Self::Lattice,
             RELATIONSHIPS => Self::Relationships,
             NESTD => Self::Nestd,
+            CURA => Self::Cura,
             _ => Self::Other,
         }
     }

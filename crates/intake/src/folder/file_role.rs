@@ -23,8 +23,9 @@ pub(crate) enum FileRole {
 }
 
 /// Extensions of texts that people write beside a part as a ticket, and that nestd does not read as one.
-const OTHER_TEXTS: [&str; 16] = [
-    "txt", "text", "ini", "cfg", "conf", "yaml", "yml", "xml", "md", "rtf", "doc", "docx", "odt", "pages", "csv", "tsv",
+const OTHER_TEXTS: [&str; 19] = [
+    "txt", "text", "ini", "cfg", "conf", "yaml", "yml", "xml", "md", "rtf", "doc", "docx", "odt", "pages", "csv",
+    "tsv", "tml", "json5", "jsonc",
 ];
 
 /// Whether the name of a file ends in one of these extensions, in any case.
@@ -42,11 +43,16 @@ pub(crate) fn without_hidden_txt(path: &Path) -> Cow<'_, Path> {
     if has_extension(&shown, &["toml", "json", "csv", "tsv"]) { shown.into() } else { path.into() }
 }
 
+/// Whether a file is by its name such a text.
+pub(crate) fn is_other_text(path: &Path) -> bool {
+    has_extension(path, &OTHER_TEXTS)
+}
+
 /// The part that a text may be meant for as a ticket, although nestd does not read it as one: `a.stl` for `a.stl.ini`, or a
 /// short name.
 pub(crate) fn part_of_other_text(path: &Path) -> Option<PathBuf> {
-    let mut part = has_extension(path, &OTHER_TEXTS).then(|| path.with_extension(""))?;
-    while has_extension(&part, &OTHER_TEXTS) {
+    let mut part = is_other_text(path).then(|| path.with_extension(""))?;
+    while is_other_text(&part) {
         part = part.with_extension("");
     }
     Some(part)

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 
 /// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
 /// and editors to their backups.
-const SUFFIXES: [&str; 30] = [
+const SUFFIXES: [&str; 33] = [
     ".tmp",
     ".temp",
     ".partial",
@@ -31,18 +31,21 @@ const SUFFIXES: [&str; 30] = [
     ".!qb",
     "~",
     ".bak",
+    ".bck",
+    ".bkp",
+    ".save",
     ".backup",
     ".old",
     ".orig",
     ".swp",
     ".autosave",
 ];
-/// Prefix of Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`, `.snapshot`) are always
+/// Prefixes of Office lock files, and of the snapshots of Samba, which are named by their time. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`, `.snapshot`) are always
 /// ignored.
-const PREFIXES: [&str; 1] = ["~$"];
+const PREFIXES: [&str; 2] = ["~$", "@gmt-"];
 /// Files and folders that operating systems, sync tools and network storage put into every folder: among them recycle bins and
 /// snapshots, whose parts nobody has ordered.
-const NAMES: [&str; 30] = [
+const NAMES: [&str; 32] = [
     "desktop.ini",
     "thumbs.db",
     "__macosx",
@@ -64,7 +67,9 @@ const NAMES: [&str; 30] = [
     "~snapshot",
     "@snapshot",
     "@snapshots",
-    "@gmt",
+    "~tmp",
+    "@synoresource",
+    "@transfer",
     "@recently-snapshot",
     "@eadir",
     "@tmp",
@@ -129,6 +134,8 @@ mod tests {
             "#part.stl#",
             ".hidden.stl",
             "@eaDir",
+            "@GMT-2026.01.01-12.00.00",
+            "part.stl.bkp",
             ".stfolder",
             ".stversions",
             "__MACOSX",

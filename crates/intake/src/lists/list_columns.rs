@@ -258,9 +258,13 @@ impl ColumnLayout {
         let has_meaning = |at: usize| {
             self.positions.iter().any(|(column, &known)| known == at && !matches!(column, ListColumn::Note))
         };
-        let cells = self.headers.iter().enumerate().filter(|(at, _)| !has_meaning(*at));
-        let mut cells = cells.filter_map(|(at, header)| Some((header, bare_cell(record.get(at)?))));
-        cells.find(|(header, cell)| says_no(header, cell)).map(|(header, cell)| format!("{header} = {cell}"))
+        let header = |at: usize| self.headers.get(at).map_or("", String::as_str);
+        let cells = record.iter().enumerate().filter(|(at, _)| !has_meaning(*at));
+        let mut cells = cells.map(|(at, cell)| (header(at), bare_cell(cell)));
+        cells.find(|(header, cell)| says_no(header, cell)).map(|(header, cell)| match header {
+            "" => cell.to_owned(),
+            _ => format!("{header} = {cell}"),
+        })
     }
 
     /// Number of columns with a known meaning.

@@ -7,6 +7,7 @@ pub(super) mod list_columns;
 pub(super) mod list_extras;
 pub(super) mod list_lookup;
 pub(super) mod loaded_list;
+pub(super) mod misnamed_sidecar;
 pub(super) mod order_list;
 pub(super) mod row_state;
 pub(super) mod served_rows;

@@ -4,6 +4,7 @@
 use std::{collections::HashSet, sync::LazyLock};
 
 use super::list_cells::{is_placeholder, normalize_word};
+use crate::names::unordered_folder::not_to_print_words;
 
 /// Words of a cell that end or withdraw a row, whatever its column is called. [`normalize_word`] is applied to all words.
 const ENDED: &str = "cancelled canceled cancel cancellation void obsolete discontinued deleted dropped skip skipped ignore onhold hold \
@@ -13,26 +14,35 @@ const ENDED: &str = "cancelled canceled cancel cancellation void obsolete discon
     annulé annulée annuler supprimé supprimée abandonné suspendu enattente terminé terminée fini imprimé imprimée fabriqué fabriquée \
     livré livrée fait nepasimprimer pasnécessaire cancelado cancelada anulado impreso entregado terminado annullato stampato \
     consegnato geannuleerd vervallen geleverd キャンセル 取消 取消し 取り消し 中止 廃止 不要 保留 完了 済 済み 完成 印刷済 印刷済み \
-    製造済 製造済み 製作済 納品済 納品済み 出荷済 出荷済み 取消済";
+    製造済 製造済み 製作済 納品済 納品済み 出荷済 出荷済み 取消済 cxl cxld 已取消 已打印 已完成 已发货 已交付 отменено отменён отменена \
+    отмена напечатано готово выполнено отгружено anulowane anulowano wydrukowane zrušeno vytištěno törölve iptal basıldı annulleret \
+    inställd peruttu hiddenrow struckthrough 취소 취소됨 완료 출력완료";
 /// Headers of columns that say whether a row is ended, beside the words above.
 const ENDED_HEADERS: &str = "cancelled canceled cancellation storniert storno storniertam entfällt annulé annulée done printed produced \
     finished completed delivered shipped erledigt gefertigt gefertigtam gedruckt gedrucktam produziert hergestellt fertig geliefert \
-    geliefertam terminé imprimé fabriqué livré fait キャンセル 取消 完了 済 印刷済 製造済 納品済 出荷済 納品済み 完了日";
+    geliefertam terminé imprimé fabriqué livré fait キャンセル 取消 完了 済 印刷済 製造済 納品済 出荷済 納品済み 完了日 hold onhold skip void \
+    qtyprinted qtydone qtydelivered qtyshipped printedqty deliveredqty отменено напечатано готово 已打印 已完成 已取消 취소 완료";
 /// Headers of columns in which a no means that the row is not wanted.
 const WANTED_HEADERS: &str = "print toprint printit doprint active isactive enabled include included needed required order toorder make tomake \
     produce build buildit released release approved go wanted status state todo drucken druck zudrucken aktiv freigabe freigegeben \
     genehmigt benötigt nötig bestellen fertigen zufertigen produzieren herstellen gewünscht zustand stand imprimer àimprimer impression \
     actif active activé nécessaire requis validé approuvé commander fabriquer àfabriquer produire statut état imprimir activo activa \
-    estado stampare attivo stato afdrukken actief 印刷 印刷する 出力 造形 製造 製作 要否 有効 承認 状態 状況 ステータス 進捗 発注 必要";
+    estado stampare attivo stato afdrukken actief printyn printyesno druckenjn druckenjanein imprimeron печать печатать статус состояние \
+    drukować tisk tisknout nyomtatás yazdır skriv 打印 状态 是否打印 需要 인쇄 출력 상태 印刷 印刷する 出力 造形 製造 製作 要否 有効 承認 状態 状況 ステータス 進捗 発注 必要";
 /// Cells that say no.
 const NO: &str = "no n nein non false falsch faux 0 off nope not never nicht nie pas aus inactive inaktiv inactif inactive disabled \
-    deaktiviert désactivé rejected abgelehnt refusé keine kein none aucun falso nee いいえ ノー 否 無 無し なし 不可 無効 未承認";
+    deaktiviert désactivé rejected abgelehnt refusé keine kein none aucun falso nee não nej nei ei nie nem hayır нет не 否 不 不打印 아니오 いいえ ノー 否 無 無し なし 不可 無効 未承認";
 /// Signs that say no.
 const NO_SIGNS: [&str; 9] = ["✗", "✘", "❌", "☐", "×", "✕", "✖", "╳", "🚫"];
+
+/// Words beside which an end has not come: `not printed yet`, `wird gedruckt`.
+const OPEN: &str = "not no yet to be will until nicht noch wird werden zu kein keine bis soll pas encore à non no todavía ancora не ещё еще \
+    まだ 未 予定 还没";
 
 static ENDED_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(ENDED));
 static ENDED_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(ENDED_HEADERS));
 static WANTED_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(WANTED_HEADERS));
+static OPEN_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(OPEN));
 static NO_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(NO));
 
 fn words(list: &str) -> HashSet<String> {
@@ -45,14 +55,32 @@ pub(super) fn is_state_header(header: &str) -> bool {
     ENDED_COLUMNS.contains(&word) || WANTED_COLUMNS.contains(&word)
 }
 
-/// Whether a cell of a column with this header says that its row is not wanted. A note counts by its whole text.
+/// Most words of an end: `do not print`.
+const MAX_WORDS: usize = 3;
+
+/// Whether a longer text tells of an end: `cancelled by customer`, `already printed`, but not `not printed yet`.
+fn tells_of_end(cell: &str) -> bool {
+    let said: Vec<String> =
+        cell.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(normalize_word).collect();
+    let is_open = |range: &[String]| range.iter().any(|word| OPEN_WORDS.contains(word));
+    (1..=MAX_WORDS).flat_map(|length| said.windows(length).enumerate().map(move |(at, run)| (at, length, run))).any(
+        |(at, length, run)| {
+            ENDED_WORDS.contains(&run.concat()) && !is_open(&said[..at]) && !is_open(&said[at + length..])
+        },
+    )
+}
+
+/// Whether a cell of a column with this header says that its row is not wanted. Of a note, only its whole text counts, or the plain
+/// words not to print.
 pub(super) fn says_no(header: &str, cell: &str) -> bool {
     let (column, word) = (normalize_word(header), normalize_word(cell));
     let is_no = NO_WORDS.contains(&word) || NO_SIGNS.contains(&cell.trim());
+    let is_state = ENDED_COLUMNS.contains(&column) || WANTED_COLUMNS.contains(&column);
     match is_placeholder(cell) {
         // `なし` says nothing in most columns.
         true => WANTED_COLUMNS.contains(&column) && NO_WORDS.contains(&word),
-        false if ENDED_WORDS.contains(&word) => true,
+        false if ENDED_WORDS.contains(&word) || not_to_print_words(cell).is_some() => true,
+        false if is_state && tells_of_end(cell) => true,
         false if ENDED_COLUMNS.contains(&column) => !is_no,
         false => WANTED_COLUMNS.contains(&column) && is_no,
     }
@@ -86,6 +114,23 @@ mod tests {
             ("印刷", "なし"),
             ("備考", "キャンセル"),
             ("完了", "○"),
+            ("status", "cancelled by customer"),
+            ("Status", "printed 12.11.2026"),
+            ("status", "on hold - waiting for PO"),
+            ("status", "already printed"),
+            ("State", "CXL"),
+            ("Status", "storno 12.11."),
+            ("Status", "bereits gedruckt"),
+            ("note", "please do not print"),
+            ("Hinweis", "Bitte nicht drucken!"),
+            ("Печать", "нет"),
+            ("状态", "已取消"),
+            ("打印", "否"),
+            ("Print Y/N", "N"),
+            ("Drucken j/n", "n"),
+            ("Hold", "Y"),
+            ("Skip", "x"),
+            ("Qty printed", "5"),
         ] {
             assert!(says_no(header, cell), "{header} = {cell}");
         }
@@ -109,6 +154,13 @@ mod tests {
             ("Farbe", "keine"),
             ("完了", ""),
             ("状態", "未着手"),
+            ("Status", "not printed yet"),
+            ("Status", "noch nicht gedruckt"),
+            ("Status", "wird gedruckt"),
+            ("status", "to be printed"),
+            ("note", "cancelled order 7 was the same part"),
+            ("Qty printed", "0"),
+            ("Hold", "N"),
         ] {
             assert!(!says_no(header, cell), "{header} = {cell}");
         }

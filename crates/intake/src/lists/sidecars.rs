@@ -8,6 +8,7 @@ use std::{
 use super::{
     folder_lists::{FolderLists, entry_list_format, is_part_entry, list_format},
     hidden_sidecar::shown_sidecar,
+    misnamed_sidecar::{letters_of_part, loose_part_name},
 };
 use crate::{
     InboxEntry,
@@ -90,6 +91,7 @@ impl<'a> SidecarIndex<'a> {
         for (sidecar, named) in sidecars {
             beside.add_sidecar(sidecar, &named, &is_clear);
         }
+        beside.add_misnamed_sidecars(seen);
         // Beside a ticket, another text is a note, and a hidden ticket is what a program has left.
         let Self { blocked, tickets, .. } = &mut beside;
         let is_rival = |sidecar: &InboxEntry| is_ticket(&sidecar.path) && !is_hidden(sidecar);
@@ -127,6 +129,38 @@ impl<'a> SidecarIndex<'a> {
             Some(reason) => meant.into_iter().for_each(|part| {
                 self.blocked.entry(part).or_insert(BlockingSidecar { sidecar, reason: reason.clone() });
             }),
+        }
+    }
+
+    /// Parts wait for what is beside them and may be meant as their ticket under another name.
+    fn add_misnamed_sidecars(&mut self, seen: &'a [InboxEntry]) {
+        let is_open = |one: &InboxEntry| {
+            entry_list_format(one).is_none()
+                && !self.with_part.contains(one.path.as_path())
+                && file_role(&one.path) != FileRole::List
+        };
+        let open = seen.iter().filter(|one| is_open(one));
+        let misnamed: Vec<(&InboxEntry, String)> =
+            open.filter_map(|one| Some((one, loose_part_name(&one.path)?))).collect();
+        if misnamed.is_empty() {
+            return;
+        }
+        let mut by_letters: HashMap<(Option<&Path>, String), Vec<&'a Path>> = HashMap::new();
+        for part in self.parts.iter().filter(|part| is_part_name(part.file_name().unwrap_or_default())) {
+            let keys = letters_of_part(part).into_iter().map(|letters| (part.parent(), letters));
+            keys.for_each(|key| by_letters.entry(key).or_default().push(part));
+        }
+        for (sidecar, letters) in misnamed {
+            let meant = by_letters.get(&(sidecar.path.parent(), letters)).into_iter().flatten();
+            // Beside a ticket with the right name, it is a note.
+            for part in meant.copied().filter(|part| !self.tickets.contains_key(part)).collect::<Vec<_>>() {
+                let reason =
+                    "may be its ticket, and is not read under this name: a ticket is named like the whole part file \
+                              with .toml added"
+                        .to_owned();
+                self.with_part.insert(&sidecar.path);
+                self.blocked.entry(part).or_insert(BlockingSidecar { sidecar, reason });
+            }
         }
     }
 

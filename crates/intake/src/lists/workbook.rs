@@ -1,5 +1,5 @@
 //! Workbooks as order lists: the text of each sheet that can be seen, as if it had been saved as CSV. What a cell shows is read: a date as
-//! a date, a number as a number. Where cells are merged downwards, a text counts for all rows; a number does not, since it may be meant
+//! a date, a number as a number. A row that is hidden or struck through is asked about ([`marks`]). Where cells are merged downwards, a text counts for all rows; a number does not, since it may be meant
 //! for all of them together.
 
 use std::{
@@ -12,6 +12,10 @@ use calamine::{
     DataRef, Dimensions, ExcelDateTime, Reader, SheetType, SheetVisible, Xlsx, XlsxError, open_workbook_from_rs,
 };
 use zip::ZipArchive;
+
+use self::marks::row_marks;
+
+mod marks;
 
 /// How a workbook begins, as every package.
 const PACKAGE: &[u8] = b"PK\x03\x04";
@@ -51,12 +55,17 @@ pub(super) fn sheet_texts(bytes: &[u8]) -> Result<Vec<String>, String> {
         |sheet: &&calamine::Sheet| sheet.typ == SheetType::WorkSheet && sheet.visible == SheetVisible::Visible;
     let names: Vec<String> =
         workbook.sheets_metadata().iter().filter(is_seen).map(|sheet| sheet.name.clone()).collect();
-    let mut texts = Vec::new();
+    let (mut texts, marks) = (Vec::new(), row_marks(bytes));
     for name in names {
-        let rows = sheet_rows(&mut workbook, &name).map_err(|error| match error {
+        let mut rows = sheet_rows(&mut workbook, &name).map_err(|error| match error {
             SheetError::TooLarge => format!("its sheet {} is too large for a list", escape_invisible(&name)),
             SheetError::Workbook(error) => broken(error),
         })?;
+        // A cell behind all others says what the look of a row says.
+        let behind = rows.cells.values().flat_map(BTreeMap::keys).max().map_or(0, |last| last + 1);
+        for (row, mark) in marks.get(&name).into_iter().flatten() {
+            rows.cells.entry(*row).and_modify(|cells| _ = cells.insert(behind, mark.word().to_owned()));
+        }
         texts.extend((!rows.cells.is_empty()).then(|| as_csv(&rows.cells)));
     }
     Ok(texts)

@@ -6,10 +6,10 @@ use std::ffi::OsStr;
 use build_file::MAX_COPIES;
 
 use super::{
-    copies_sizes::{completes_size, continues_size, is_number_of_thing},
+    copies_sizes::{completes_size, continues_size, follows_any_size, is_number_of_thing},
     copies_words::{
-        NameWord, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count, is_tail_word, is_word_of,
-        split_name_words,
+        NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
+        is_tail_word, is_word_of, split_name_words, word_before_number,
     },
     name::is_part_name,
 };
@@ -208,7 +208,11 @@ fn mention_in_pieces(words: &[NameWord], at: usize) -> Option<(CopiesMention, us
     }
     // `3_Stk_5` may be three or five, `10 mal 20` is a size.
     let is_at_edge = at == 0 || (at + 2..words.len()).all(|at| is_tail_word(words, at));
-    let is_clear = !is_followed_by_number && (is_at_edge || is_qty || is_word_of(WordKind::Pieces, &next.text));
+    let is_factor =
+        TIMES.contains(&next.text.as_str()) && words.iter().any(|word| is_word_of(WordKind::Scale, &word.text));
+    let is_phrase = words.get(at + 2).is_some_and(|word| PHRASE_ENDS.contains(&word.text.as_str()));
+    let is_other = is_followed_by_number || is_factor || is_phrase;
+    let is_clear = !is_other && (is_at_edge || is_qty || is_word_of(WordKind::Pieces, &next.text));
     in_words(words, at, 2, copies.filter(|_| is_clear))
 }
 
@@ -218,15 +222,19 @@ fn mention_before_number(words: &[NameWord], at: usize) -> Option<(CopiesMention
     let letters = word.split(|c: char| c.is_ascii_digit()).next().unwrap_or_default();
     let next = words.get(at + 1);
     let is_equal = next.is_some_and(|next| next.gap.trim() == "=" && next.number().is_some());
-    // A letter n is a number of copies only in n=4.
-    if is_word_of(WordKind::BeforeNumber, letters) && (letters != "n" || is_equal) {
+    // A letter n is a number of copies only in n=4, and `PZ2` is a screwdriver's bit.
+    let is_other = letters == "n" && !is_equal || letters == "pz" && letters != word;
+    if word_before_number(letters).is_some() && !is_other {
         let number_at = if letters == word { at + 1 } else { at };
         let number = words.get(number_at).map_or("", |next| next.text.strip_prefix(letters).unwrap_or(&next.text));
         let (digits, rest) = split_leading_number(number);
         if is_digits(digits) && (rest.is_empty() || is_pieces(rest) || is_word_of(WordKind::AttachedPieces, rest)) {
             let has_pieces = rest.is_empty()
                 && words.get(number_at + 1).is_some_and(|word| is_pieces(&word.text) || word.text == "x");
-            return in_words(words, at, number_at - at + 1 + usize::from(has_pieces), parse_copies(digits));
+            // `PZ 2` may be the bit, `pz. 2` are two pieces.
+            let may_be_bit = letters == "pz" && words[number_at].gap.chars().all(char::is_whitespace);
+            let copies = parse_copies(digits).filter(|_| !may_be_bit);
+            return in_words(words, at, number_at - at + 1 + usize::from(has_pieces), copies);
         }
         if letters == word && is_word_of(WordKind::WantsNumber, letters) {
             return in_words(words, at, 1, None);
@@ -261,8 +269,9 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
     let is_joined = length == 1 || words[at + 1].gap.chars().all(char::is_whitespace);
     // `No 5 x 2` may be two of number 5, or a size.
     let is_between_numbers = length == 2 && words[at].number().is_none() && at > 0 && words[at - 1].number().is_some();
-    // `M3 x 20` and `6x 8mm` may be sizes.
-    let is_of_size = words[at].text.starts_with(['x', '×']) && continues_size(words, at)
+    // `M3 x 20`, `M3 screw x 20` and `6x 8mm` may be sizes.
+    let is_size_before = continues_size(words, at) || length == 2 && follows_any_size(words, at);
+    let is_of_size = words[at].text.starts_with(['x', '×']) && is_size_before
         || is_before_name && completes_size(words, at + length);
     let is_clear = (is_before_name || is_behind_name || is_sign && words.len() > length)
         && !is_factor
@@ -306,6 +315,9 @@ fn unclear_mention(words: &[NameWord], at: usize) -> Option<(CopiesMention, usiz
     if is_word_before_x(word) || is_x_before_word(word) || is_x_behind_word(word) || is_x_behind_version(word) {
         return Some((CopiesMention { copies: None, text: word.to_owned(), is_in_words: false }, 1));
     }
+    if is_pieces_behind_word(word) {
+        return in_words(words, at, 1, None);
+    }
     let is_last_no = next == Some("no") && words[at].number().is_some() && at + 2 == words.len();
     if is_word_of(WordKind::Repeat, word) || is_east_asian_count(word) || is_last_no {
         return in_words(words, at, 1 + usize::from(is_last_no), None);
@@ -340,6 +352,20 @@ fn is_x_behind_word(word: &str) -> bool {
     (1..=MAX_DIGITS_BEHIND_WORD).contains(&(rest.len() - letters.len()))
         && letters.chars().count() >= MIN_LETTERS_BEFORE_X
         && letters.chars().all(char::is_alphabetic)
+}
+
+/// `bracket4pcs` and `bracketQty4` may be four brackets.
+fn is_pieces_behind_word(word: &str) -> bool {
+    let bare = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    if bare.len() < word.len() && bare.len() > MIN_LETTERS_BEFORE_X && bare.ends_with("qty") {
+        return true;
+    }
+    let head = word.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let letters = head.trim_end_matches(|c: char| c.is_ascii_digit());
+    (1..=MAX_DIGITS_BEHIND_WORD).contains(&(head.len() - letters.len()))
+        && letters.chars().count() >= MIN_LETTERS_BEFORE_X
+        && letters.chars().all(char::is_alphabetic)
+        && is_word_of(WordKind::Pieces, &word[head.len()..])
 }
 
 /// `ver2x4` may be four of version 2.

@@ -46,6 +46,26 @@ pub(super) fn continues_size(words: &[NameWord], at: usize) -> bool {
     skipped.checked_sub(1).is_some_and(|before| !is_separated && is_open_size(words, before))
 }
 
+/// Whether any word before `at` holds a number that may be a size, as in `M5 brass x 12`: with blanks around its sign, the number
+/// at `at` may be the next dimension. Signs separate them, and versions and numbers of things are no sizes.
+pub(super) fn follows_any_size(words: &[NameWord], at: usize) -> bool {
+    for before in (0..at).rev() {
+        if is_separating(&words[before + 1].gap) {
+            return false;
+        }
+        let is_version = ["v", "ver", "version", "rev"]
+            .iter()
+            .any(|word| words[before].text.strip_prefix(word).is_some_and(is_digits));
+        if words[before].text.contains(|c: char| c.is_ascii_digit())
+            && !is_version
+            && !is_number_of_thing(words, before)
+        {
+            return true;
+        }
+    }
+    false
+}
+
 /// Whether the word at `at`, behind a leading `6x`, makes a size of it, as in `6x 8mm rod`. A thread (`4x M3x20`) does not.
 pub(super) fn completes_size(words: &[NameWord], at: usize) -> bool {
     let word = &words[at];

@@ -6,32 +6,39 @@ use unicode_normalization::UnicodeNormalization;
 /// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`. Counters do so, too.
 const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt sztuk sztuki pezzi piezas unidades uds \
                       stuks peças copias cópias kopii шт \
-                      штук adet darab бр τεμ τεμάχια";
+                      штук штуки штука экз adet tane darab бр броя τεμ τμχ τεμάχια styck gab vnt kusy kusov kusů unid unids pçs pç \
+                      bucăți bucati יח יחידות قطع قطعة عدد नग ชิ้น exemplar exemplaren stücke stuecke egz cái buah biji";
 /// Words that mean pieces behind a number only at the start or the end of a name: `4 off`, but not `4 off axis`.
-const PIECES_AT_EDGES: &str = "off ea each ex mal fois times volte veces keer razy units unités pz pza pzas ud ks kpl stuk \
-                               kom kos buc";
+const PIECES_AT_EDGES: &str = "off ea each ex exempl mal fois times volte veces keer razy units unités unità pz pza pzas ud und un \
+                               ks kpl stuk kom kos buc tk ad je copie";
+/// Words for pieces that mean a factor beside a word for a scale: `2 times bigger`.
+pub(super) const TIMES: [&str; 7] = ["times", "mal", "fois", "veces", "volte", "keer", "razy"];
+/// Words before which a word for pieces has another meaning: `10 off axis`, `5 ex libris`.
+pub(super) const PHRASE_ENDS: [&str; 5] = ["axis", "road", "grid", "libris", "plus"];
 /// Suffixes that mean pieces only where they are attached to the number: `4pc`, but not `4 PC` (polycarbonate).
 const ATTACHED_PIECES: &str = "pc st";
 /// Words for a number of pieces that stand before it: `qty 4`.
 const BEFORE_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz menge stückzahl stueckzahl stk stck stück stueck \
-                             pcs pieces pièces copies kopien exemplaires nbre nombre quantità quantita qta cantidad cant quantidade aantal antal ilość ilosc szt pezzi pz piezas uds stuks 数量 件数 個数 部数 枚数 数 n \
+                             pcs pieces pièces copies kopien exemplaires nb nbr nbre nombre qtd qtde quantità quantita qta cantidad cant quantidade aantal antal ilość ilosc szt pezzi pz piezas uds stuks 数量 件数 個数 部数 枚数 数 n \
                              кол количество число adet darab 수량 개수";
 /// Those of them that say a number of copies even if no number is beside them.
 const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl quantità quantita cantidad aantal ilość ilosc 数量 個数 部数 枚数 件数 количество 수량";
 /// Words that behind a number may mean copies or something else: `4-fach` may be a socket for four plugs.
-const MAYBE_PIECES: &str = "fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組 \
+const MAYBE_PIECES: &str = "ピース 部 套 stuck fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組 \
                              db 세트 комплект комплекта";
 /// Words before which a number may be meant as copies: `please print 4`.
-const ASKS: &str = "need needs please print brauche benötige bitte drucke drucken imprimer";
+const ASKS: &str = "need needs please print make count amount brauche benötige bitte drucke drucken imprimer";
 const GROUPS: &str = "set lot pack satz jeu";
 const OF: &str = "of de von à";
 /// Numbers in words, which are not read but recognised before a word for pieces.
 const NUMBER_WORDS: &str = "two three four five six seven eight nine ten twelve zwei drei vier fünf fuenf sechs sieben acht neun \
                             zehn zwölf deux trois quatre cinq sept huit neuf dix douze";
 const REPEATS: &str = "twice zweimal dreimal viermal fünfmal fuenfmal zehnmal";
-/// Words beside which `2x` is a factor.
+/// Words beside which `2x` is a factor: scales, optics, buses; and names of products that have an x and a number of their own.
 const SCALES: &str = "scale scaled scaling scal skaliert skalierung massstab maßstab échelle echelle zoom mag magnification \
-                      magnifier lupe loupe faktor factor facteur";
+                      magnifier lupe loupe faktor factor facteur objective objektiv objectif barlow teleconverter telekonverter \
+                      eyepiece ocular okular oculaire microscope mikroskop pci pcie riser nvme insta360 gopro bmw thinkpad fuji \
+                      fujifilm poco sidewinder bambu bigger smaller larger größer groesser kleiner vergrößert verkleinert agrandi réduit";
 /// Words that may follow `x4`: version, material, colour, state of the file.
 const TAILS: &str = "v ver version rev revision final finale neu new nouveau kopie copy copie コピー のコピー date stl 3mf export \
                      print druck drucken imprimer fixed repaired repariert corrigé mm pa pa6 pa11 pa12 pa12gf tpu tpa pp abs pla petg asa pc \
@@ -54,7 +61,6 @@ pub(crate) enum WordKind {
     Pieces,
     PiecesAtEdge,
     AttachedPieces,
-    BeforeNumber,
     WantsNumber,
     MaybePieces,
     Ask,
@@ -71,7 +77,6 @@ pub(super) fn is_word_of(kind: WordKind, word: &str) -> bool {
         WordKind::Pieces => PIECES,
         WordKind::PiecesAtEdge => PIECES_AT_EDGES,
         WordKind::AttachedPieces => ATTACHED_PIECES,
-        WordKind::BeforeNumber => BEFORE_NUMBER,
         WordKind::WantsNumber => WANTS_NUMBER,
         WordKind::MaybePieces => MAYBE_PIECES,
         WordKind::Ask => ASKS,
@@ -83,6 +88,15 @@ pub(super) fn is_word_of(kind: WordKind, word: &str) -> bool {
     };
     let is_counter_word = || kind == WordKind::Pieces && word.chars().all(is_counter) && word.chars().count() == 1;
     words.split_whitespace().any(|known| known == word) || is_counter_word()
+}
+
+/// The word for a number of pieces at the end of these letters: all of them, or what Chinese and Japanese write behind a name
+/// without a blank (支架数量).
+pub(super) fn word_before_number(letters: &str) -> Option<&'static str> {
+    let is_at_end = |known: &&str| {
+        known.starts_with(|c: char| c >= '\u{2e80}') && letters.ends_with(*known) && known.chars().count() > 1
+    };
+    BEFORE_NUMBER.split_whitespace().find(|known| *known == letters || is_at_end(known))
 }
 
 /// A word of a name, in lower case, with the text between it and the word before.
@@ -109,11 +123,11 @@ const ZEROS: [char; 17] = [
     '\u{d66}', '\u{e50}', '\u{ed0}', '\u{f20}', '\u{1040}', '\u{17e0}', '\u{1810}',
 ];
 
-/// A digit of any script in ASCII, and an asterisk as a multiplication sign; other characters as they are.
+/// A digit of any script in ASCII, and what is written for a multiplication sign as that; other characters as they are.
 fn plain_sign(c: char) -> char {
     let digit = |zero: char| (c as u32).checked_sub(zero as u32).and_then(|digit| char::from_digit(digit, 10));
     match c {
-        '*' => '×',
+        '*' | '✕' | '✖' | '✗' | '⨯' | '∗' => '×',
         c => ZEROS.into_iter().find_map(digit).unwrap_or(c),
     }
 }
@@ -151,7 +165,7 @@ pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
     words
 }
 
-/// The Cyrillic х that stands for a multiplication sign, as in `х4`, `4х` and ` х 4`, becomes the Latin x of other names.
+/// The Cyrillic х or Greek χ that stands for a multiplication sign, as in `х4`, `4х` and ` х 4`, becomes the Latin x of other names.
 fn latin_times(text: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
     let near = |at: Option<usize>| at.and_then(|at| chars.get(at).copied());
@@ -162,7 +176,11 @@ fn latin_times(text: &str) -> String {
             || is_digit(before) && !is_letter(after)
             || !is_letter(before) && !is_letter(after)
     };
-    chars.iter().enumerate().map(|(at, &c)| if c == 'х' && stands_for_times(at) { 'x' } else { c }).collect()
+    chars
+        .iter()
+        .enumerate()
+        .map(|(at, &c)| if matches!(c, 'х' | 'χ') && stands_for_times(at) { 'x' } else { c })
+        .collect()
 }
 
 fn is_digit(c: Option<char>) -> bool {

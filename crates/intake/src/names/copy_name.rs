@@ -47,17 +47,44 @@ const CONFLICT_WORDS: [&str; 14] = [
     "ristiriita",
 ];
 /// Words for a copy, behind a name and a sign, in brackets, or before a sign and a name.
-const COPY_WORDS: [&str; 11] =
-    ["copy", "kopie", "copie", "copia", "cópia", "kopia", "kopi", "コピー", "副本", "복사본", "копия"];
+const COPY_WORDS: [&str; 18] = [
+    "copy",
+    "kopie",
+    "copie",
+    "copia",
+    "cópia",
+    "kopia",
+    "kopi",
+    "コピー",
+    "副本",
+    "복사본",
+    "копия",
+    "копія",
+    "kopya",
+    "kopio",
+    "másolat",
+    "kópia",
+    "kopija",
+    "αντίγραφο",
+];
 /// The same without a sign.
 const JOINED_COPY: &str = "のコピー";
 /// What programs call the file that was there before.
 const PROGRAM_BACKUPS: [&str; 4] = ["orig", "sav", "tmp", "autosave"];
 /// Signs between such a word and the name.
-const WORD_SIGNS: [char; 4] = ['.', '-', '_', ' '];
+const WORD_SIGNS: [char; 6] = ['.', '-', '_', ' ', '–', '—'];
 /// What file managers put before a name.
-const COPY_STARTS: [&str; 7] =
-    ["copy of ", "kopie von ", "copie de ", "copia de ", "copia di ", "コピー ~ ", "コピー ～ "];
+const COPY_STARTS: [&str; 9] = [
+    "copy of ",
+    "copy (2) of ",
+    "copy (3) of ",
+    "kopie von ",
+    "copie de ",
+    "copia de ",
+    "copia di ",
+    "コピー ~ ",
+    "コピー ～ ",
+];
 /// Starts of the names that Windows gives to computers, which OneDrive adds behind a hyphen.
 const COMPUTERS: [&str; 4] = ["desktop", "laptop", "win", "pc"];
 /// Length of the second half of such a name.
@@ -83,6 +110,7 @@ pub fn read_copy_name(name: &str) -> Option<CopyName> {
     }
     let numbered = without_number(stem);
     let bare = numbered.unwrap_or(stem);
+    let bare = without_blank_number(bare).unwrap_or(bare);
     let ending = without_word(bare, &COPY_WORDS).or_else(|| without_ending(bare, JOINED_COPY));
     let start = || COPY_STARTS.iter().find_map(|start| without_start(bare, start));
     let told = ending.or_else(|| without_bracketed_word(bare)).or_else(start).or(numbered);
@@ -113,10 +141,17 @@ fn without_first_word<'a>(stem: &'a str, words: &[&str]) -> Option<&'a str> {
     words.iter().find_map(behind)
 }
 
-/// `x` of `x (copy)`.
+/// `x` of `x (copy)` and `x (3rd copy)`.
 fn without_bracketed_word(stem: &str) -> Option<&str> {
     let (before, inside) = stem.strip_suffix(')')?.rsplit_once('(')?;
-    COPY_WORDS.contains(&fold_name(inside).as_str()).then(|| before.trim_end())
+    let inside = fold_name(inside);
+    COPY_WORDS.contains(&inside.rsplit(' ').next().unwrap_or_default()).then(|| before.trim_end())
+}
+
+/// `x copy` of `x copy 2`, as macOS numbers.
+fn without_blank_number(stem: &str) -> Option<&str> {
+    let (before, number) = stem.rsplit_once(' ')?;
+    (is_copy_number(number) && without_word(before, &COPY_WORDS).is_some()).then_some(before)
 }
 
 /// `x` of `x~1`, and of `x~20260101-120000`, as Syncthing keeps versions.
@@ -209,6 +244,13 @@ mod tests {
             ("x (Copy).stl", CopyKind::BesideOriginal),
             ("x (Kopie) (2).stl", CopyKind::BesideOriginal),
             ("x_kopia.stl", CopyKind::BesideOriginal),
+            ("x copy 2.stl", CopyKind::BesideOriginal),
+            ("x — копия.stl", CopyKind::BesideOriginal),
+            ("x – kopie.stl", CopyKind::BesideOriginal),
+            ("x (another copy).stl", CopyKind::BesideOriginal),
+            ("x (3rd copy).stl", CopyKind::BesideOriginal),
+            ("Copy (2) of x.stl", CopyKind::BesideOriginal),
+            ("x - Kopya.stl", CopyKind::BesideOriginal),
             ("kopia_x.stl", CopyKind::BesideOriginal),
             ("Kopie x.stl", CopyKind::BesideOriginal),
             ("old_x.stl", CopyKind::BesideOriginal),

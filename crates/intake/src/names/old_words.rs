@@ -2,8 +2,11 @@
 //! known of both.
 
 /// A backup.
-pub(super) const BACKUP: [&str; 20] = [
+pub(super) const BACKUP: [&str; 23] = [
     "bak",
+    "bak1",
+    "bak2",
+    "bkp",
     "backup",
     "backups",
     "back up",

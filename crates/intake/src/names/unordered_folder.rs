@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Names of recycle bins that people or their computers choose. Nobody orders what is thrown away, and it is not taken out of there.
-const BINS: [&str; 26] = [
+const BINS: [&str; 41] = [
     "papierkorb",
     "gelöscht",
     "gelöschte dateien",
@@ -35,9 +35,24 @@ const BINS: [&str; 26] = [
     "lixeira",
     "prullenbak",
     "回收站",
+    "資源回收筒",
+    "휴지통",
+    "корзина",
+    "удаленные",
+    "удалённые",
+    "kosz",
+    "koš",
+    "kôš",
+    "geri dönüşüm kutusu",
+    "çöp kutusu",
+    "lomtár",
+    "roskakori",
+    "papperskorg",
+    "papirkurv",
+    "κάδος ανακύκλωσης",
 ];
 /// Names of folders for what is done, besides backups and what is old. An order may have such a name, so it is asked about.
-const DONE: [&str; 41] = [
+const DONE: [&str; 56] = [
     "archive",
     "archives",
     "archived",
@@ -79,6 +94,21 @@ const DONE: [&str; 41] = [
     "完成",
     "已完成",
     "已打印",
+    "cancelled",
+    "canceled",
+    "rejected",
+    "on hold",
+    "snapshot",
+    "snapshots",
+    "storniert",
+    "abgelehnt",
+    "annulé",
+    "annulés",
+    "cancelado",
+    "annullato",
+    "отменено",
+    "キャンセル",
+    "已取消",
 ];
 
 /// Words in the name of a file that nobody wants to be printed.

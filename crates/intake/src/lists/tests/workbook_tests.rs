@@ -35,7 +35,9 @@ fn workbook(sheets: &[Sheet<'_>]) -> Vec<u8> {
     });
     let styles = format!(
         r#"<styleSheet xmlns="{MAIN}"><cellXfs count="2"><xf numFmtId="0"/><xf numFmtId="14" applyNumberFormat="1"/></cellXfs></styleSheet>"#
-    );
+    )
+    .replace("<cellXfs count=\"2\">", "<fonts><font/><font><b/><strike/></font></fonts><cellXfs count=\"3\">")
+    .replace("</cellXfs>", "<xf numFmtId=\"0\" fontId=\"1\"/></cellXfs>");
     let mut entries = vec![
         (
             "_rels/.rels".to_owned(),
@@ -129,6 +131,30 @@ fn a_formula_counts_with_its_value_and_without_one_is_no_number_of_copies() {
     let read = read(&workbook(&[("visible", &rows, &[])])).unwrap();
     assert_eq!(read[0], ("a.stl".to_owned(), "5 - ".to_owned()));
     assert!(read[1].1.contains("a formula without a value") && read[2].1.contains("#DIV/0!"), "{read:?}");
+}
+
+#[test]
+fn a_row_that_is_hidden_or_struck_through_says_so_against_itself() {
+    let struck = row(4, &["c.stl", "4"]).replace(r#"<c r="A4""#, r#"<c r="A4" s="2""#);
+    let half = r#"<row r="5"><c r="A5" t="inlineStr"><is><t>d.stl</t></is></c><c r="B5" t="inlineStr"><is><r><rPr><strike/></rPr><t>5</t></r><r><t>3</t></r></is></c></row>"#;
+    let rows = row(1, &["file", "copies"])
+        + &row(2, &["a.stl", "2"])
+        + &row(3, &["b.stl", "3"]).replace("<row ", r#"<row hidden="1" "#)
+        + &struck
+        + half
+        + &row(6, &["e.stl", "6"]).replace("<row ", r#"<row hidden="0" "#);
+    let list = OrderList::parse_list(&workbook(&[("visible", &rows, &[])]));
+    let said: Vec<_> = list.rows().unwrap().iter().map(|row| (row.file.as_str(), row.objection.as_deref())).collect();
+    let wanted = [
+        ("a.stl", None),
+        ("b.stl", Some("hidden row")),
+        ("c.stl", Some("struck through")),
+        ("d.stl", Some("struck through")),
+        ("e.stl", None),
+    ];
+    assert_eq!(said, wanted);
+    let single = OrderList::parse_single_row(&list.rows().unwrap()[1].text).unwrap();
+    assert_eq!(single.objection.as_deref(), Some("hidden row"), "the row by itself says so too");
 }
 
 #[test]

@@ -4,11 +4,12 @@
 use super::*;
 
 /// Each file and the number of names that it has at least.
-const NAMES: [(&str, usize); 4] = [
+const NAMES: [(&str, usize); 5] = [
     (include_str!("../../samples/names.tsv"), 300),
     (include_str!("../../samples/sizes.tsv"), 150),
     (include_str!("../../samples/copies.tsv"), 150),
     (include_str!("../../samples/questions.tsv"), 150),
+    (include_str!("../../samples/trades.tsv"), 500),
 ];
 
 fn sample_names(file: &'static str) -> Vec<(&'static str, &'static str)> {

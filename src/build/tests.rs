@@ -198,3 +198,28 @@ fn copies_that_come_too_close_when_one_is_raised_or_closer_than_a_part_asks_are_
     let refused = proved(&asked, &stacked(4.95)).unwrap_err();
     assert!(refused.contains("mm apart instead of 5 mm"), "{refused}");
 }
+
+/// Two rings that hang in each other as the links of a chain, with more than the clearance between them; or one beside the other.
+fn two_links(is_linked: bool) -> SolvedBuild {
+    let mut build = two_cubes(0.0, 5);
+    let ring = sample_parts::ring(40.0, 30.0, 4.0);
+    let (center, outer_mm) = (ring.bounds().center(), 0.5 * ring.bounds().size().x);
+    build.parts[0].mesh = Arc::new(ring);
+    build.parts[0].orientation = OrientationLimits::new(OrientationRule::Free, &[], &[]);
+    let at = |rotation: DQuat, place: DVec3| Pose::new(rotation, place - rotation * center);
+    let apart_mm = if is_linked { 0.875 * outer_mm } else { 2.0 * outer_mm + 8.0 };
+    build.placed[0].pose = at(DQuat::IDENTITY, DVec3::new(25.0, 50.0, 50.0));
+    build.placed[1].pose =
+        at(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2), DVec3::new(25.0 + apart_mm, 50.0, 50.0));
+    build
+}
+
+#[test]
+fn parts_that_are_locked_into_each_other_are_not_proved_where_the_machine_forbids_it() {
+    let (mut linked, beside) = (two_links(true), two_links(false));
+    assert!(proved(&beside, &beside).is_ok());
+    let refused = proved(&linked, &linked).unwrap_err();
+    assert!(refused.contains("is not proved: ") && !refused.contains("mm apart"), "{refused}");
+    linked.machine.interlock = InterlockRule::Allow;
+    assert!(proved(&linked, &linked).is_ok(), "they have their clearance");
+}

@@ -141,6 +141,7 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let rows = ledger.read_history(&HistoryQuery::default()).await.unwrap();
+    let rows = crate::farm::DatedBuild::of_rows(&ledger, [], rows, jiff::Timestamp::now()).await.unwrap();
     let table = table::TextTable::of(crate::tables::HISTORY_COLUMNS, &rows, &kept_view()).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
     let heads: Vec<String> =
@@ -229,7 +230,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         "Order kit 7: under way\n",
         "customer    Brandt\n",
         "copies      2 of 3 good, 1 waiting\n",
-        "to send     Your order kit 7: 2 of 3 parts are printed, the rest is in production.\n",
+        "to send     Your order kit 7: 2 of 3 parts are printed, a date for the rest is not known yet.\n",
         "2 in build 1 (good)",
     ] {
         assert!(order.contains(expected), "'{expected}' is missing in\n{order}");

@@ -45,7 +45,7 @@ pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;
 pub use decisions::queue_depth::held_text;
 pub use decisions::trigger::FireTrigger;
-pub use facts::build_fact::{BuildFact, build_fact, build_of_copy, history_fact};
+pub use facts::build_fact::{BuildFact, DatedBuild, build_fact, build_of_copy, build_of_search};
 pub use facts::copy_fact::{CopyWord, copy_counts, copy_fact, counted_words};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;

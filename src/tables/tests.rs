@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use ledger::{HistoryQuery, HistoryRow};
+use ledger::HistoryQuery;
 use ledger_fixtures::*;
 
 use super::{
     columns::table_column::{ColumnAudience, TableColumn},
     *,
 };
-use crate::settings::FarmZone;
+use crate::{farm::DatedBuild, settings::FarmZone};
 
 /// Key and field of the columns of a table that programs see.
 fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
@@ -84,6 +84,7 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let query = HistoryQuery::default();
     let (rows, sums) = (ledger.read_history(&query).await.unwrap(), ledger.height_summaries(&query).await.unwrap());
+    let rows = DatedBuild::of_rows(&ledger, [], rows, jiff::Timestamp::now()).await.unwrap();
     fn check_columns<Row: serde::Serialize>(columns: &[TableColumn<Row>], row: &Row) {
         let json = serde_json::to_value(row).unwrap();
         let columns = || columns.iter().filter(|column| column.audience != ColumnAudience::People);
@@ -93,7 +94,7 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
             assert_eq!(serde_json::to_value((column.value)(row)).unwrap(), json[column.key], "{}", column.key);
         }
     }
-    check_columns::<HistoryRow>(HISTORY_COLUMNS, &rows[0]);
+    check_columns::<DatedBuild>(HISTORY_COLUMNS, &rows[0]);
     check_columns(HEIGHT_SUM_COLUMNS, &sums[0]);
 }
 

@@ -275,6 +275,10 @@ async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
     let rows = dashboard.ledger.read_history(&Default::default()).await.unwrap();
     let height = format!("{:.2}", rows[0].measures.height_mm.unwrap());
     assert!(dashboard.get("/history").await.text.contains(&height));
+    let settings = dashboard.web.current_settings();
+    let now = jiff::Timestamp::now();
+    let rows =
+        crate::farm::DatedBuild::of_rows(&dashboard.ledger, settings.profiles.values(), rows, now).await.unwrap();
     let json: serde_json::Value = serde_json::from_str(&dashboard.get("/history.json").await.text).unwrap();
     assert_eq!(json, serde_json::to_value(&rows).unwrap());
     assert_eq!(

@@ -14,6 +14,7 @@ use crate::{
             terminal::output_columns,
         },
     },
+    farm::DatedBuild,
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
 };
 
@@ -28,7 +29,7 @@ const LEAST_COLUMNS: &[&str] = &[
     "file_or_reason",
     "used",
     "copies",
-    "state",
+    "state_word",
     "machine",
 ];
 
@@ -84,6 +85,7 @@ pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
             ..HistoryQuery::default()
         };
         let rows = ledger.read_history(&query).await?;
+        let rows = DatedBuild::of_rows(ledger, settings.profiles.values(), rows, Timestamp::now()).await?;
         match &args.machine {
             // The history of a machine that is no longer configured stays readable.
             Some(machine)

@@ -1,10 +1,16 @@
 //! How far a build is: as its machine plans it while it is under way, and as the ledger has it otherwise.
 
-use ledger::{BuildId, BuildRow, BuildState, HistoryRow, PlacementRow, UtcTimestamp};
+use anyhow::Result;
+use jiff::Timestamp;
+use ledger::{BuildId, BuildRow, BuildState, HistoryRow, Ledger, NamedBuildRow, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::farm::planning::{MachinePlan, PlanStage, PlannedBuild};
+use super::read_facts::read_plans;
+use crate::{
+    farm::planning::{MachinePlan, PlanStage, PlannedBuild},
+    settings::MachineProfile,
+};
 
 /// What is so of a build.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
@@ -32,14 +38,44 @@ impl PlanStage {
     }
 }
 
+/// A build of the history, and what is so of it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct DatedBuild {
+    /// Its row.
+    #[serde(flatten)]
+    pub row: HistoryRow,
+    /// How far it is.
+    #[serde(flatten)]
+    pub fact: BuildFact,
+}
+
+impl DatedBuild {
+    /// Builds of the history with what is so of them.
+    ///
+    /// # Errors
+    /// The ledger cannot be read.
+    pub async fn of_rows<'p>(
+        ledger: &Ledger,
+        profiles: impl IntoIterator<Item = &'p MachineProfile>,
+        rows: Vec<HistoryRow>,
+        now: Timestamp,
+    ) -> Result<Vec<Self>> {
+        // Of builds that are over, no plan says more.
+        let plans = match rows.iter().any(|row| is_under_way(row.state)) {
+            true => read_plans(ledger, profiles, now).await?,
+            false => Vec::new(),
+        };
+        let dated = |row: HistoryRow| {
+            let fact = fact_of((row.build, row.state), row.state_word(), &plans);
+            Self { row, fact }
+        };
+        Ok(rows.into_iter().map(dated).collect())
+    }
+}
+
 /// What is so of a build.
 pub fn build_fact(build: &BuildRow, plans: &[MachinePlan]) -> BuildFact {
     fact_of((build.id, build.state), build.state_word(), plans)
-}
-
-/// What is so of a build of the history.
-pub fn history_fact(build: &HistoryRow, plans: &[MachinePlan]) -> BuildFact {
-    fact_of((build.build, build.state), build.state_word(), plans)
 }
 
 /// What is so of the build that a copy was taken into.
@@ -48,11 +84,20 @@ pub fn build_of_copy(placed: &PlacementRow, plans: &[MachinePlan]) -> BuildFact 
     fact_of((placed.build_id, placed.build_state), word, plans)
 }
 
+/// What is so of a build that a search found.
+pub fn build_of_search(build: &NamedBuildRow, plans: &[MachinePlan]) -> BuildFact {
+    fact_of((build.id, build.state), build.state.to_string(), plans)
+}
+
+/// Whether the plan of its machine says more of a build than the ledger.
+fn is_under_way(state: BuildState) -> bool {
+    matches!(state, BuildState::Verified | BuildState::Published | BuildState::Printing)
+}
+
 fn fact_of((build, state): (BuildId, BuildState), word: String, plans: &[MachinePlan]) -> BuildFact {
-    let is_under_way = matches!(state, BuildState::Published | BuildState::Printing);
     let planned = planned_build(build, plans);
     BuildFact {
-        word: match planned.filter(|_| is_under_way) {
+        word: match planned.filter(|_| is_under_way(state)) {
             Some(planned) => planned.stage.word(planned.awaits_release).to_owned(),
             None => word,
         },

@@ -41,8 +41,10 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
                 _ if printed + copies.refused >= copies.wanted => None,
                 (Some(at), 0) => Some(say!("note-all-expected", day = day(at))),
                 (Some(at), _) => Some(say!("note-rest-expected", day = day(at))),
-                (None, 0) => Some(say!("note-all-made")),
-                (None, _) => Some(say!("note-rest-made")),
+                (None, 0) if copies.waiting == 0 => Some(say!("note-all-made")),
+                (None, _) if copies.waiting == 0 => Some(say!("note-rest-made")),
+                (None, 0) => Some(say!("note-all-not-known")),
+                (None, _) => Some(say!("note-rest-not-known")),
             };
             let how = match expected {
                 Some(expected) => say!("note-and-expected", how = of, expected = expected),

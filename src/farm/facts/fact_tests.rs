@@ -295,7 +295,9 @@ fn an_order_that_is_in_time_and_cannot_be_whole_asks_for_a_person() {
     let copies = LineCopies { wanted: 3, waiting: 2, refused: 1, ..LineCopies::default() };
     assert_eq!(dated(OrderState::Open, copies, &[]).fact.word, OrderWord::Short);
     let whole = LineCopies { waiting: 3, refused: 0, ..copies };
-    assert_eq!(dated(OrderState::Open, whole, &[]).fact.word, OrderWord::OnTime);
+    let known = [plan(&[(3, Some(19.0))], vec![])];
+    assert_eq!(dated(OrderState::Open, whole, &known).fact.word, OrderWord::OnTime);
+    assert_eq!(dated(OrderState::Open, whole, &[]).fact.word, OrderWord::UnderWay, "nobody knows when it is done");
 }
 
 #[test]
@@ -332,6 +334,11 @@ fn a_customer_is_told_how_much_is_printed_and_when_the_rest_is_expected() {
     );
     assert_eq!(
         note(OrderState::Open, some, None),
+        "Your order A-7: 40 of 48 parts are printed, a date for the rest is not known yet."
+    );
+    let made = LineCopies { waiting: 0, in_builds: 8, ..some };
+    assert_eq!(
+        note(OrderState::Open, made, None),
         "Your order A-7: 40 of 48 parts are printed, the rest is in production."
     );
     let none = LineCopies { wanted: 3, waiting: 2, refused: 1, ..LineCopies::default() };

@@ -22,7 +22,7 @@ pub enum OrderWord {
     Tight,
     /// Its due dates are kept, as far as is known.
     OnTime,
-    /// It is under way, and has no due date.
+    /// It is under way: it has no due date, or nobody knows yet when it is done.
     UnderWay,
     /// Some of it was refused, or nothing of it is under way any more and not all is good: a person must say what becomes of it.
     Short,
@@ -81,8 +81,9 @@ impl OrderWord {
         }
     }
 
-    /// That of an order; `risk` = whether a due date of it is at risk, and then whether it is missed.
-    fn of_order(order: &OrderSummary, risk: Option<bool>, now: Timestamp) -> Self {
+    /// That of an order; `risk` = whether a due date of it is at risk, and then whether it is missed. `is_end_known` = it is known when all
+    /// of it is done.
+    fn of_order(order: &OrderSummary, risk: Option<bool>, is_end_known: bool, now: Timestamp) -> Self {
         let is_closed = order.order.closing.closed_at.is_some();
         match (order.order.state, risk) {
             (OrderState::Short | OrderState::Complete, _) if is_closed => Self::Closed,
@@ -92,7 +93,7 @@ impl OrderWord {
             (OrderState::Open, Some(true)) => Self::Late,
             (OrderState::Open, _) if order.copies.refused > 0 => Self::Short,
             (OrderState::Open, Some(false)) => Self::Tight,
-            (OrderState::Open, None) if order.due_at.is_some() => Self::OnTime,
+            (OrderState::Open, None) if order.due_at.is_some() && is_end_known => Self::OnTime,
             (OrderState::Open, None) => Self::UnderWay,
         }
     }
@@ -113,14 +114,15 @@ pub fn order_fact(order: &OrderSummary, plans: &[MachinePlan], now: Timestamp) -
     let under_way = order.copies.under_way();
     let risks = plans.iter().flat_map(|plan| &plan.risks).filter(|risk| risk.order == name);
     let worst = risks.max_by_key(|risk| (risk.is_late, risk.done_at));
-    let word = OrderWord::of_order(order, worst.map(|risk| risk.is_late), now);
+    let done_at = done_at.filter(|_| under_way > 0 && planned >= under_way);
+    let word = OrderWord::of_order(order, worst.map(|risk| risk.is_late), done_at.is_some() || under_way == 0, now);
     let is_over = matches!(word, OrderWord::Done | OrderWord::Closed);
     let passed = order.due_at.filter(|_| word == OrderWord::Overdue);
     OrderFact {
         word,
         done_at: match is_over {
             true => Some(order.order.state_at),
-            false => done_at.filter(|_| under_way > 0 && planned >= under_way),
+            false => done_at,
         },
         is_late: worst.is_some_and(|risk| risk.is_late) || passed.is_some(),
         is_at_risk: worst.is_some() || passed.is_some(),

@@ -104,7 +104,7 @@ async fn see_file(
 ) -> Result<Option<SeenFile>, LedgerError> {
     let second = ledger.second_files(build.id).await?;
     let is_second = !second.is_empty();
-    let FileLook { place: seen, others } = look_for_file(settings, &build, second).await;
+    let FileLook { place: seen, others } = look_for_file(settings, &build, second.clone()).await;
     if let QueuePlace::Visible { printer, queue_id, .. } = &seen {
         ledger.record_back_in_queue(build.id, printer, queue_id).await?;
     }
@@ -115,6 +115,10 @@ async fn see_file(
     let place = &build.place;
     let is_out = match seen {
         QueuePlace::Visible { printer, is_proved: false, .. } => return Ok(Some(SeenFile::Altered { printer })),
+        // Both were copies of one print: nobody but a person can say whether the one that is gone is printed.
+        QueuePlace::Visible { printer, .. } if is_second => {
+            return Ok(Some(SeenFile::SecondGone { printer, places: second }));
+        }
         QueuePlace::Visible { .. } => false,
         _ if place.move_queue_id.is_some() => false,
         QueuePlace::Gone(queue_id) => {

@@ -69,6 +69,8 @@ pub enum DatesKept {
     NoDate,
     /// All of them.
     Kept,
+    /// None is missed yet, and nobody knows when it is done.
+    Unknown,
     /// Less time is left than such plans are wrong by.
     Tight,
     /// It is unpacked after one of them, as far as is known.
@@ -76,9 +78,10 @@ pub enum DatesKept {
 }
 
 impl DatesKept {
-    /// Of a build whose due dates have these outlooks; `None` = a date is kept.
-    pub fn of_outlooks(outlooks: impl Iterator<Item = Option<DateOutlook>>) -> Self {
+    /// Of a build whose due dates have these outlooks; `None` = a date is kept, if it is known when the build is done.
+    pub fn of_outlooks(outlooks: impl Iterator<Item = Option<DateOutlook>>, is_end_known: bool) -> Self {
         let kept = |outlook: Option<DateOutlook>| match outlook {
+            None if !is_end_known => Self::Unknown,
             None => Self::Kept,
             Some(outlook) if outlook.is_late => Self::Late,
             Some(_) => Self::Tight,
@@ -91,6 +94,7 @@ impl DatesKept {
         match self {
             Self::NoDate => "no date",
             Self::Kept => "kept",
+            Self::Unknown => "not known",
             Self::Tight => "tight",
             Self::Late => "late",
         }

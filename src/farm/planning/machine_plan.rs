@@ -200,7 +200,7 @@ fn view_under_way(
         begins_at: time(0),
         printed_at: time(1),
         ends_at: time(2),
-        dates: DatesKept::of_outlooks(dues.map(outlook)),
+        dates: DatesKept::of_outlooks(dues.map(outlook), time(2).is_some()),
         awaits_release: build.made.as_ref().is_some_and(|(_, made)| made.awaits_release),
         parts: build.parts.iter().map(|(part, copies)| planned_part(part, *copies)).collect(),
     }
@@ -233,6 +233,7 @@ fn view_coming(
     let outlook =
         |due: UtcTimestamp| outlook_of_coming(profile, &reading.facts, (build, first), reading.reserve, due.0, now);
     let print = build.print.filter(|print| print.begins_at < Timestamp::MAX);
+    let ends_at = print.map(|print| print.ends_at).and_then(known_minute);
     let parts = build.lines.iter().fold(BTreeMap::new(), |mut places: BTreeMap<PartId, usize>, line| {
         let next = places.len();
         places.entry(line.part.id).or_insert(next);
@@ -257,8 +258,8 @@ fn view_coming(
         fires_by: build.fires.map(|(_, by)| by),
         begins_at: print.map(|print| print.begins_at).and_then(known_minute),
         printed_at: print.map(|print| print.printed_at).and_then(known_minute),
-        dates: DatesKept::of_outlooks(dues.map(outlook)),
-        ends_at: print.map(|print| print.ends_at).and_then(known_minute),
+        dates: DatesKept::of_outlooks(dues.map(outlook), ends_at.is_some()),
+        ends_at,
         awaits_release: false,
         parts: listed.into_iter().flatten().collect(),
     }

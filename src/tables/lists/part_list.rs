@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use language::say;
-use ledger::{BuildId, LineCopies, PartRow, PlacementRow, RefusalCause};
+use ledger::{BuildId, LineCopies, PartRow, PartState, PlacementRow, RefusalCause};
 use serde::Serialize;
 
 use crate::{
@@ -57,6 +57,15 @@ impl PlacedCopy {
             placed,
         };
         placements.into_iter().map(fact).collect()
+    }
+
+    /// How far a part is whose copies are these: of one that is built, its copy that is least far; otherwise its state in the ledger.
+    pub fn part_word(part: &PartRow, placed: &[Self]) -> String {
+        let least = placed.iter().filter(|copy| !copy.placed.is_bad).map(|copy| copy.copy_state).max();
+        match least.filter(|_| part.state == PartState::Built) {
+            Some(word) => word.word().to_owned(),
+            None => part.state.to_string(),
+        }
     }
 }
 

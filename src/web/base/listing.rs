@@ -24,21 +24,20 @@ pub(crate) fn table_of<Row>(
     rows: &[Row],
     view: &TimeView,
 ) -> Markup {
-    shown_table(name, caption, &people_columns(columns, rows), rows, view, &|_, _| None)
+    shown_table(name, caption, &people_columns(columns, rows), rows, view)
 }
 
-/// A table with the columns of these keys, in their order. What `told` says of a cell stands in the place of its value.
+/// A table with the columns of these keys, in their order.
 pub(crate) fn table_of_keys<Row>(
     (name, caption): (&str, Option<String>),
     columns: &[TableColumn<Row>],
     keys: &[&str],
     rows: &[Row],
     view: &TimeView,
-    told: &dyn Fn(&str, &Row) -> Option<CellValue>,
 ) -> Markup {
     let chosen: Vec<&TableColumn<Row>> =
         keys.iter().filter_map(|key| columns.iter().find(|column| column.key == *key)).collect();
-    shown_table(name, caption, &chosen, rows, view, told)
+    shown_table(name, caption, &chosen, rows, view)
 }
 
 /// A table without the columns in which nothing stands. On a narrow screen each row is a card.
@@ -48,11 +47,9 @@ fn shown_table<Row>(
     columns: &[&TableColumn<Row>],
     rows: &[Row],
     view: &TimeView,
-    told: &dyn Fn(&str, &Row) -> Option<CellValue>,
 ) -> Markup {
-    let value = |column: &TableColumn<Row>, row: &Row| told(column.key, row).unwrap_or_else(|| (column.value)(row));
     let is_said = |column: &TableColumn<Row>| {
-        rows.is_empty() || rows.iter().any(|row| column.field.cell_text(&value(column, row), view).is_some())
+        rows.is_empty() || rows.iter().any(|row| column.field.cell_text(&(column.value)(row), view).is_some())
     };
     let columns: Vec<&&TableColumn<Row>> = columns.iter().filter(|column| is_said(column)).collect();
     html! {
@@ -60,7 +57,7 @@ fn shown_table<Row>(
             table {
                 @if let Some(caption) = caption { caption { (caption) } }
                 thead { tr { @for column in &columns { (heading(&column.field)) } } }
-                tbody { @for row in rows { (card_row(columns.iter().map(|column| (column.field, value(column, row))), view)) } }
+                tbody { @for row in rows { (card_row(columns.iter().map(|column| (column.field, (column.value)(row))), view)) } }
             }
         }
     }

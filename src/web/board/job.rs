@@ -75,7 +75,7 @@ fn li_class(build: &PlannedBuild) -> String {
 /// The tone of a build: how it keeps its dates.
 fn dates_tone(dates: DatesKept) -> Tone {
     match dates {
-        DatesKept::NoDate => Tone::Busy,
+        DatesKept::NoDate | DatesKept::Unknown => Tone::Busy,
         other => Tone::of_word(other.word()),
     }
 }
@@ -119,6 +119,7 @@ fn dates_mark(dates: DatesKept) -> Markup {
 pub(crate) fn dates_chip(dates: DatesKept) -> Markup {
     let text = match dates {
         DatesKept::Kept => say!("dates-kept"),
+        DatesKept::Unknown => say!("dates-not-known"),
         other => language::say_word("state", other.word()),
     };
     chip_of(dates_tone(dates), &text)
@@ -161,6 +162,7 @@ fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
     let dates = match build.dates {
         DatesKept::NoDate => None,
         DatesKept::Kept => Some(say!("all-dates-kept")),
+        DatesKept::Unknown => Some(say!("dates-not-known")),
         DatesKept::Tight => Some(say!("a-date-is-tight")),
         DatesKept::Late => Some(say!("a-date-is-late")),
     };

@@ -7,15 +7,15 @@ use axum::{
     extract::{Path, State},
 };
 use jiff::Timestamp;
-use ledger::{BuildState, HeightSummary, HistoryRow, MachineStatus, NodeRow, PartId, UtcTimestamp};
+use ledger::{BuildState, HeightSummary, MachineStatus, NodeRow, PartId, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
 use crate::{
     farm::{
-        AlertSummary, DateRisk, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts, dates_at_risk,
-        load_placed_parts, read_plans, read_stored_alerts,
+        AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts,
+        dates_at_risk, load_placed_parts, read_plans, read_stored_alerts,
     },
     settings::MachineProfile,
     tables::{FarmNode, MachineForecast, list_farm_nodes},
@@ -94,7 +94,7 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
 pub(super) async fn list_builds(
     State(web): State<Arc<DashboardState>>,
     Query(asked): Query<HistoryFilter>,
-) -> HandlerResult<Json<Vec<HistoryRow>>> {
+) -> HandlerResult<Json<Vec<DatedBuild>>> {
     Ok(Json(history::list_rows(&web, &asked).await?))
 }
 

@@ -11,7 +11,7 @@ use axum::{
     middleware::from_fn,
     routing::{MethodFilter, on},
 };
-use ledger::{HeightSummary, HistoryRow};
+use ledger::HeightSummary;
 
 use super::{
     api,
@@ -20,7 +20,7 @@ use super::{
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
 use crate::{
-    farm::{DatedOrder, MachinePlan, OrderQuote},
+    farm::{DatedBuild, DatedOrder, MachinePlan, OrderQuote},
     tables::PickList,
     web::{
         base::query::refuse_query,
@@ -44,7 +44,7 @@ const QUESTIONS: [ApiRoute; 13] = [
             "/api/v1/builds",
             "builds",
             "Builds past nesting, newest first unless sorted otherwise, 500 at a time",
-            schema_of::<Vec<HistoryRow>>,
+            schema_of::<Vec<DatedBuild>>,
             |method| on(method, api::list_builds),
         )
     },

@@ -22,8 +22,8 @@ const MAX_LINES: usize = 6;
 type ChartLines = BTreeMap<String, Vec<(f64, f64)>>;
 
 /// The three charts of published builds; empty when there are fewer than two. The times are those of `zone`.
-pub(crate) fn history_charts(rows: &[HistoryRow], zone: &FarmZone) -> Markup {
-    let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.is_published()).collect();
+pub(crate) fn history_charts<'r>(rows: impl Iterator<Item = &'r HistoryRow>, zone: &FarmZone) -> Markup {
+    let published: Vec<&HistoryRow> = rows.filter(|row| row.is_published()).collect();
     if published.len() < 2 {
         return html! {};
     }

@@ -84,7 +84,7 @@ pub(crate) async fn show_build(
         (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &[fields::HEIGHT, fields::DENSITY], &view))
         (outcome_list(&outcomes, &view))
         h2 { (fields::PARTS.said()) }
-        (table_of_keys((&fields::PARTS.said(), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view, &|_, _| None))
+        (table_of_keys((&fields::PARTS.said(), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view))
         (height_curve(&build.height_curve()))
     };
     Ok(html_page(&say!("build-number", build = build.id.to_string()), "", Some("start.js"), &content))

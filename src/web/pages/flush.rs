@@ -59,8 +59,8 @@ pub(crate) async fn show_preview(
                 a.button href="/" { (say!("not-now")) }
             }
             (picture_html)
-            @if !inside.is_empty() { h2 { (say!("in-layout-so-far")) } (table_of_keys((&say!("in-layout"), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &inside, &view, &|_, _| None)) }
-            @if !outside.is_empty() { h2 { (say!("waiting-in-no-layout")) } (table_of_keys((&fields::WAITING.said(), None), PART_COLUMNS, &PART_PAGE_KEYS, &outside, &view, &|_, _| None)) }
+            @if !inside.is_empty() { h2 { (say!("in-layout-so-far")) } (table_of_keys((&say!("in-layout"), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &inside, &view)) }
+            @if !outside.is_empty() { h2 { (say!("waiting-in-no-layout")) } (table_of_keys((&fields::WAITING.said(), None), PART_COLUMNS, &PART_PAGE_KEYS, &outside, &view)) }
         }
     };
     Ok(html_page(&say!("flush-title", machine = &name), "", None, &content))

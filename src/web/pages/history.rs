@@ -10,17 +10,15 @@ use axum::{
 };
 use jiff::{Timestamp, ToSpan, civil::Date};
 use language::say;
-use ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
+use ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistorySort};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{MachinePlan, history_fact},
+    farm::DatedBuild,
     settings::FarmZone,
-    tables::{
-        CellValue, FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, HISTORY_PAGE_KEYS, TimeView, csv_of, fields,
-    },
+    tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, HISTORY_PAGE_KEYS, TimeView, csv_of, fields},
     web::{
         base::{
             error::{HandlerError, HandlerResult},
@@ -81,7 +79,7 @@ const SORT_COLUMNS: [(&str, HistorySort, FieldDefinition); 4] = [
 ];
 
 /// The sorted rows of one page.
-pub(crate) async fn list_rows(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<Vec<HistoryRow>> {
+pub(crate) async fn list_rows(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<Vec<DatedBuild>> {
     Ok(read_page(web, filter).await?.0)
 }
 
@@ -105,11 +103,12 @@ fn ledger_query(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<H
 }
 
 /// The rows of one page, and whether more rows follow.
-async fn read_page(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<(Vec<HistoryRow>, bool)> {
+async fn read_page(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<(Vec<DatedBuild>, bool)> {
     let mut rows = web.ledger.read_history(&ledger_query(web, filter)?).await?;
     let more = rows.len() > MAX_ROWS as usize;
     rows.truncate(MAX_ROWS as usize);
-    Ok((rows, more))
+    let settings = web.current_settings();
+    Ok((DatedBuild::of_rows(&web.ledger, settings.profiles.values(), rows, Timestamp::now()).await?, more))
 }
 
 /// Parses a date; returns the start of the day that is `later` days after it.
@@ -141,7 +140,7 @@ pub(crate) async fn show_history(
     let (rows, more) = read_page(&web, &filter).await?;
     let sums = HeightSummary::with_total(read_height_sums(&web, &filter).await?);
     let next =
-        rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.build.to_string(), ..filter.clone() });
+        rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.row.build.to_string(), ..filter.clone() });
     let settings = web.current_settings();
     let view = web.time_view();
     let next = next.map(|next| query_string(&next)).transpose()?;
@@ -150,8 +149,8 @@ pub(crate) async fn show_history(
         h1 { (say!("nav-history")) }
         (filter_form(&filter, Timestamp::now().to_zoned(settings.time_zone.time_zone().clone()).date(), settings.profiles.keys()))
         (sums_table(&sums, &view))
-        (chart::history_charts(&rows, &settings.time_zone))
-        (history_table(&rows, &filter, &web.read_plans().await?, &view))
+        (chart::history_charts(rows.iter().map(|dated| &dated.row), &settings.time_zone))
+        (history_table(&rows, &filter, &view))
         p.links { a href=(format!("/history.csv?{query}")) download { (say!("csv-all-columns")) }
             a href=(format!("/history.json?{query}")) download { "JSON" } }
         @if let Some(next) = next {
@@ -195,17 +194,15 @@ fn sums_table(sums: &[HeightSummary], view: &TimeView) -> Markup {
     html! { @if !sums.is_empty() { (table_of(&say!("heights"), Some(caption), HEIGHT_SUM_COLUMNS, sums, view)) } }
 }
 
-fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, plans: &[MachinePlan], view: &TimeView) -> Markup {
+fn history_table(rows: &[DatedBuild], filter: &HistoryFilter, view: &TimeView) -> Markup {
     let order = match filter.sort.as_str() {
         "" => say!("the-newest-first"),
         sort => say!("sorted-by", sort = sort),
     };
     let caption = language::join_names([say!("count-builds", count = rows.len()), order]);
-    let told =
-        |key: &str, row: &HistoryRow| (key == "state_word").then(|| CellValue::State(history_fact(row, plans).word));
     html! {
         @if rows.is_empty() { (empty(&say!("no-builds"), &html! { (say!("none-matches")) }, &html! { a.button href="/history" { (say!("all-builds")) } })) }
-        @else { (table_of_keys((&fields::BUILDS.said(), Some(caption)), HISTORY_COLUMNS, &HISTORY_PAGE_KEYS, rows, view, &told)) }
+        @else { (table_of_keys((&fields::BUILDS.said(), Some(caption)), HISTORY_COLUMNS, &HISTORY_PAGE_KEYS, rows, view)) }
     }
 }
 

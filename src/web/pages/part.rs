@@ -108,7 +108,7 @@ fn parts_table(parts: &[PartRow], more: bool, view: &TimeView) -> Markup {
         true => say!("newest-parts", count = parts.len()),
         false => say!("count-parts", count = parts.len()),
     };
-    html! { @if parts.is_empty() { p { (say!("no-parts")) } } @else { (table_of_keys((&fields::PARTS.said(), Some(caption)), PART_COLUMNS, &PART_PAGE_KEYS, parts, view, &|_, _| None)) } }
+    html! { @if parts.is_empty() { p { (say!("no-parts")) } } @else { (table_of_keys((&fields::PARTS.said(), Some(caption)), PART_COLUMNS, &PART_PAGE_KEYS, parts, view)) } }
 }
 
 /// The page of one part.
@@ -135,7 +135,7 @@ pub(crate) async fn show_part(
     let materials = MaterialReading::read(&web.ledger, &web.current_settings().materials).await?;
     let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
-        h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&part.state.to_string())) }
+        h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&PlacedCopy::part_word(&part, &placed))) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&RefusalCause::introduce(part.refused.refusal, &part.refused.reason))) } }
         @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part, &materials) {

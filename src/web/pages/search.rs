@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{FoundNames, FoundRows, search_names},
+    farm::{FoundNames, FoundRows, MachinePlan, build_of_search, search_names},
     tables::fields,
     web::{
         base::{
@@ -53,7 +53,7 @@ pub(crate) async fn show_found(
         h1 { @if text.is_empty() { (say!("search")) } @else { (say!("search-for-text", text = text)) } }
         @if text.is_empty() { (search_help()) }
         @else if found.is_empty() { p role="status" { (say!("nothing-found")) } (search_help()) }
-        @else { div.found { (found_kinds(&found, &format!("/search?{more}"))) } }
+        @else { div.found { (found_kinds(&found, &web.read_plans().await?, &format!("/search?{more}"))) } }
     };
     Ok(html_page(&say!("search"), "/search", None, &content))
 }
@@ -65,7 +65,7 @@ fn search_help() -> Markup {
     }
 }
 
-fn found_kinds(found: &FoundNames, more: &str) -> Markup {
+fn found_kinds(found: &FoundNames, plans: &[MachinePlan], more: &str) -> Markup {
     let FoundNames { machines, orders, customers, builds, parts } = found;
     html! {
         (found_kind(orders, FoundKind::Orders, more, |order| html! {
@@ -76,16 +76,16 @@ fn found_kinds(found: &FoundNames, more: &str) -> Markup {
             span.soft { (say!("count-parts", count = customer.parts as u32)) }
             @for order in &customer.orders { " " a href=(order_address(order)) { (order) } }
         }))
-        (found_kind(builds, FoundKind::Builds, more, build_entry))
+        (found_kind(builds, FoundKind::Builds, more, |build| build_entry(build, plans)))
         (found_kind(machines, FoundKind::Machines, more, |name| html! { a href=(format!("/#{name}")) { (name) } }))
         (found_kind(parts, FoundKind::Parts, more, part_entry))
     }
 }
 
-fn build_entry(build: &NamedBuildRow) -> Markup {
+fn build_entry(build: &NamedBuildRow, plans: &[MachinePlan]) -> Markup {
     html! {
         a href=(format!("/builds/{}", build.id)) { (say!("build-number", build = build.id.to_string())) } " "
-        span.soft { (build.machine) (comma()) (state_text(&build.state.to_string()))
+        span.soft { (build.machine) (comma()) (state_text(&build_of_search(build, plans).word))
             @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { (comma()) (height) }
             @if let Some(copies) = build.copies { (comma()) (say!("count-copies", count = copies)) } }
     }

@@ -128,7 +128,8 @@ fn an_empty_history_is_empty_in_every_format() {
     assert_eq!(run(farm.path(), "history --json --since 7d").1, "[]\n");
     let (code, csv, _) = run(farm.path(), "history --format csv --limit 5");
     assert!(
-        code == 0 && csv.starts_with("build,machine,printer,state,at,published_at,withdrawn_at,height_mm"),
+        code == 0
+            && csv.starts_with("build,machine,printer,state,state_word,ends_at,at,published_at,withdrawn_at,height_mm"),
         "{csv}"
     );
 }

@@ -60,6 +60,7 @@ daemon-never-ran = Der Dienst ist noch nie gelaufen.
 build-word = Baujob
 next-build = Nächster
 dates-kept = Termine eingehalten
+dates-not-known = Fertigstellung noch nicht bekannt
 about-mm = etwa { $height } mm
 since-time = seit { $time }
 until-time = bis { $time }

@@ -60,6 +60,7 @@ daemon-never-ran = The daemon has not run yet.
 build-word = Build
 next-build = Next
 dates-kept = dates kept
+dates-not-known = when it is done is not known yet
 about-mm = about { $height } mm
 since-time = since { $time }
 until-time = until { $time }

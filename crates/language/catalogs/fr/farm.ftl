@@ -60,6 +60,7 @@ daemon-never-ran = Le service n’a pas encore tourné.
 build-word = Plateau
 next-build = Prochain
 dates-kept = échéances tenues
+dates-not-known = fin pas encore connue
 about-mm = env. { $height } mm
 since-time = depuis { $time }
 until-time = jusqu’à { $time }

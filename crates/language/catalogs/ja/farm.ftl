@@ -41,6 +41,7 @@ daemon-never-ran = デーモンはまだ一度も動作していません。
 build-word = ビルド
 next-build = 次
 dates-kept = 納期内
+dates-not-known = 完成時刻は未定
 about-mm = 約 { $height } mm
 since-time = { $time } から
 until-time = { $time } まで

@@ -58,6 +58,20 @@ pub enum InQueueError {
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
     },
+    /// A second file of it lay in a queue folder and is gone, while its own lies there: it may be printed from the second one.
+    #[error(
+        "a second file of build {build} lay in the queue as {}, and is gone. Where that one is or was printed, take the file in the queue \
+         of {printer} out and say it again. Where nobody printed it, `nestd dismiss b{build}`, and say it again",
+        join_with_and(.places)
+    )]
+    SecondGone {
+        /// The build.
+        build: BuildId,
+        /// The printer in whose queue its own file lies.
+        printer: String,
+        /// Where second files were seen, as `job.3mf at left`.
+        places: Vec<String>,
+    },
     /// Its file is between two printers.
     #[error("the file of build {0} is on its way to another printer: say it again when it is there")]
     OnItsWay(BuildId),

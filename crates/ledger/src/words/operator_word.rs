@@ -174,11 +174,11 @@ impl Ledger {
         };
         // Who withdraws a build wants its file out of the queue: there is nothing to insist on.
         let is_withdrawal = matches!(word, BuildWord::Withdraw(_));
-        let anyway = anyway || is_withdrawal;
+        let (insists, anyway) = (anyway, anyway || is_withdrawal);
         let mut change = self.begin_change().await?;
         ensure_no_word_noted(&mut change, build).await?;
         let effect = word.apply(&mut change, build, by).await?;
-        let is_out = effect.makes_bad && is_out_of_queue(seen, build)?;
+        let is_out = effect.makes_bad && is_out_of_queue(seen, build, insists)?;
         if is_withdrawal && is_out {
             return Err(LedgerError::NotInQueue(build));
         }
@@ -204,7 +204,7 @@ impl Ledger {
         let (mut answer, mut report) = (WordAnswer::default(), PutBackReport::default());
         for (build, copies) in chosen {
             ensure_no_word_noted(&mut change, build).await?;
-            if is_out_of_queue(seen, build)? {
+            if is_out_of_queue(seen, build, anyway)? {
                 change.mark_bad(build, &copies, by, true, &mut report).await?;
             } else {
                 note_word(&mut change, build, &BuildWord::Reprint(copies), (by, anyway), &mut answer).await?;
@@ -281,13 +281,17 @@ impl Ledger {
 }
 
 /// Whether the file of a build is certainly in no queue. Under another name or altered, nobody can take it back, and of two files only
-/// one.
-fn is_out_of_queue(seen: &SeenFiles, build: BuildId) -> Result<bool> {
+/// one. Where one of two is gone, it may be printed from that one: only who insists says that it is not.
+fn is_out_of_queue(seen: &SeenFiles, build: BuildId, insists: bool) -> Result<bool> {
     match seen.get(&build).cloned() {
         Some(SeenFile::OutOfQueue) => Ok(true),
         Some(SeenFile::Altered { printer }) => Err(InQueueError::Altered { build, printer }.into()),
         Some(SeenFile::Copied { own, is_second, others }) => {
             Err(InQueueError::Copied { build, own, is_second, others }.into())
+        }
+        Some(SeenFile::SecondGone { .. }) if insists => Ok(false),
+        Some(SeenFile::SecondGone { printer, places }) => {
+            Err(InQueueError::SecondGone { build, printer, places }.into())
         }
         None => Ok(false),
     }

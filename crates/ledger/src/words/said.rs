@@ -81,6 +81,13 @@ pub enum SeenFile {
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
     },
+    /// Where it was published, while a second one that lay in a queue is gone.
+    SecondGone {
+        /// The printer at whose queue it lies.
+        printer: String,
+        /// Where the others were seen, as `job.3mf at left`.
+        places: Vec<String>,
+    },
 }
 
 /// What was seen of the files of builds.

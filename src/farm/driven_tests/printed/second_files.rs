@@ -204,7 +204,13 @@ fn a_build_does_not_move_while_its_copies_lie_in_a_queue_under_another_name() {
     let refused = copied.farm.say(&copied.withdraw(), false).unwrap_err();
     assert!(matches!(refused, LedgerError::InQueue(InQueueError::Copied { .. })), "{refused}");
     fs::remove_file(&second).unwrap();
-    // The copies are wanted once more: a person's word holds whatever was seen.
+    // It may be printed from there: no word has its copies wait again before a person has looked.
+    for word in [copied.withdraw(), copied.failed()] {
+        let refused = copied.farm.say(&word, false).unwrap_err();
+        assert!(matches!(refused, LedgerError::InQueue(InQueueError::SecondGone { .. })), "{refused}");
+        assert!(refused.to_string().contains(&format!("`nestd dismiss b{}`", copied.build.id)), "{refused}");
+    }
+    copied.dismiss();
     copied.farm.say(&copied.withdraw(), false).unwrap();
     copied.farm.wait_for_parts(PartState::Waiting, 1);
     copied.expect_over();

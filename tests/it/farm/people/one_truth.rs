@@ -203,6 +203,21 @@ fn disagreeing(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &
             ("the page of the build", get(farm, &format!("/builds/{build}")), word),
             ("the page of the order, its build", get(farm, "/orders/kit"), word),
         ]);
+        // The history has builds past nesting alone.
+        let listed = json(&get(farm, "/api/v1/builds"));
+        let row = listed.as_array().and_then(|rows| rows.iter().find(|row| row["build"] == build));
+        if let Some(row) = row {
+            let of_row = |text: &str| of(&json(text).as_array().map_or(Value::Null, |rows| rows[0].clone()));
+            said.extend([
+                ("the JSON of the builds", of(row), word),
+                ("the JSON of the history", of_row(&get(farm, "/history.json")), word),
+                ("nestd history --json", of_row(&farm.nestd_ok(&["history", "--json"])), word),
+                ("nestd history", farm.nestd_ok(&["history", "--wide"]), word),
+                ("the CSV of the history", get(farm, "/history.csv"), word),
+                ("the page of the history", get(farm, "/history"), word),
+                ("a search for the build", get(farm, &format!("/search?q=b{build}")), word),
+            ]);
+        }
     }
     let differs = |(_, said, expected): &(&str, String, &str)| match expected == &words
         || build.is_some_and(|(_, word)| word == *expected)

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use anyhow::Context;
 use axum::{
     extract::{Path, State},
-    http::{HeaderMap, header},
+    http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use language::say;
@@ -12,16 +13,18 @@ use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    label_pdf::{Label, write_labels},
+    label_pdf::{Label, fonts_for, write_labels},
     label_sheet::{LabelSheet, SHEETS},
     labels_of::{Bag, LinkRoot, bag_labels, bin_labels},
+    system_fonts::font_folders,
 };
 use crate::{
     farm::load_placed_parts,
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            query::{Query, order_address},
+            page::html_page,
+            query::{Query, order_address, query_string},
         },
         core::{cached_render::find_build, state::DashboardState},
         look::pieces::sheet,
@@ -40,13 +43,16 @@ enum Labelled {
 }
 
 /// Which labels.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct LabelQuery {
     of: Labelled,
     sheet: LabelSheet,
     /// Labels that the first sheet lacks already.
     used: usize,
+    /// Sent if letters that no font has may be boxes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    boxes: Option<String>,
 }
 
 /// Asks for the labels of a build.
@@ -90,7 +96,8 @@ pub(crate) async fn get_build_labels(
         Labelled::Bins => bin_labels(&bags, number, &root),
         Labelled::Bags => bag_labels(&bags, Some(number), &root),
     };
-    answer_pdf(&say!("labels-of-build", build = number.to_string()), &labels, &query)
+    let title = say!("labels-of-build", build = number.to_string());
+    answer_pdf(title, labels, &query, &format!("/builds/{number}/labels.pdf")).await
 }
 
 /// The labels of an order as PDF, one for each of its parts.
@@ -103,15 +110,38 @@ pub(crate) async fn get_order_labels(
     let lines = web.ledger.order_lines(&name).await?;
     let bags: Vec<Bag> = lines.iter().map(|line| Bag::of_line(&name, line)).collect();
     let labels = bag_labels(&bags, None, &LinkRoot::of_request(&headers));
-    answer_pdf(&say!("labels-of-order", order = &name), &labels, &query)
+    let address = format!("{}/labels.pdf", order_address(&name));
+    answer_pdf(say!("labels-of-order", order = &name), labels, &query, &address).await
 }
 
-fn answer_pdf(title: &str, labels: &[Label], query: &LabelQuery) -> HandlerResult<Response> {
+/// The PDF; instead of it a page that names the letters that no font has, unless boxes are meant. `address` = that of the PDF.
+async fn answer_pdf(title: String, labels: Vec<Label>, query: &LabelQuery, address: &str) -> HandlerResult<Response> {
     if labels.is_empty() {
         return Err(HandlerError::NotFound(say!("part-to-label")));
     }
-    let pdf = write_labels(title, labels, query.sheet, query.used)?;
-    let headers =
-        [(header::CONTENT_TYPE, "application/pdf"), (header::CONTENT_DISPOSITION, "inline; filename=\"labels.pdf\"")];
-    Ok((headers, pdf).into_response())
+    let (place, takes_boxes, heading) = ((query.sheet, query.used), query.boxes.is_some(), title.clone());
+    let write = move || -> anyhow::Result<Result<Vec<u8>, Vec<char>>> {
+        let (fonts, missing) = fonts_for(&labels, &font_folders())?;
+        if !missing.is_empty() && !takes_boxes {
+            return Ok(Err(missing));
+        }
+        Ok(Ok(write_labels(&title, &labels, place, &fonts)?))
+    };
+    // Fonts of the system are files.
+    match tokio::task::spawn_blocking(write).await.context("a step ended")?? {
+        Ok(pdf) => {
+            let name = "inline; filename=\"labels.pdf\"";
+            Ok(([(header::CONTENT_TYPE, "application/pdf"), (header::CONTENT_DISPOSITION, name)], pdf).into_response())
+        }
+        Err(missing) => {
+            let anyway = query_string(&LabelQuery { boxes: Some("yes".to_owned()), ..query.clone() })?;
+            let content = html! {
+                h1 { (heading) }
+                p #problem role="alert" { (say!("labels-lack", letters = missing.into_iter().collect::<String>())) }
+                p { (say!("labels-lack-remedy")) }
+                p { a.button href=(format!("{address}?{anyway}")) { (say!("labels-with-boxes")) } }
+            };
+            Ok((StatusCode::UNPROCESSABLE_ENTITY, html_page(&heading, "", None, &content)).into_response())
+        }
+    }
 }

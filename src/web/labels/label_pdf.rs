@@ -1,7 +1,7 @@
-//! Writes labels as a PDF. The font is embedded, and a text that it lacks letters of says so to whoever reads the file (`ActualText`), so
-//! that a text is whole in every script.
+//! Writes labels as a PDF. The font is embedded; letters that it lacks are drawn with the outlines of a font of the system. Such a text says
+//! what it is to whoever reads the file (`ActualText`).
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::{Context, Result};
 use flate2::{Compression, write::ZlibEncoder};
@@ -12,8 +12,9 @@ use pdf_writer::{
 use qrcode::{Color, EcLevel, QrCode};
 
 use super::{
-    label_font::{FONT_FILE, LabelFont},
+    label_font::{FONT_FILE, LabelFont, LetterShape},
     label_sheet::{LabelSheet, SheetShape},
+    system_fonts::{SystemFont, draw_glyph, fonts_with},
 };
 
 /// Points in a millimetre.
@@ -49,12 +50,37 @@ pub(crate) struct Label {
     pub(crate) address: String,
 }
 
-/// The labels on sheets, of which the first lacks `used` labels already.
+impl Label {
+    fn texts(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.title).chain(&self.lines).map(String::as_str)
+    }
+}
+
+/// What the font of labels lacks for labels: fonts below these folders that have it, and the letters that none of them has.
+///
+/// # Errors
+/// When the font in the program cannot be read.
+pub(super) fn fonts_for(labels: &[Label], folders: &[PathBuf]) -> Result<(Vec<SystemFont>, Vec<char>)> {
+    let missing = |fonts: &[SystemFont]| -> Result<Vec<char>> {
+        Ok(LabelFont::read(fonts)?.lacks(labels.iter().flat_map(Label::texts)))
+    };
+    let letters = missing(&[])?;
+    let fonts = if letters.is_empty() { Vec::new() } else { fonts_with(&letters, folders) };
+    let left = missing(&fonts)?;
+    Ok((fonts, left))
+}
+
+/// The labels on sheets, of which the first lacks `used` labels already. `fonts` draw what the embedded font lacks.
 ///
 /// # Errors
 /// When an address is too long for a code.
-pub(crate) fn write_labels(title: &str, labels: &[Label], sheet: LabelSheet, used: usize) -> Result<Vec<u8>> {
-    let (font, shape) = (LabelFont::read()?, sheet.shape());
+pub(super) fn write_labels(
+    title: &str,
+    labels: &[Label],
+    (sheet, used): (LabelSheet, usize),
+    fonts: &[SystemFont],
+) -> Result<Vec<u8>> {
+    let (font, shape) = (LabelFont::read(fonts)?, sheet.shape());
     let (mut pdf, mut next) = (Pdf::new(), Ref::new(1));
     let (catalog, tree, info, font_ref) = (next.bump(), next.bump(), next.bump(), next.bump());
     pdf.document_info(info).title(TextStr(title)).producer(TextStr("nestd"));
@@ -93,7 +119,7 @@ fn pack(bytes: &[u8]) -> Result<Vec<u8>> {
 /// Draws a label whose left upper corner is there on a page.
 fn draw_label(
     content: &mut Content,
-    font: &LabelFont,
+    font: &LabelFont<'_>,
     letters: &mut BTreeMap<u16, char>,
     label: &Label,
     (corner_mm, shape): ([f64; 2], &SheetShape),
@@ -116,7 +142,7 @@ fn draw_label(
 }
 
 /// The lines of a label with their sizes, as large as they fit.
-fn fitted(font: &LabelFont, label: &Label, [width, height]: [f64; 2]) -> Vec<(f64, String)> {
+fn fitted(font: &LabelFont<'_>, label: &Label, [width, height]: [f64; 2]) -> Vec<(f64, String)> {
     let mut scale = 1.0;
     loop {
         let wrapped = |text: &str, size: f64| -> Vec<(f64, String)> {
@@ -134,29 +160,43 @@ fn fitted(font: &LabelFont, label: &Label, [width, height]: [f64; 2]) -> Vec<(f6
 
 fn draw_text(
     content: &mut Content,
-    font: &LabelFont,
+    font: &LabelFont<'_>,
     letters: &mut BTreeMap<u16, char>,
     text: &str,
     [x, y]: [f64; 2],
     size: f64,
 ) {
-    let mut bytes = Vec::new();
-    for letter in text.chars() {
-        let glyph = font.glyph(letter).unwrap_or(0);
-        bytes.extend(glyph.to_be_bytes());
-        if glyph != 0 {
-            letters.entry(glyph).or_insert(letter);
-        }
+    for (letter, glyph) in text.chars().filter_map(|letter| Some((letter, font.glyph(letter)?))) {
+        letters.entry(glyph).or_insert(letter);
     }
     let is_whole =
         text.chars().all(|letter| font.glyph(letter).is_some_and(|glyph| letters.get(&glyph) == Some(&letter)));
     if !is_whole {
         content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(text));
     }
-    content.begin_text().set_font(FONT_NAME, size as f32);
-    content.set_text_matrix([1.0, 0.0, 0.0, 1.0, x as f32, y as f32]).show(Str(&bytes)).end_text();
+    let (mut x, mut run) = (x, (x, Vec::new()));
+    for letter in text.chars() {
+        match font.shape(letter) {
+            LetterShape::Embedded(glyph) => run.1.extend(glyph.to_be_bytes()),
+            LetterShape::Outline(face, glyph) => {
+                show_run(content, &run, y, size);
+                draw_glyph(content, face, glyph, [x, y], size);
+                run = (x + size * font.letter_width(letter), Vec::new());
+            }
+        }
+        x += size * font.letter_width(letter);
+    }
+    show_run(content, &run, y, size);
     if !is_whole {
         content.end_marked_content();
+    }
+}
+
+/// Shows glyphs of the embedded font that stand behind each other from a place on.
+fn show_run(content: &mut Content, (x, glyphs): &(f64, Vec<u8>), y: f64, size: f64) {
+    if !glyphs.is_empty() {
+        content.begin_text().set_font(FONT_NAME, size as f32);
+        content.set_text_matrix([1.0, 0.0, 0.0, 1.0, *x as f32, y as f32]).show(Str(glyphs)).end_text();
     }
 }
 
@@ -185,7 +225,7 @@ fn draw_code(content: &mut Content, address: &str, [left, top]: [f64; 2], side: 
 /// Embeds the font with what its glyphs mean.
 fn embed_font(
     pdf: &mut Pdf,
-    font: &LabelFont,
+    font: &LabelFont<'_>,
     letters: &BTreeMap<u16, char>,
     (font_ref, mut next): (Ref, Ref),
 ) -> Result<()> {
@@ -223,7 +263,7 @@ fn embed_font(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::system_fonts::triangle_font, *};
 
     /// A text of 60 letters.
     fn long(first: char) -> String {
@@ -232,7 +272,7 @@ mod tests {
 
     #[test]
     fn three_names_of_sixty_letters_fit_on_every_label() {
-        let font = LabelFont::read().unwrap();
+        let font = LabelFont::read(&[]).unwrap();
         let label = Label {
             title: long('O'),
             lines: vec![long('C'), long('P'), "12 copies, build 1234".to_owned()],
@@ -250,10 +290,35 @@ mod tests {
     }
 
     #[test]
+    fn a_japanese_name_is_drawn_with_a_font_of_the_system_and_what_none_has_is_named() {
+        let label =
+            Label {
+                title: "試作品-ロボット".to_owned(), lines: vec!["株式会社 1".to_owned()], address: String::new()
+            };
+        let folder = tempfile::tempdir().unwrap();
+        let folders = [folder.path().to_owned()];
+        let lacks = |folders: &[PathBuf]| fonts_for(std::slice::from_ref(&label), folders).unwrap().1;
+        assert_eq!(lacks(&[]).len(), 7, "{:?}", lacks(&[]));
+        std::fs::write(folder.path().join("gothic.ttf"), triangle_font(&"試作品株式会".chars().collect::<Vec<_>>()))
+            .unwrap();
+        assert_eq!(lacks(&folders), ['社']);
+        let (fonts, _) = fonts_for(std::slice::from_ref(&label), &folders).unwrap();
+        let font = LabelFont::read(&fonts).unwrap();
+        let mut content = Content::new();
+        draw_text(&mut content, &font, &mut BTreeMap::new(), &label.title, [10.0, 20.0], 10.0);
+        let drawn = String::from_utf8_lossy(&content.finish()).into_owned();
+        // Three outlines, one beside the other, and the rest as text behind them.
+        for place in ["10 20 m", "20 20 m", "30 20 m", "1 0 0 1 40 20 Tm"] {
+            assert!(drawn.contains(place), "{place}: {drawn}");
+        }
+        assert!((font.text_width("試作品") - 3.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn a_sheet_that_is_begun_is_gone_on_with_and_a_page_holds_what_fits() {
         let label = Label { title: "K".to_owned(), lines: Vec::new(), address: String::new() };
         let pages = |labels: usize, sheet: LabelSheet, used: usize| {
-            let pdf = write_labels("Labels", &vec![label.clone(); labels], sheet, used).unwrap();
+            let pdf = write_labels("Labels", &vec![label.clone(); labels], (sheet, used), &[]).unwrap();
             String::from_utf8_lossy(&pdf).matches("/Type /Page\n").count()
         };
         assert_eq!(pages(24, LabelSheet::A4Small, 0), 1);

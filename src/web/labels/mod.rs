@@ -3,5 +3,6 @@
 pub(super) mod label_font;
 pub(super) mod label_form;
 pub(super) mod label_pdf;
-pub(super) mod label_sheet;
+mod label_sheet;
 pub(super) mod labels_of;
+mod system_fonts;

@@ -12,3 +12,6 @@ part-to-label = ein Teil für ein Etikett
 sheet-roll = Rolle mit 62 mm
 bin-with = Kiste { $number }: { $content }
 copies-of-build = { $copies } Stück aus Baujob { $build }
+labels-lack = Keine Schrift dieses Servers hat diese Zeichen der Etiketten: { $letters }.
+labels-lack-remedy = Auf dem Server eine Schrift installieren, die sie hat, unter Debian zum Beispiel fonts-noto-cjk oder fonts-ipafont-gothic; ein Neustart ist nicht nötig.
+labels-with-boxes = Statt ihrer Kästchen drucken

@@ -17,3 +17,6 @@ copies-of-build =
         [one] { $copies } exemplaire
        *[other] { $copies } exemplaires
     } du plateau { $build }
+labels-lack = Aucune police de ce serveur n’a ces caractères des étiquettes : { $letters }.
+labels-lack-remedy = Installer sur le serveur une police qui les a, par exemple fonts-noto-cjk ou fonts-ipafont-gothic sous Debian ; rien n’est à redémarrer.
+labels-with-boxes = Imprimer des cases à leur place

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use intake::fold_name;
+use language::{Language, say};
 use ledger::{BuildId, Ledger, LedgerError, NamePattern, NamedBuildRow, NamedPartRow, OrderRow, PartId};
 
 /// Rows of a kind that are counted; beyond them a search only says that there are more.
@@ -84,12 +85,23 @@ impl SearchWords {
         Self(fold_name(&text).split_whitespace().map(str::to_owned).collect())
     }
 
-    /// The words without the one that names the kind of what is searched: 'build 1182', 'order Acme'.
-    fn without_kind(&self, kinds: &[&str]) -> Self {
+    /// The words without the one that names the kind of what is searched: 'build 1182', 'Auftrag Acme', 'ビルド3'. `kinds` says such words
+    /// in the language that is current; those of all languages are known.
+    fn without_kind(&self, kinds: fn() -> String) -> Self {
+        let kinds: BTreeSet<String> = (Language::ALL.into_iter())
+            .flat_map(|language| {
+                fold_name(&language.within(kinds)).split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+            })
+            .collect();
+        let number = |word: &String| {
+            // Japanese has no blank between them.
+            let numbers =
+                kinds.iter().filter(|kind| !kind.is_ascii()).filter_map(|kind| word.strip_prefix(kind.as_str()));
+            numbers.map(str::to_owned).find(|rest| !rest.is_empty() && rest.bytes().all(|digit| digit.is_ascii_digit()))
+        };
         match self.0.split_first() {
-            Some((first, rest)) if !rest.is_empty() && kinds.contains(&first.trim_end_matches(':')) => {
-                Self(rest.to_vec())
-            }
+            Some((first, [])) => number(first).map_or_else(|| self.clone(), |number| Self(vec![number])),
+            Some((first, rest)) if kinds.contains(first.trim_end_matches([':', '：'])) => Self(rest.to_vec()),
             _ => self.clone(),
         }
     }
@@ -138,16 +150,17 @@ pub async fn search_names(
     if words.0.is_empty() {
         return Ok(found);
     }
-    let of_machines = words.without_kind(&["machine", "machines"]);
+    let of_machines = words.without_kind(|| say!("search-words-machine"));
     for name in machines.iter().filter(|name| of_machines.are_in(name)) {
         found.machines.count_row((*name).clone(), most);
     }
-    let of_orders = words.without_kind(&["order", "orders"]);
+    let of_orders = words.without_kind(|| say!("search-words-order"));
     let take = |order: OrderRow| !of_orders.are_in(&order.name) || found.orders.count_row(order, most);
     ledger.orders_resembling(&of_orders.pattern(), take).await?;
-    find_builds(ledger, &words.without_kind(&["build", "builds"]), most, &mut found.builds).await?;
-    find_parts(ledger, &words.without_kind(&["part", "parts", "file", "files"]), most, &mut found.parts).await?;
-    found.customers = find_customers(ledger, &words.without_kind(&["customer", "customers"]), most).await?;
+    let of_builds = words.without_kind(|| say!("search-words-build"));
+    find_builds(ledger, &of_builds, most, &mut found.builds).await?;
+    find_parts(ledger, &words.without_kind(|| say!("search-words-part")), most, &mut found.parts).await?;
+    found.customers = find_customers(ledger, &words.without_kind(|| say!("search-words-customer")), most).await?;
     Ok(found)
 }
 

@@ -50,6 +50,11 @@ async fn all_kinds_are_found_by_part_of_a_name_in_any_case_and_by_number() {
             "part 1",
             "file scharnier",
             "order 1182 tür",
+            "Teil 1",
+            "Datei: scharnier",
+            "pièce 1",
+            "パーツ 1",
+            "パーツ1",
         ] {
             assert_eq!(parts(text).await.first(), Some(&hinge), "{text}");
         }
@@ -58,12 +63,13 @@ async fn all_kinds_are_found_by_part_of_a_name_in_any_case_and_by_number() {
         for text in ["50_", "turscharnier", "bracket 1182", "p4", "", "  ", "!", "\0"] {
             assert!(found(&ledger, text).await.is_empty(), "{text:?}");
         }
-        for text in ["1182", "order 1182", "ORDER"] {
+        for text in ["1182", "order 1182", "Auftrag 1182", "commande 1182", "注文 1182", "ORDER"] {
             assert_eq!(found(&ledger, text).await.orders.rows[0].name, "Order 1182", "{text}");
         }
         let customers = found(&ledger, "customer müller").await.customers;
         assert_eq!((customers.total, customers.rows[0].parts, customers.rows[0].orders.len()), (1, 2, 1));
-        for text in ["b1", "B-1", "1", "build 1", "PAPER-200_000001"] {
+        for text in ["b1", "B-1", "1", "build 1", "Baujob 1", "plateau 1", "ビルド 1", "ビルド1", "PAPER-200_000001"]
+        {
             assert_eq!(found(&ledger, text).await.builds.rows.first().map(|row| row.id), Some(build), "{text}");
         }
         assert_eq!(found(&ledger, "p1").await.builds.total, 0);

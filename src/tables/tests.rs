@@ -63,7 +63,7 @@ fn no_table_has_two_columns_of_one_label_or_one_key() {
     check_columns(BUILD_PART_COLUMNS);
     check_columns(WAITING_PART_COLUMNS);
     check_columns(ORDERED_PART_COLUMNS);
-    check_columns(PLACEMENT_COLUMNS);
+    check_columns(COPY_GROUP_COLUMNS);
     check_columns(EVENT_COLUMNS);
     check_columns(OUTCOME_COLUMNS);
     check_columns(MACHINE_COLUMNS);

@@ -63,8 +63,14 @@ fn letters(text: &str) -> String {
 }
 
 /// Sentences that the code puts together of smaller pieces than clauses.
-const COMPOSED: [&str; 4] =
-    ["told-newer-revision", "told-newer-revision-order", "told-copies-cancelled-of-order", "told-copies-not-asked"];
+const COMPOSED: [&str; 6] = [
+    "told-newer-revision",
+    "told-newer-revision-order",
+    "told-copies-cancelled-of-order",
+    "told-copies-not-asked",
+    "told-at-risk-more",
+    "told-at-risk-more-of",
+];
 
 fn split_each<'t>(pieces: Vec<&'t str>, between: &&str) -> Vec<&'t str> {
     pieces.into_iter().flat_map(|piece| piece.split(between)).collect()

@@ -16,9 +16,11 @@ pub fn night_text(open: &OpenBuildForecast) -> Option<String> {
 
 /// `1.24 mm lower after 350 CPU s`; `None` = it is switched off, or has not begun.
 pub fn night_gain_text(open: &OpenBuildForecast) -> Option<String> {
-    let gain = language::decimal(format!("{:.2}", open.night_gain_mm?));
     let secs = format!("{:.0}", open.night_cpu_secs?);
-    Some(say!("night-gain", gain = gain, secs = secs))
+    match open.night_gain_mm? {
+        gain if gain >= 0.005 => Some(say!("night-gain", gain = language::decimal(format!("{gain:.2}")), secs = secs)),
+        _ => (secs != "0").then(|| say!("night-no-gain", secs = secs)),
+    }
 }
 
 #[cfg(test)]
@@ -41,5 +43,12 @@ mod tests {
         let told = night_text(&open(Some(NightState::GoesOn)));
         assert_eq!(told.as_deref(), Some("1.24 mm lower after 350 CPU s since the last arrival, goes on"));
         assert_eq!(night_text(&open(None)), None);
+        let without = |secs: f64| OpenBuildForecast {
+            night_cpu_secs: Some(secs),
+            night_gain_mm: Some(0.004),
+            ..open(Some(NightState::GoesOn))
+        };
+        assert_eq!(night_gain_text(&without(349.6)).as_deref(), Some("not lower after 350 CPU s"));
+        assert_eq!(night_text(&without(0.4)), None, "0.00 mm after 0 s is nothing to tell");
     }
 }

@@ -39,7 +39,11 @@ pub(crate) async fn check_due_dates(shared: &Shared<'_>, machines: &MachineState
 async fn warn_of(shared: &Shared<'_>, parts: Vec<DuePartRow>, why: &str) -> Result<()> {
     let Some(first) = parts.first() else { return Ok(()) };
     let date = shared.settings.time_zone.format_due(first.due_at.0, &first.due_text);
-    let detail = format!("{} due {date}: {why}.", describe_parts(&first.order_name, &parts));
+    let subject = describe_parts(&first.order_name, &parts);
+    let detail = match parts.len() {
+        1 => format!("{subject} is due {date}: {why}."),
+        _ => format!("{subject} are due {date}: {why}."),
+    };
     warn!(machine = first.machine, "A due date is at risk: {detail}");
     let ids: Vec<PartId> = parts.iter().map(|part| part.id).collect();
     Ok(shared.ledger.record_at_risk(&first.machine, &ids, &detail).await?)
@@ -50,6 +54,5 @@ fn describe_parts(order: &str, parts: &[DuePartRow]) -> String {
     let names: Vec<&str> = parts.iter().take(MAX_NAMES).map(|part| part.name.as_str()).collect();
     let more = if parts.len() > MAX_NAMES { format!(" and {} more", parts.len() - MAX_NAMES) } else { String::new() };
     let of = if order.is_empty() { String::new() } else { format!(" of {order}") };
-    let verb = if parts.len() == 1 { "is" } else { "are" };
-    format!("{}{more}{of} {verb}", names.join(", "))
+    format!("{}{more}{of}", names.join(", "))
 }

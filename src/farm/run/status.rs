@@ -245,7 +245,7 @@ fn status_text(
 ) -> String {
     let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
     let mut lines = vec![
-        say!("status-drop", machine = &profile.name, formats = say!("mesh-formats")),
+        say!("status-drop", machine = &profile.name, formats = say!("drop-formats")),
         say!("status-now", doing = &fact.doing),
     ];
     lines.extend(

@@ -1,7 +1,10 @@
 //! How times are shown to people: in the time zone of the farm, with the mark of the zone, and with durations beside due
 //! dates.
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::{
+    SignedDuration, Timestamp,
+    civil::{Date, DateTime},
+};
 use language::say;
 use ledger::{PartTerms, UtcTimestamp};
 
@@ -90,6 +93,45 @@ impl TimeView {
         self.now.map_or_else(|| self.zone.format_minute(at.0), |now| self.zone.format_near(at.0, now))
     }
 
+    /// A text with each exact time of the farm in it as people say it: `before 2026-11-30 06:00 CET` becomes `before tomorrow 06:00`.
+    pub fn near_times(&self, text: &str) -> String {
+        let mut said = String::new();
+        let mut rest = text;
+        while let Some(letter) = rest.chars().next() {
+            let (near, length) = match self.exact_time_at(rest) {
+                Some((at, length)) => (self.near_text(at), length),
+                None => (letter.to_string(), letter.len_utf8()),
+            };
+            said.push_str(&near);
+            rest = &rest[length..];
+        }
+        said
+    }
+
+    /// The time that a text begins with, as this zone writes it, and how many bytes that are.
+    fn exact_time_at(&self, text: &str) -> Option<(UtcTimestamp, usize)> {
+        let civil = |length: usize, format: &str| DateTime::strptime(format, text.get(..length)?).ok();
+        let zoned = |civil: DateTime| civil.to_zoned(self.zone.time_zone().clone()).ok().map(|zoned| zoned.timestamp());
+        let written =
+            |at: Timestamp, exact: String| text.starts_with(&exact).then_some((UtcTimestamp(at), exact.len()));
+        let minute = || zoned(civil(16, "%Y-%m-%d %H:%M")?).and_then(|at| written(at, self.zone.format_minute(at)));
+        let second = || zoned(civil(19, "%Y-%m-%d %H:%M:%S")?).and_then(|at| written(at, self.zone.format_time(at)));
+        second().or_else(minute)
+    }
+
+    /// A date as it was given, or an exact time, as people say it; another text as it is.
+    pub fn near_date(&self, given: &str) -> String {
+        let noon = given
+            .parse::<Date>()
+            .ok()
+            .filter(|_| self.zone.is_day(given))
+            .and_then(|day| Some(day.at(12, 0, 0, 0).to_zoned(self.zone.time_zone().clone()).ok()?.timestamp()));
+        match (noon, self.now) {
+            (Some(noon), Some(now)) => self.zone.format_near_day(noon, now),
+            _ => self.near_times(given),
+        }
+    }
+
     /// A due date as people say it: `tomorrow`, `Fri 4 Dec`.
     pub fn near_due_text(&self, due: &GivenDate) -> String {
         match self.now {
@@ -111,5 +153,25 @@ impl TimeView {
             Some(distance) => language::join_names([date, distance]),
             None => date,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_times_in_a_text_are_said_as_people_say_them_and_nothing_else_is_touched() {
+        let now: Timestamp = "2026-11-29T00:00:00Z".parse().unwrap();
+        let view = TimeView::at(&FarmZone::default(), now);
+        let exact = |text: &str| view.zone.format_minute(text.parse().unwrap());
+        let reason = format!("the printer begins no print before {}; b_2026-11-30.stl", exact("2026-11-30T05:00:00Z"));
+        assert_eq!(view.near_times(&reason), "the printer begins no print before tomorrow 05:00; b_2026-11-30.stl");
+        assert_eq!(view.near_times(&view.time_text(UtcTimestamp(now))), "today 00:00");
+        for text in ["", "2026-11-30", "2026-13-30 06:00 UTC", "schön 2026-11-30 06:00 XYZ"] {
+            assert_eq!(view.near_times(text), text);
+        }
+        assert_eq!(view.near_date("2026-12-02"), "Wed 2 Dec");
+        assert_eq!(view.near_date("soon"), "soon");
     }
 }

@@ -101,7 +101,22 @@ pub const ORDER_BUILD_COLUMNS: &[TableColumn<BuiltCopies>] = &[
     TableColumn::new("bad", fields::COPIES_BAD, |row| row.bad.into()),
 ];
 
+/// The columns of pages on which a row is a build, by their keys.
+pub const BUILD_PAGE_KEYS: [&str; 5] = ["build", "state_word", "copies", "bad", "ends_at"];
+
 impl BuiltCopies {
+    /// A row for each build, with all its copies, oldest first. A row leads to its first part.
+    pub fn by_build(rows: Vec<Self>) -> Vec<Self> {
+        let mut builds: BTreeMap<i64, Self> = BTreeMap::new();
+        for row in rows {
+            let (copies, bad) = (row.copies, row.bad);
+            let counted = builds.entry(row.build.0).or_insert(Self { copies: 0, bad: 0, ..row });
+            counted.copies += copies;
+            counted.bad += bad;
+        }
+        builds.into_values().collect()
+    }
+
     /// The builds that hold copies of a line and were not taken back out of the queue, oldest first.
     pub fn of_line(line: &OrderLine, placements: &[PlacementRow], plans: &[MachinePlan]) -> Vec<Self> {
         let mut builds: BTreeMap<i64, Self> = BTreeMap::new();

@@ -69,6 +69,32 @@ impl PlacedCopy {
     }
 }
 
+/// Copies of a part that are together in a build and of which the same became: `16 in build 4, in the queue`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CopyGroup {
+    /// The first of them.
+    pub first: PlacedCopy,
+    /// How many they are.
+    pub copies: u32,
+}
+
+impl CopyGroup {
+    /// The groups of copies, in the order of their first ones.
+    pub fn of_copies(copies: &[PlacedCopy]) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for copy in copies {
+            let is_same = |group: &&mut Self| {
+                group.first.placed.build_id == copy.placed.build_id && group.first.copy_state == copy.copy_state
+            };
+            match groups.iter_mut().find(is_same) {
+                Some(group) => group.copies += 1,
+                None => groups.push(Self { first: copy.clone(), copies: 1 }),
+            }
+        }
+        groups
+    }
+}
+
 /// Parts with a given state or name.
 pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("part", fields::PART, |part| part.id.into()),
@@ -129,12 +155,16 @@ pub const PART_PAGE_KEYS: [&str; 7] = ["name", "order", "state", "copies", "due_
 pub const BUILD_PART_PAGE_KEYS: [&str; 7] =
     ["name", "order", "copies_here", "copies", "due_at", "part", "reason_or_warning"];
 
-/// Copies of a part that are in builds.
-pub const PLACEMENT_COLUMNS: &[TableColumn<PlacedCopy>] = &[
-    TableColumn::new("copy", fields::COPY, |row| (row.placed.copy + 1).into()),
-    TableColumn::new("build", fields::BUILD, |row| CellValue::BuildWithPart(row.placed.build_id, row.placed.part_id)),
-    TableColumn::for_people("copy_state", fields::STATE, |row| CellValue::State(row.copy_state.word().to_owned())),
-    TableColumn::new("ends_at", fields::UNPACKED, |row| row.build.ends_at.into()),
+/// The columns of copies that are together in a build and of which the same became.
+pub const COPY_GROUP_COLUMNS: &[TableColumn<CopyGroup>] = &[
+    TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
+    TableColumn::new("build", fields::BUILD, |row| {
+        CellValue::BuildWithPart(row.first.placed.build_id, row.first.placed.part_id)
+    }),
+    TableColumn::for_people("copy_state", fields::STATE, |row| {
+        CellValue::State(row.first.copy_state.word().to_owned())
+    }),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| row.first.build.ends_at.into()),
 ];
 
 /// Why a part was refused; otherwise what it waits for and its warnings.

@@ -1,7 +1,7 @@
 //! The pages of the book: its contents with a search, and its chapters.
 
 use axum::extract::Path;
-use language::say;
+use language::{Language, say};
 use maud::{Markup, PreEscaped, html};
 use serde::Deserialize;
 
@@ -34,6 +34,7 @@ pub(crate) async fn show_contents(Query(asked): Query<HelpQuestion>) -> Markup {
     let question = asked.q.trim();
     let content = html! {
         h1 { @if question.is_empty() { (say!("nav-help")) } @else { (say!("help-for", text = question)) } }
+        (in_english())
         (book_search(question))
         @if question.is_empty() { (contents()) } @else { (found_list(&find_sections(question))) }
     };
@@ -48,6 +49,7 @@ pub(crate) async fn show_chapter(Path(name): Path<String>) -> HandlerResult<Mark
     let (before, after) = (at.checked_sub(1).and_then(|at| BOOK.get(at)), BOOK.get(at + 1));
     let content = html! {
         p.links { a href=(CONTENTS) { (say!("contents")) } }
+        (in_english())
         (book_search(""))
         details { summary { (say!("in-this-chapter")) } (section_list(chapter)) }
         article.book lang="en" { (PreEscaped(&chapter.html)) }
@@ -57,6 +59,11 @@ pub(crate) async fn show_chapter(Path(name): Path<String>) -> HandlerResult<Mark
         }
     };
     Ok(html_page(chapter.title(), CONTENTS, None, &content))
+}
+
+/// Says to whoever reads another language that the book is in English.
+fn in_english() -> Markup {
+    html! { @if language::current() != Language::English { p.note { (say!("help-in-english")) } } }
 }
 
 /// The field that searches the book.

@@ -25,15 +25,15 @@ function label(text, high, colour) {
   return sprite;
 }
 
-/** Everything around the parts: lines in one colour, texts in another. */
-export function furniture([x, y, z], heightMm, colour, ink) {
+/** Everything around the parts: lines in one colour, texts in another. `frontWord` says which side is the front. */
+export function furniture([x, y, z], heightMm, colour, ink, frontWord) {
   const group = new Group(), faint = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.35 }), plain = new LineBasicMaterial({ color: colour });
   const step = roundStep(Math.max(x, y)), rise = roundStep(z), high = Math.max(x, y) / 22, base = [];
   for (let at = 0; at <= x; at += step) base.push(at, 0, 0, at, y, 0);
   for (let at = 0; at <= y; at += step) base.push(0, at, 0, x, at, 0);
   const box = new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)));
   box.material = plain;
-  const marks = [], scale = new Group(), front = label("FRONT", 1.5 * high, ink);
+  const marks = [], scale = new Group(), front = label(frontWord, 1.5 * high, ink);
   for (let at = 0; at <= z + 1e-6; at += rise) {
     const text = label(`${at} mm`, high, ink);
     marks.push(0, 0, at, high, 0, at);

@@ -46,7 +46,7 @@ function show(data) {
   const knife = new Plane(new Vector3(0, 0, -1), z + 1), cake = new Cake(data, knife), meanings = colourings(data);
   scene.add(...cake.objects);
   let around = null;
-  const theme = () => { scene.background = new Color(style("--canvas")); if (around) scene.remove(around); around = furniture(data.volume_mm, data.height_mm, style("--box"), style("--text")); scene.add(around); paint(); };
+  const theme = () => { scene.background = new Color(style("--canvas")); if (around) scene.remove(around); around = furniture(data.volume_mm, data.height_mm, style("--box"), style("--text"), text("front")); scene.add(around); paint(); };
 
   // What is chosen for good, and what is pointed at: { part } with the copy that was tapped, if any, or { order }; null = nothing. Other
   // pages link to the copies of a part, or to one of them.

@@ -139,9 +139,9 @@ pub fn kind_colour_code(kind: usize) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// "84.0 mm of 300 mm".
+/// "84 / 300 mm", which is read in every language.
 fn height_in_words(top_mm: f64, volume_z_mm: f64) -> String {
-    format!("{top_mm:.1} mm of {volume_z_mm:.0} mm")
+    format!("{top_mm:.0} / {volume_z_mm:.0} mm")
 }
 
 /// The caption below the picture; all lengths in samples.

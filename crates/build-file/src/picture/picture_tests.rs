@@ -141,9 +141,9 @@ fn the_height_is_a_dashed_line_and_a_text() {
         |bodies: &[PictureBody]| decode(&draw_picture(bodies, VOLUME, Viewpoint::Front, (400, 300))).count(is_ink);
     assert_eq!(ink(&[]), 0, "an empty build has no height");
     assert!(ink(&[at(&mesh, 4, 10.0, 10.0, 0.0)]) > 150);
-    assert_eq!(height_in_words(84.04, 300.0), "84.0 mm of 300 mm");
+    assert_eq!(height_in_words(84.04, 300.0), "84 / 300 mm");
     let text = |letters: &str| lettering::text_width(letters, 12.0);
-    assert!(text("84.0 mm of 300 mm") > 8.0 * text("8") && text("8") > text("."));
+    assert!(text("84 / 300 mm") > 7.0 * text("8") && text("8") > text("/"));
     let drawn = |letters: &str| {
         let mut canvas = DepthCanvas::new(60, 40);
         lettering::write_text(&mut canvas, letters, Vec2::new(8.0, 8.0), 24.0, TAG_INK);

@@ -1,5 +1,8 @@
 break-out-steps = Schritt für Schritt auspacken
 pick-map = Entnahmeplan
+acts-print = Druck
+acts-unpack = Auspacken
+acts-again = Noch einmal drucken
 nothing-in-it = Noch steht nichts darin.
 figure-high = hoch, von { $volume }
 figure-copies =

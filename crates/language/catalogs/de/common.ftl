@@ -241,7 +241,7 @@ state-under-way = in Arbeit
 state-open = offen
 state-waiting = wartet
 state-collecting = sammelt
-state-queued = in Warteschlange
+state-queued = Baujob wartet
 state-in-the-queue = in der Warteschlange
 state-proved = geprüft
 state-expecting = vorgemerkt
@@ -285,7 +285,7 @@ search-farm = Farm durchsuchen
 footer-lengths = . Längen in mm.
 footer-json = JSON-Schnittstelle
 footer-metrics = Metriken
-search-example = Teil, Datei, Auftrag, build 1182
+search-example = Teil, Auftrag, Baujob 3
 search-key = Taste / zum Suchen
 search = Suchen
 to-the-farm = Zur Farm
@@ -396,3 +396,8 @@ reason-retry = Zurückholen: nestd retry { $part }
 
 # A build or a date with what is known of it.
 job-described = { $name }: { $what }.
+search-words-build = Baujob Baujobs
+search-words-part = Teil Teile Datei Dateien
+search-words-order = Auftrag Aufträge
+search-words-customer = Kunde Kunden
+search-words-machine = Maschine Maschinen

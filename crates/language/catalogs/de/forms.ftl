@@ -1,6 +1,6 @@
 drop-time-needs-date = eine Uhrzeit braucht ihr Datum
 no-whole-number = { $field }: „{ $text }“ ist keine ganze Zahl
-files-of = Dateien ({ $formats })
+files-of = Dateien: { $formats }
 drop-copies = Stück je Datei; leer = wie der Name sagt (bracket_x10.stl), sonst 1
 drop-due = Termin (Ende dieses Tages, wenn ohne Uhrzeit)
 drop-more = Drehen, Priorität, Notiz
@@ -53,7 +53,8 @@ tell-printed = Ergebnis melden
 it-prints = Druck läuft
 print-again = Nachdrucken
 withdraw = Aus der Warteschlange zurücknehmen
-requeue = Noch einmal ausgeben
+requeue = Denselben Baujob noch einmal
+copies-again = Seine Stücke, in neuen Baujobs
 reprint-build-text = Seine Stücke gelten als schlecht und warten wieder, ganz vorn, mit allem, was verlangt war. Sie kommen in neue Baujobs.
 reprint-build = Jedes Stück nachdrucken
 withdraw-text = Nur solange sein Drucker die Datei nicht abgeholt hat. Seine Stücke warten wieder, mit allem, was verlangt war. Die Maschine wird pausiert, bis jemand sie fortsetzt: so lassen sich die Stücke ändern oder stornieren.
@@ -67,12 +68,11 @@ print-failed = Der Druck von Baujob { $build } auf { $machine } ist fehlgeschlag
 print-failed-why = Der Druck von Baujob { $build } auf { $machine } ist fehlgeschlagen: { $why }. Noch hat sich niemand darum gekümmert.
 waits-for-yes = Wartet auf Freigabe
 waits-for-yes-text = Er wartet auf Freigabe, bevor er ausgegeben wird.
-publish-it = Ausgeben
+publish-it = Freigeben
 outcome-complete = vollständig
 outcome-interrupted = unterbrochen: die Maschine blieb stehen
 outcome-failed = fehlgeschlagen: nichts davon ist gut
 the-print-is = Der Druck ist
-bad-copies = Schlechte Stücke, als Teil = Stück, zum Beispiel 7=2, 9=1
 keep-bad = Schlechte Stücke nicht nachdrucken
 bad-copies-text = Schlechte Stücke warten wieder mit allem, was verlangt war; von einem fehlgeschlagenen Druck alle Stücke.
 correct-outcome = Ergebnis korrigieren
@@ -141,4 +141,4 @@ guard-role = dafür ist die Rolle { $needed } nötig, vorhanden ist { $own }
 guard-other-site = Seiten anderer Websites antwortet diese Farm nur, wenn jemand einem Link folgt, und Befehle nimmt sie nur von ihren eigenen Seiten an
 guard-other-page = Befehle werden nur von den eigenen Seiten dieser Farm angenommen, und hier fragt die Seite einer anderen Website; hinter einem Proxy muss dessen Name in web.hosts stehen
 
-mesh-formats = STL, 3MF, OBJ oder PLY
+drop-formats = STL, 3MF, OBJ, PLY, CAMSPEC oder ZIP

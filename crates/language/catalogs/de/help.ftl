@@ -18,3 +18,4 @@ more-sections =
         [one] { $count } weiterer Abschnitt enthält
        *[other] { $count } weitere Abschnitte enthalten
     } diese Wörter: ein Wort hinzufügen.
+help-in-english = Das Handbuch ist auf Englisch.

@@ -41,7 +41,7 @@ events = Ereignisse
 order-for = Für { $customer }.
 order-since = { $copies }; seit { $time }.
 order-due = Fällig { $due }.
-order-done = Fertig { $time }.
+order-done = Fertig { $time }
 order-closed = Abgeschlossen { $how }.
 order-short-text = Nicht alles davon ist gut oder wird es: Abgelehntes erneut ablegen oder den Auftrag akzeptieren, wie er ist.
 a-state-of-part = kein Status eines Teils
@@ -62,7 +62,7 @@ what-happened = Was geschah
 same-file = Dieselbe Datei zu anderen Zeiten
 other-files = Andere Dateien dieses Namens
 part-number = Teil { $part }
-part-in-no-build = In keinem Baujob: das Teil wurde abgelehnt oder storniert.
+part-in-no-build = In keinem Baujob: { $why }.
 part-in-open-build =
     { $waiting ->
         [one] { $waiting } Stück wartet

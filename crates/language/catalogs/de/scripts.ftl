@@ -33,3 +33,5 @@ script-missing =
         [one] { $count } Stück ist
        *[other] { $count } Stück sind
     } nicht zu sehen: die Originale sind nicht mehr aufbewahrt.
+script-front = VORN
+script-soonest = am frühesten

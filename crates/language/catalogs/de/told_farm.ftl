@@ -358,3 +358,28 @@ told-say-once-more = Es noch einmal melden
 told-published-in-no-queue = Baujob { $build } wird nicht zurückgenommen: er wurde in einem Warteschlangenordner ausgegeben, der zu keinem Drucker mehr gehört. Wird seine Datei nicht gedruckt, lässt `nestd outcome { $build } failed` seine Stücke wieder warten
 told-configuration-nothing = nichts davon gilt ({ $detail })
 told-no-answer-in-time = keine Antwort in der erlaubten Zeit
+
+## Why a due date is at risk
+
+risk-passed = dieser Termin ist vorbei
+risk-too-long = der Druck dauert dafür zu lange
+risk-left-out = findet im nächsten Baujob keinen Platz neben dem, was vorgeht
+risk-awaits-fire = der Baujob wird nicht vor { $time } ausgelöst
+risk-printers-busy = die Drucker sind bis { $time } belegt
+risk-no-begin = kein Drucker beginnt einen Druck
+risk-printer-closed = der Drucker beginnt keinen Druck vor { $time }
+risk-awaits-release = der Baujob wartet auf Freigabe
+risk-awaits-answer = wartet auf eine Antwort
+risk-awaits-material = der Werkstoff ist auf der Maschine nicht geladen
+risk-file-missing = die Datei ist beschädigt oder wird gerade geholt
+risk-not-read = die Datei ist noch nicht eingelesen
+risk-paused = die Maschine ist pausiert
+risk-unavailable = die Maschine ist nicht verfügbar
+risk-no-printer = kein Drucker der Maschine ist in Betrieb
+told-at-risk-one = { $name } ist fällig { $due }: { $why }
+told-at-risk-one-of = { $name } von { $names } ist fällig { $due }: { $why }
+told-at-risk = { $names } sind fällig { $due }: { $why }
+told-at-risk-of = { $names } von { $name } sind fällig { $due }: { $why }
+told-at-risk-more = { $names } und { $more } weitere sind fällig { $due }: { $why }
+told-at-risk-more-of = { $names } und { $more } weitere von { $name } sind fällig { $due }: { $why }
+told-machine-not-configured = seine Maschine ist nicht konfiguriert

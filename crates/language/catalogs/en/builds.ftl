@@ -1,5 +1,8 @@
 break-out-steps = Break it out step by step
 pick-map = Pick map
+acts-print = Print
+acts-unpack = Unpack
+acts-again = Print again
 nothing-in-it = Nothing stands in it yet.
 figure-high = high, of { $volume }
 figure-copies =

@@ -185,7 +185,7 @@ field-size = Size
 field-warning = Warning
 field-where = Where
 field-copy = Copy
-field-event = Event
+field-event = When
 field-kind = Kind
 field-detail = Detail
 field-told = Told
@@ -289,7 +289,7 @@ search-farm = Search the farm
 footer-lengths = . Lengths are mm.
 footer-json = JSON interface
 footer-metrics = Metrics
-search-example = Part, file, order, build 1182
+search-example = Part, order, build 3
 search-key = Press / to search
 search = Search
 to-the-farm = To the farm
@@ -400,3 +400,8 @@ reason-retry = To take it back: nestd retry { $part }
 
 # A build or a date with what is known of it.
 job-described = { $name }: { $what }.
+search-words-build = build builds
+search-words-part = part parts file files
+search-words-order = order orders
+search-words-customer = customer customers
+search-words-machine = machine machines

@@ -1,6 +1,6 @@
 drop-time-needs-date = a time of day needs its date
 no-whole-number = { $field }: '{ $text }' is no whole number
-files-of = { $formats } files
+files-of = Files: { $formats }
 drop-copies = Copies of each file; empty = as its name says (bracket_x10.stl), else 1
 drop-due = Due (the end of that day, unless with a time)
 drop-more = Turning, priority, note
@@ -53,7 +53,8 @@ tell-printed = Tell how it printed
 it-prints = It prints
 print-again = Print again
 withdraw = Take it back out of the queue
-requeue = Issue once more
+requeue = The same build once more
+copies-again = Its copies, in new builds
 reprint-build-text = Its copies count as bad and wait again, first in line, with all that was asked. They come in new builds.
 reprint-build = Print every copy again
 withdraw-text = Only while its printer has not taken its file. Its copies wait again, with all that was asked. The machine is paused, so that they can be changed or cancelled, until somebody resumes it.
@@ -67,12 +68,11 @@ print-failed = The print of build { $build } on { $machine } failed. Nobody has 
 print-failed-why = The print of build { $build } on { $machine } failed: { $why }. Nobody has seen to it yet.
 waits-for-yes = Waits for a yes
 waits-for-yes-text = It waits for a yes before it is published.
-publish-it = Publish it
+publish-it = Release it
 outcome-complete = complete
 outcome-interrupted = interrupted: the machine stopped
 outcome-failed = failed: nothing of it is good
 the-print-is = The print is
-bad-copies = Bad copies, as part = copies, for example 7=2, 9=1
 keep-bad = Do not print bad copies again
 bad-copies-text = Bad copies wait again with all that was asked; of a failed print all copies do.
 correct-outcome = Correct the outcome
@@ -141,4 +141,4 @@ guard-role = this needs the role { $needed }, and you have { $own }
 guard-other-site = to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages
 guard-other-page = orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts
 
-mesh-formats = STL, 3MF, OBJ or PLY
+drop-formats = STL, 3MF, OBJ, PLY, CAMSPEC or ZIP

@@ -18,3 +18,4 @@ more-sections =
         [one] { $count } section more has
        *[other] { $count } sections more have
     } these words: add a word.
+help-in-english = The book is in English.

@@ -41,7 +41,7 @@ events = Events
 order-for = For { $customer }.
 order-since = { $copies }; since { $time }.
 order-due = Due { $due }.
-order-done = Done { $time }.
+order-done = Done { $time }
 order-closed = Closed { $how }.
 order-short-text = Not all of it is good, or will be: drop what was refused again, or accept the order as it is.
 a-state-of-part = a state of a part
@@ -62,7 +62,7 @@ what-happened = What happened
 same-file = The same file at other times
 other-files = Other files of this name
 part-number = Part { $part }
-part-in-no-build = In no build: the part was refused or cancelled.
+part-in-no-build = In no build: { $why }.
 part-in-open-build =
     { $waiting ->
         [one] { $waiting } copy waits

@@ -37,3 +37,5 @@ script-missing =
         [one] { $count } copy is
        *[other] { $count } copies are
     } not shown: the originals are no longer kept.
+script-front = FRONT
+script-soonest = soonest

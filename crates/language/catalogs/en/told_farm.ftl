@@ -397,3 +397,28 @@ told-say-once-more = Say it once more
 told-published-in-no-queue = build { $build } is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not printed, `nestd outcome { $build } failed` has its copies wait again
 told-configuration-nothing = nothing of it applies: { $detail }
 told-no-answer-in-time = it did not answer in time
+
+## Why a due date is at risk
+
+risk-passed = that date has passed
+risk-too-long = its print takes too long for that
+risk-left-out = it finds no place in the next build beside what goes first
+risk-awaits-fire = its build does not fire before { $time }
+risk-printers-busy = the printers are busy until { $time }
+risk-no-begin = no printer begins a print
+risk-printer-closed = the printer begins no print before { $time }
+risk-awaits-release = its build waits for a person's yes
+risk-awaits-answer = it waits for a person's answer
+risk-awaits-material = its material is not loaded on the machine
+risk-file-missing = its file is damaged or being fetched
+risk-not-read = its file is not read yet
+risk-paused = the machine is paused
+risk-unavailable = the machine is unavailable
+risk-no-printer = no printer of the machine is in use
+told-at-risk-one = { $name } is due { $due }: { $why }
+told-at-risk-one-of = { $name } of { $names } is due { $due }: { $why }
+told-at-risk = { $names } are due { $due }: { $why }
+told-at-risk-of = { $names } of { $name } are due { $due }: { $why }
+told-at-risk-more = { $names } and { $more } more are due { $due }: { $why }
+told-at-risk-more-of = { $names } and { $more } more of { $name } are due { $due }: { $why }
+told-machine-not-configured = its machine is not configured

@@ -1,5 +1,8 @@
 break-out-steps = Déballer pas à pas
 pick-map = Plan de déballage
+acts-print = Impression
+acts-unpack = Déballage
+acts-again = Réimprimer
 nothing-in-it = Rien n’y est encore placé.
 figure-high = de haut, sur { $volume }
 figure-copies =

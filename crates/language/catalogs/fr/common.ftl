@@ -201,7 +201,7 @@ field-size = Taille
 field-warning = Avertissement
 field-where = Où
 field-copy = Exemplaire
-field-event = Événement
+field-event = Moment
 field-kind = Type
 field-detail = Détail
 field-told = Signalé
@@ -305,7 +305,7 @@ search-farm = Chercher dans le parc
 footer-lengths = . Longueurs en mm.
 footer-json = Interface JSON
 footer-metrics = Métriques
-search-example = Pièce, fichier, commande, plateau 1182
+search-example = Pièce, plateau 3
 search-key = Touche / pour chercher
 search = Rechercher
 to-the-farm = Vers le parc
@@ -416,3 +416,8 @@ reason-retry = Pour la reprendre : nestd retry { $part }
 
 # A build or a date with what is known of it.
 job-described = { $name } : { $what }.
+search-words-build = plateau plateaux
+search-words-part = pièce pièces fichier fichiers
+search-words-order = commande commandes
+search-words-customer = client clients
+search-words-machine = machine machines

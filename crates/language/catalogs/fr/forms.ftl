@@ -1,6 +1,6 @@
 drop-time-needs-date = une heure a besoin de sa date
 no-whole-number = { $field } : « { $text } » n’est pas un nombre entier
-files-of = Fichiers { $formats }
+files-of = Fichiers : { $formats }
 drop-copies = Exemplaires de chaque fichier ; vide = comme dit son nom (bracket_x10.stl), sinon 1
 drop-due = Échéance (fin de ce jour, sauf heure indiquée)
 drop-more = Rotation, priorité, note
@@ -52,8 +52,9 @@ correct-told = Corriger ce qui est signalé
 tell-printed = Signaler le résultat
 it-prints = Impression commencée
 print-again = Réimprimer
-withdraw = Retirer de la file d’attente
-requeue = Réémettre
+withdraw = Le retirer de la file d’attente
+requeue = Le même plateau, encore une fois
+copies-again = Ses exemplaires, dans de nouveaux plateaux
 reprint-build-text = Ses exemplaires comptent comme mauvais et attendent à nouveau, les premiers de tous, avec tout ce qui était demandé. Ils viennent dans de nouveaux plateaux.
 reprint-build = Réimprimer tous les exemplaires
 withdraw-text = Seulement tant que son imprimante n’a pas pris son fichier. Ses exemplaires attendent à nouveau, avec tout ce qui était demandé. La machine est mise en pause, pour qu’on puisse les changer ou les annuler, jusqu’à ce que quelqu’un appuie sur Reprendre.
@@ -67,12 +68,11 @@ print-failed = L’impression du plateau { $build } sur { $machine } a échoué.
 print-failed-why = L’impression du plateau { $build } sur { $machine } a échoué : { $why }. Personne ne s’en est encore occupé.
 waits-for-yes = Attend un accord
 waits-for-yes-text = Il attend un accord avant d’être publié.
-publish-it = Publier
+publish-it = Autoriser
 outcome-complete = réussie
 outcome-interrupted = interrompue : la machine s’est arrêtée
 outcome-failed = échouée : rien n’est bon
 the-print-is = L’impression est
-bad-copies = Mauvais exemplaires, sous la forme pièce = exemplaires, par exemple 7=2, 9=1
 keep-bad = Ne pas réimprimer les mauvais exemplaires
 bad-copies-text = Les mauvais exemplaires attendent à nouveau avec tout ce qui était demandé ; si l’impression a échoué, tous.
 correct-outcome = Corriger le résultat
@@ -141,4 +141,4 @@ guard-role = il faut le rôle { $needed }, et vous avez { $own }
 guard-other-site = aux pages d’autres sites, ce parc ne répond que si une personne suit un lien, et il ne prend d’ordres que de ses propres pages
 guard-other-page = ce parc ne prend d’ordres que de ses propres pages, et la demande vient de la page d’un autre site ; derrière un proxy, son nom doit être dans web.hosts
 
-mesh-formats = STL, 3MF, OBJ ou PLY
+drop-formats = STL, 3MF, OBJ, PLY, CAMSPEC ou ZIP

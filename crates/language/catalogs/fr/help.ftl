@@ -18,3 +18,4 @@ more-sections =
         [one] { $count } autre section contient
        *[other] { $count } autres sections contiennent
     } ces mots : ajouter un mot.
+help-in-english = Le manuel est en anglais.

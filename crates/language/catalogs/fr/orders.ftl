@@ -41,7 +41,7 @@ events = Événements
 order-for = Pour { $customer }.
 order-since = { $copies } ; depuis { $time }.
 order-due = Échéance { $due }.
-order-done = Fin { $time }.
+order-done = Fin { $time }
 order-closed = Close { $how }.
 order-short-text = Tout n’est pas bon, ou ne le sera pas : déposer à nouveau ce qui a été refusé, ou accepter la commande telle quelle.
 a-state-of-part = un état de pièce
@@ -62,7 +62,7 @@ what-happened = Ce qui s’est passé
 same-file = Le même fichier à d’autres moments
 other-files = Autres fichiers de ce nom
 part-number = Pièce { $part }
-part-in-no-build = Dans aucun plateau : la pièce a été refusée ou annulée.
+part-in-no-build = Dans aucun plateau : { $why }.
 part-in-open-build =
     { $waiting ->
         [one] { $waiting } exemplaire attend

@@ -37,3 +37,5 @@ script-missing =
         [one] { $count } exemplaire
        *[other] { $count } exemplaires
     } : pas montré, car l’original n’est plus conservé.
+script-front = AVANT
+script-soonest = au plus tôt

@@ -397,3 +397,28 @@ told-say-once-more = Le redire
 told-published-in-no-queue = le plateau { $build } n’est pas retiré : il a été publié dans un dossier de file qui n’est plus à aucune imprimante. Si son fichier n’est pas imprimé, `nestd outcome { $build } failed` remet ses exemplaires en attente
 told-configuration-nothing = rien n’en est appliqué ({ $detail })
 told-no-answer-in-time = pas de réponse à temps
+
+## Why a due date is at risk
+
+risk-passed = cette date est passée
+risk-too-long = son impression est trop longue pour cela
+risk-left-out = pas de place dans le prochain plateau à côté de ce qui passe avant
+risk-awaits-fire = son plateau ne part pas avant { $time }
+risk-printers-busy = les imprimantes sont occupées jusqu’à { $time }
+risk-no-begin = aucune imprimante ne commence d’impression
+risk-printer-closed = l’imprimante ne commence aucune impression avant { $time }
+risk-awaits-release = son plateau attend un accord
+risk-awaits-answer = une réponse est attendue
+risk-awaits-material = son matériau n’est pas chargé sur la machine
+risk-file-missing = son fichier est endommagé ou en cours de récupération
+risk-not-read = son fichier n’est pas encore lu
+risk-paused = la machine est en pause
+risk-unavailable = la machine est indisponible
+risk-no-printer = aucune imprimante de la machine n’est en service
+told-at-risk-one = { $name }, échéance { $due } : { $why }
+told-at-risk-one-of = { $name } de { $names }, échéance { $due } : { $why }
+told-at-risk = { $names }, échéance { $due } : { $why }
+told-at-risk-of = { $names } de { $name }, échéance { $due } : { $why }
+told-at-risk-more = { $names } et { $more } de plus, échéance { $due } : { $why }
+told-at-risk-more-of = { $names } et { $more } de plus de { $name }, échéance { $due } : { $why }
+told-machine-not-configured = sa machine n’est pas configurée

@@ -1,5 +1,8 @@
 break-out-steps = 順番に取り出す
 pick-map = 取り出しマップ
+acts-print = 造形
+acts-unpack = 取り出し
+acts-again = 再造形
 nothing-in-it = まだ何も配置されていません。
 figure-high = 高さ(造形範囲 { $volume })
 figure-copies =

@@ -237,7 +237,7 @@ search-farm = ファーム内を検索
 footer-lengths = 。長さの単位は mm です。
 footer-json = JSON インターフェース
 footer-metrics = メトリクス
-search-example = パーツ、ファイル、注文、build 1182
+search-example = パーツ、注文、ビルド 3
 search-key = / キーで検索
 search = 検索
 to-the-farm = ファームへ
@@ -348,3 +348,8 @@ reason-retry = 戻すには: nestd retry { $part }
 
 # A build or a date with what is known of it.
 job-described = { $name }: { $what }。
+search-words-build = ビルド
+search-words-part = パーツ ファイル
+search-words-order = 注文
+search-words-customer = 顧客
+search-words-machine = 装置

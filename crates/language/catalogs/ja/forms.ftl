@@ -1,6 +1,6 @@
 drop-time-needs-date = 時刻を入れる場合は日付も必要です
 no-whole-number = { $field }: 「{ $text }」は整数ではありません
-files-of = { $formats } ファイル
+files-of = ファイル: { $formats }
 drop-copies = 各ファイルの個数。空欄の場合はファイル名のとおり(bracket_x10.stl)、なければ 1
 drop-due = 納期(時刻がなければその日の終わりまで)
 drop-more = 向き、優先度、メモ
@@ -49,7 +49,8 @@ tell-printed = 造形結果を記録
 it-prints = 造形中と記録
 print-again = 再造形
 withdraw = キューから取り下げ
-requeue = 再発行
+requeue = 同じビルドをもう一度
+copies-again = 個を新しいビルドで
 reprint-build-text = このビルドのすべての個を不良とし、指定内容はそのままで、優先して待機に戻します。新しいビルドに入ります。
 reprint-build = すべて再造形
 withdraw-text = プリンターがファイルを受け取る前に限ります。すべての個が、指定内容はそのままで待機に戻ります。変更やキャンセルができるよう、だれかが再開するまで装置は一時停止します。
@@ -63,12 +64,11 @@ print-failed = { $machine } でのビルド { $build } の造形が失敗しま�
 print-failed-why = { $machine } でのビルド { $build } の造形が失敗しました: { $why }。未対応です。
 waits-for-yes = 承認待ち
 waits-for-yes-text = 発行前の承認を待っています。
-publish-it = 発行
+publish-it = 承認して発行
 outcome-complete = 完了
 outcome-interrupted = 中断: 装置が停止
 outcome-failed = 失敗: 良品なし
 the-print-is = 造形結果
-bad-copies = 不良品(パーツ = 個数)。例: 7=2, 9=1
 keep-bad = 不良品を再造形しない
 bad-copies-text = 不良品は、指定内容はそのままで待機に戻ります。造形が失敗した場合は、すべての個が戻ります。
 correct-outcome = 結果を訂正
@@ -117,4 +117,4 @@ guard-role = これには { $needed } の権限が必要です。現在の権限
 guard-other-site = ほかのサイトのページには、人がリンクをたどったときだけ応答します。指示は、このファーム自身のページからのみ受け付けます
 guard-other-page = 指示はこのファーム自身のページからのみ受け付けます。これは別のサイトのページからの要求です。プロキシ経由の場合は、その名前を web.hosts に入れてください
 
-mesh-formats = STL、3MF、OBJ、PLY
+drop-formats = STL、3MF、OBJ、PLY、CAMSPEC、ZIP

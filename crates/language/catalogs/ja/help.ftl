@@ -10,3 +10,4 @@ words-in-book-example = 例: hot folder, paused, backup
 no-section = これらの語をすべて含む節はありません。
 count-sections = { $count } 節
 more-sections = ほかに { $count } 節がこれらの語を含みます。語を追加して絞り込んでください。
+help-in-english = この手引きは英語です。

@@ -29,3 +29,5 @@ script-copy-from-to = { $copy } 個目、{ $low }～{ $top } mm
 script-step = 取り出し順 { $step }
 script-simplified = (簡略表示)
 script-missing = { $count } 個中 { $missing } 個は表示されません: 元のファイルがもう保管されていません。
+script-front = 手前
+script-soonest = 最も早い

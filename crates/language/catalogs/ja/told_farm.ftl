@@ -299,3 +299,28 @@ told-say-once-more = もう一度指示してください
 told-published-in-no-queue = ビルド { $build } は取り下げられません。発行先のキューフォルダーがどのプリンターのものでもなくなっています。造形しない場合は `nestd outcome { $build } failed` で待機に戻せます
 told-configuration-nothing = 何も適用されません({ $detail })
 told-no-answer-in-time = 時間内に応答がありませんでした
+
+## Why a due date is at risk
+
+risk-passed = 納期をすでに過ぎています
+risk-too-long = 造形に時間がかかり、間に合いません
+risk-left-out = 優先分が先に入り、次のビルドに場所がありません
+risk-awaits-fire = ビルドの確定は { $time } 以降です
+risk-printers-busy = プリンターは { $time } まで使用中です
+risk-no-begin = 造形を開始するプリンターがありません
+risk-printer-closed = プリンターは { $time } まで造形を開始しません
+risk-awaits-release = ビルドが承認待ちです
+risk-awaits-answer = 確認事項への回答待ちです
+risk-awaits-material = 材料が装置に入っていません
+risk-file-missing = ファイルが破損しているか、取り寄せ中です
+risk-not-read = ファイルがまだ読み取られていません
+risk-paused = 装置が一時停止中です
+risk-unavailable = 装置が利用不可です
+risk-no-printer = 装置に使用中のプリンターがありません
+told-at-risk-one = { $name } の納期は { $due } です: { $why }
+told-at-risk-one-of = { $names } の { $name } の納期は { $due } です: { $why }
+told-at-risk = { $names } の納期は { $due } です: { $why }
+told-at-risk-of = { $name } の { $names } の納期は { $due } です: { $why }
+told-at-risk-more = { $names } ほか { $more } 件の納期は { $due } です: { $why }
+told-at-risk-more-of = { $name } の { $names } ほか { $more } 件の納期は { $due } です: { $why }
+told-machine-not-configured = 装置が設定されていません

@@ -154,7 +154,7 @@ impl HeightSummary {
             let known = sums.iter().filter_map(|sum| Some((sum.mean_density?, sum.builds)));
             let (density, of) = known.fold((0.0, 0), |(sum, of), (mean, n)| (sum + mean * f64::from(n), of + n));
             sums.push(Self {
-                machine: "all machines".to_owned(),
+                machine: language::say!("all-machines"),
                 builds,
                 copies: sums.iter().map(|sum| sum.copies).sum(),
                 height_mm: sums.iter().map(|sum| sum.height_mm).sum(),

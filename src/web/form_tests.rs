@@ -172,13 +172,13 @@ async fn a_form_that_was_sent_before_is_told_from_one_with_something_else_in_it(
     let is_outcome = |form: &PageForm| form.says("act", "complete") || form.says("act", "interrupted");
     let form = dashboard.form("/builds/1", is_outcome).await.set("act", "complete");
     // What was refused has used up no key: it is mended, and sent once more.
-    let wrong = form.clone().set("bad", "seven");
+    let wrong = form.clone().set("bad_1", "seven");
     assert_eq!(dashboard.press(&wrong).await.status, StatusCode::BAD_REQUEST);
-    let refused = dashboard.press(&form.clone().set("bad", "1=3")).await;
+    let refused = dashboard.press(&form.clone().set("bad_1", "3")).await;
     assert!(refused.status == StatusCode::SEE_OTHER && refused.text.contains("Refused"), "{}", refused.text);
-    let told = dashboard.press(&form.clone().set("bad", "1=1")).await;
+    let told = dashboard.press(&form.clone().set("bad_1", "1")).await;
     assert!(told.text.contains("Build 1 is complete."), "{}", told.text);
-    let other = dashboard.press(&form.clone().set("bad", "1=2")).await;
+    let other = dashboard.press(&form.clone().set("bad_1", "2")).await;
     assert_eq!(other.status, StatusCode::UNPROCESSABLE_ENTITY);
     assert!(other.text.contains("load its page again"), "{}", other.text);
     assert_eq!(dashboard.ledger.outcomes_of_build(BuildId(1)).await.unwrap().len(), 1);
@@ -225,14 +225,14 @@ async fn what_is_refused_while_a_file_lies_in_the_queue_has_a_button_that_sends_
     let dashboard = with_a_build("bracket.stl").await;
     let is_outcome = |form: &PageForm| form.says("act", "complete") || form.says("act", "interrupted");
     let before = dashboard.ledger.find_build(BuildId(1)).await.unwrap();
-    for (act, bad) in [("failed", ""), ("complete", "1=1"), ("interrupted", "1=1"), ("reprint", ""), ("requeue", "")] {
-        let form = dashboard.form("/builds/1", is_outcome).await.set("act", act).set("bad", bad);
+    for (act, bad) in [("failed", "0"), ("complete", "1"), ("interrupted", "1"), ("reprint", "0"), ("requeue", "0")] {
+        let form = dashboard.form("/builds/1", is_outcome).await.set("act", act).set("bad_1", bad);
         let refused = dashboard.press(&form).await;
         assert!(refused.text.contains("Refused") && refused.text.contains("lies untouched"), "{act}: {}", refused.text);
     }
     assert_eq!(dashboard.ledger.find_build(BuildId(1)).await.unwrap(), before);
     let form = dashboard.form("/builds/1", is_outcome).await;
-    let form = form.set("act", "complete").set("bad", "1=1").set("note", "warped & \"bent\"");
+    let form = form.set("act", "complete").set("bad_1", "1").set("note", "warped & \"bent\"");
     let refused = dashboard.press(&form).await;
     let button = forms_of(&refused.text).remove(0);
     let said: Vec<_> = button.fields.iter().filter(|(name, _)| name != "key" && name != "anyway").collect();

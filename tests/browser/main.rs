@@ -49,9 +49,9 @@ fn pages_in_a_browser() -> Vec<Trial> {
             pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time,
         ),
         trial(
-            "tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon",
+            "tasks::tasks_take_few_clicks_by_mouse_touch_and_keyboard_and_a_slow_line_shows_a_picture_soon",
             missing(),
-            tasks::eight_tasks_take_few_clicks_and_a_slow_line_shows_a_picture_soon,
+            tasks::tasks_take_few_clicks_by_mouse_touch_and_keyboard_and_a_slow_line_shows_a_picture_soon,
         ),
         beside_others(
             "break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both",

@@ -93,6 +93,7 @@ function offer(files, target, board) {
 
 /** Asks one machine after the other: each searches. */
 async function quoteAll(answers, files, zone, signal) {
+  const known = new Map();
   for (const { name, said } of answers) {
     const form = new FormData();
     form.append("quote", JSON.stringify({ machine: name, lines: [...files].map((file) => ({ name: file.name })) }));
@@ -100,20 +101,34 @@ async function quoteAll(answers, files, zone, signal) {
     try {
       const answer = await fetch("/api/v1/quote", { method: "POST", body: form, headers: { accept: "application/json" }, signal });
       const quote = await answer.json();
+      if (answer.ok && quote.earliest_at) known.set(said.closest("li"), quote.earliest_at);
       said.textContent = answer.ok ? inWords(quote, zone) : quote.detail || text("answers", { status: answer.status });
     } catch (error) {
       if (error.name === "AbortError") return;
       said.textContent = text("no_answer");
     }
   }
+  // The soonest first; what is not known last.
+  const items = [...known.keys()].sort((a, b) => Date.parse(known.get(a)) - Date.parse(known.get(b)));
+  const focused = document.activeElement;
+  answers[0]?.said.closest("ul").prepend(...items);
+  focused?.focus();
+  if (items.length > 1) items[0].querySelector(".row-name").append(" ", node("span", { className: "chip good" }, node("i", {}), text("soonest")));
+}
+
+/** A time as the board says it: `tomorrow 19:10`, in the zone of the farm. */
+function nearTime(at, zone) {
+  const format = { timeZone: zone || undefined };
+  const day = (time) => time.toLocaleDateString("sv", format), ahead = (days) => day(new Date(Date.now() + days * 86400000));
+  const clock = at.toLocaleTimeString(lang, { ...format, hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
+  const near = day(at) === ahead(0) ? text("today") : day(at) === ahead(1) ? text("tomorrow") : at.toLocaleDateString(lang, { ...format, weekday: "short", day: "numeric", month: "short" });
+  return text("day_and_clock", { day: near, clock });
 }
 
 /** What a quote says: when all is done, how much height that adds, and whom it makes late. */
 function inWords(quote, zone) {
-  const format = { weekday: "short", day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
-  const time = (at) => new Date(at).toLocaleString(lang, { ...format, timeZone: zone || undefined });
   const late = quote.delays.length, added = quote.added_at_most_mm === null ? quote.added_mm : Math.min(quote.added_mm, quote.added_at_most_mm);
-  const done = quote.earliest_at ? text("done", { time: time(quote.earliest_at) }) : text("no_date_known");
+  const done = quote.earliest_at ? text("done", { time: nearTime(new Date(quote.earliest_at), zone) }) : text("no_date_known");
   const added_text = text("adds", { done, height: fixed(added) });
   return late ? `${added_text}; ${text(late === 1 ? "one_late" : "several_late", { count: late })}` : added_text;
 }

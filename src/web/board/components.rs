@@ -111,7 +111,7 @@ fn builds(view: &TimeView, zone: &FarmZone) -> Markup {
             div.machine { div.machine-head { h3 { "mjf-5200 " (chip("printing")) } }
                 div.lanes { div.lane { div.track {
                     (axis.lines())
-                    ol.jobs aria-label="Builds of left" { @for job in shown.iter().filter_map(|build| Job::on_axis(build, &axis, at(0))) { (job.draw(&setting)) } }
+                    ol.jobs aria-label="Builds of left" { @for job in shown.iter().filter_map(|build| Job::on_axis(build, &axis, at(0))) { (job.draw(&setting, None)) } }
                 } }
                 ol.jobs.later aria-label="Later builds" { (later_job(&shown[5], &setting)) } }
             }

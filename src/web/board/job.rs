@@ -14,10 +14,14 @@ use crate::{
         core::picture::small_picture,
         look::{
             chip::{Tone, chip, chip_of},
+            style::AXIS_STEPS,
             times::time_of,
         },
     },
 };
+
+/// Steps of the axis in which what a bar says has room.
+const TEXT_STEPS: u32 = 48;
 
 /// What all builds of a board share.
 pub(crate) struct JobSetting<'a> {
@@ -43,16 +47,23 @@ impl<'a> Job<'a> {
         Some(Self { build, span })
     }
 
-    /// The bar.
-    pub(crate) fn draw(&self, setting: &JobSetting<'_>) -> Markup {
+    /// The step at which it begins.
+    pub(crate) fn begins(&self) -> u32 {
+        self.span.from
+    }
+
+    /// The bar. What it says may stand behind a short one, up to where the `next` bar of its lane begins.
+    pub(crate) fn draw(&self, setting: &JobSetting<'_>, next: Option<&Job<'_>>) -> Markup {
         let build = self.build;
         let cools = build.printed_at.zip(build.ends_at).and_then(|(from, to)| setting.axis.span(from.0, to.0));
         let place = self.span.classes();
+        let free = next.map_or(AXIS_STEPS, Job::begins).saturating_sub(self.span.from);
+        let said = AxisSpan { steps: self.span.steps.max(free.min(TEXT_STEPS)), ..self.span };
         html! {
             li class=(li_class(build)) {
                 i class=(format!("body {place}")) {}
                 @if let Some(cools) = cools { i class=(format!("cool {}", cools.classes())) {} }
-                (link(build, &place, setting))
+                (link(build, &said.classes(), setting))
             }
         }
     }

@@ -98,7 +98,8 @@ impl MachineRowOnBoard<'_> {
             div.machine-head {
                 h2 { (name) " " (chip(self.fact.state.word())) }
                 @if !status.material.is_empty() { p.soft { (say!("material-loaded", material = &status.material)) } }
-                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now) { p.soft { (phrase!("free-time", time = time_of(free, view))) } }
+                // Of a machine with one printer, its lane says it.
+                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now && self.fact.printers.len() > 1) { p.soft { (phrase!("free-time", time = time_of(free, view))) } }
                 (machine_warnings(status, self.observed, view))
                 div.buttons {
                     (self.next_step(web))
@@ -133,18 +134,21 @@ impl MachineRowOnBoard<'_> {
     /// A printer and its builds in the order of time.
     fn lane(&self, printer: &PrinterFact, jobs: &[Job<'_>], setting: &JobSetting<'_>) -> Markup {
         let is_only = self.fact.printers.len() == 1;
-        let own = jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer));
+        let mut own: Vec<&Job<'_>> =
+            jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer)).collect();
+        own.sort_by_key(|job| job.begins());
         let doing = if is_only { &self.fact.doing } else { &printer.doing };
         html! {
             div.lane {
                 p.lane-name {
                     @if !is_only { b { (printer.printer) } " " (chip(printer.state.word())) " " }
-                    span.soft.doing { (doing) "." }
+                    // That it is free, its state says.
+                    @if is_only || *doing != say!("free-now") { span.soft.doing { (doing) "." } }
                 }
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))
                     (setting.axis.lines())
-                    ol.jobs aria-label=(say!("builds-of", name = &printer.printer)) { @for job in own { (job.draw(setting)) } }
+                    ol.jobs aria-label=(say!("builds-of", name = &printer.printer)) { @for (at, job) in own.iter().enumerate() { (job.draw(setting, own.get(at + 1).copied())) } }
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The bins of a cake that is broken out, one for each order: each has a number, a colour and a shape of its own.
 
 use build_file::kind_colour_code;
-use language::say;
+use language::{comma, say};
 use maud::{Markup, PreEscaped, html};
 
 use super::break_out_state::BinCount;
@@ -49,17 +49,28 @@ fn luminance(code: &str) -> f64 {
     0.2126 * linear(part(1)) + 0.7152 * linear(part(3)) + 0.0722 * linear(part(5))
 }
 
+/// What is counted of a bin, with its label.
+fn counts_of(counted: &BinCount) -> [(String, String); 5] {
+    let open = counted.open();
+    let open_text = if open == 0 { "0 \u{2713}".to_owned() } else { open.to_string() };
+    [
+        (fields::COPIES.said(), counted.all.to_string()),
+        (fields::COPIES_GOOD.said(), counted.good.to_string()),
+        (fields::COPIES_BAD.said(), counted.bad.to_string()),
+        (say!("bin-not-found"), counted.missing.to_string()),
+        (say!("bin-in-cake"), open_text),
+    ]
+}
+
 /// The bins with their counts.
 pub(super) fn bins_table(counts: &[BinCount]) -> Markup {
     html! {
         h2 { (say!("bins")) }
-        div.wide tabindex="0" role="region" aria-label=(say!("bins")) { table.bins {
-            thead { tr { th scope="col" { (say!("bin")) } th scope="col" { (fields::ORDER.said()) } th.n scope="col" { (fields::COPIES.said()) }
-                th.n scope="col" { (fields::COPIES_GOOD.said()) } th.n scope="col" { (fields::COPIES_BAD.said()) }
-                th.n scope="col" { (say!("bin-not-found")) } th.n scope="col" { (say!("bin-in-cake")) } } }
+        div.wide.listed tabindex="0" role="region" aria-label=(say!("bins")) { table.bins {
+            thead { tr { th scope="col" { (say!("bin")) } @for (label, _) in counts_of(&BinCount::default()) { th.n scope="col" { (label) } } } }
             tbody { @for (bin, counted) in counts.iter().enumerate() { tr {
-                td { (bin_badge(bin)) span.unseen { (bin + 1) } } td { (counted.name()) } td.n { (counted.all) } td.n { (counted.good) }
-                td.n { (counted.bad) } td.n { (counted.missing) } td.n { (counted.open()) @if counted.open() == 0 { " \u{2713}" } }
+                td.title { (bin_badge(bin)) " " span.unseen { (bin + 1) (comma()) } (counted.name()) }
+                @for (label, number) in counts_of(counted) { td.n data-of=(label) { (number) } }
             } } }
         } }
     }

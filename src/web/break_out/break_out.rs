@@ -149,7 +149,7 @@ pub(crate) async fn post_mark(
     let step = if form.mark == PickMark::Open { "at" } else { "after" };
     let back = format!("{address}?{step}={}", form.at);
     let Some(first) = told else { return Ok(FormAnswer::back_to(&back)) };
-    let (who, when) = (name_of_user(&first.told_by), web.time_view().time_text(first.told_at));
+    let (who, when) = (name_of_user(&first.told_by), web.time_view().near_text(first.told_at));
     let word = mark_word(first.mark);
     if first.mark == form.mark {
         let sentence = say!("said-before", who = who, when = when, word = word);

@@ -60,7 +60,7 @@ pub(super) fn current_card(
             }
             (what_is_said(web, state, step, view))
             @if step.is_chosen { p.note role="status" { (say!("chosen-copy", number = copy.number, name = &copy.name, copy = copy.copy)) } }
-            p { (place_text(copy)) }
+            p { (place_text(copy, view)) }
             @if copy.direction.is_some_and(points_down) { p.warn { (say!("comes-out-downwards")) } }
             @if !copy.note.is_empty() { p { b { (fields::NOTE.said()) (colon()) } (copy.note) } }
             @if let Some(others) = state.map.shapes.look_alikes.get(&copy.part) {
@@ -84,7 +84,7 @@ fn what_is_said(web: &DashboardState, state: &BreakOutState, step: &ShownStep, v
         },
         (CopyState::ToldBad, _) => html! { p.warn { (say!("was-told-bad")) } },
         (CopyState::Marked(row), _) => html! {
-            p.warn role="status" { (say!("copy-is-said", word = mark_word(row.mark), who = name_of_user(&row.told_by), when = view.time_text(row.told_at))) }
+            p.warn role="status" { (say!("copy-is-said", word = mark_word(row.mark), who = name_of_user(&row.told_by), when = view.near_text(row.told_at))) }
             @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, &say!("still-in-cake"), "")) } }
         },
     }
@@ -103,7 +103,7 @@ fn step_buttons(web: &DashboardState, state: &BreakOutState, copy: &PickedCopy) 
 }
 
 /// Where a copy is, and which way it comes out.
-fn place_text(copy: &PickedCopy) -> String {
+fn place_text(copy: &PickedCopy, view: &TimeView) -> String {
     let place = match (copy.top_mm, copy.center_x_mm, copy.center_y_mm) {
         (Some(top), Some(x), Some(y)) => {
             let [top, x, y] = [top, x, y].map(|mm| format!("{mm:.0}"));
@@ -112,7 +112,7 @@ fn place_text(copy: &PickedCopy) -> String {
         _ => say!("place-not-known"),
     };
     let way = copy.direction.map(|direction| say!("way-out", way = removal_in_words(direction)));
-    let due = (!copy.due.is_empty()).then(|| say!("order-due", due = &copy.due));
+    let due = (!copy.due.is_empty()).then(|| say!("order-due", due = view.near_date(&copy.due)));
     let number = say!("copy-number", copy = copy.copy);
     [Some(number), Some(place), way, due].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
@@ -205,7 +205,7 @@ pub(super) fn last_line(web: &DashboardState, state: &BreakOutState, user: &str,
     };
     html! {
         div.undo {
-            @let (word, who, when) = (mark_word(row.mark), name_of_user(&row.told_by), view.time_text(row.told_at));
+            @let (word, who, when) = (mark_word(row.mark), name_of_user(&row.told_by), view.near_text(row.told_at));
             p { @if press.len() > 1 { (say!("last-press-all", copies = press.len(), word = word, who = who, when = when)) }
                 @else { (say!("last-press", number = copy.number, name = &copy.name, copy = copy.copy, word = word, who = who, when = when)) } }
             @if web.orders {

@@ -129,8 +129,8 @@ fn plot_lines<'a>(
     }
 }
 
-/// Bars by week, from Monday on, stacked by machine: all weeks of the days from the first up to before the last, also those in which
-/// nothing was published; each says which of its days it counts. Nothing if nothing was published. `value` is what is summed.
+/// Bars by week, stacked by machine: all weeks from the Monday `days.0` up to before `days.1`, also those in which nothing was published;
+/// each says its days. Nothing if nothing was published. `value` is what is summed.
 pub(crate) fn weekly_bars(
     title: &str,
     rows: &[HistoryRow],
@@ -170,7 +170,7 @@ pub(crate) fn weekly_bars(
                 }
                 @for (place, (monday, week)) in weeks.iter().enumerate() {
                     @let left = LEFT + step * place as f64;
-                    @let label = week_label(*monday, days);
+                    @let label = week_label(*monday);
                     @for (name, number, low, high) in stacked(week, &machines) {
                         rect class=(format!("bar c{number}")) x=(format!("{:.1}", left + 0.15 * step)) width=(format!("{:.1}", 0.7 * step))
                             y=(format!("{:.1}", TOP + tall * (1.0 - high / most))) height=(format!("{:.1}", tall * (high - low) / most)) {
@@ -184,10 +184,9 @@ pub(crate) fn weekly_bars(
     }
 }
 
-/// The days of a week that are among those that count: `23\u{2013}29`.
-fn week_label(monday: Date, (first, end): (Date, Date)) -> String {
-    let (from, to) = (monday.max(first), monday.saturating_add(6.days()).min(end.saturating_sub(1.days())));
-    if from >= to { from.day().to_string() } else { format!("{}\u{2013}{}", from.day(), to.day()) }
+/// The days of a week: `23\u{2013}29`.
+fn week_label(monday: Date) -> String {
+    format!("{}\u{2013}{}", monday.day(), monday.saturating_add(6.days()).day())
 }
 
 /// The pieces of a bar from the bottom up: machine, number of its colour, lower and upper end.

@@ -20,7 +20,7 @@ use super::operate_form::say_word;
 use crate::{
     farm::{awaits_release, preview_release},
     settings::MachineProfile,
-    tables::fields,
+    tables::{CountedPart, fields},
     web::{
         base::error::{HandlerError, HandlerResult},
         core::{
@@ -44,6 +44,9 @@ pub(crate) struct BuildTellForm {
     /// Bad copies: `7=2, 9=1`.
     #[serde(default)]
     bad: String,
+    /// Bad copies of each part, `bad_7` for part 7, as the page asks for them.
+    #[serde(flatten)]
+    others: BTreeMap<String, String>,
     /// Sent if bad copies are not to be printed again.
     keep: Option<String>,
     /// Sent if it corrects what was told before.
@@ -69,23 +72,38 @@ enum BuildFormAct {
     Withdraw,
 }
 
-/// The forms for a published build, each a button with its sheet: what a person most probably does comes first. `placements` are its
-/// copies, those that were printed badly included.
-pub(crate) fn build_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
+/// The forms that say how a published build printed, each a button with its sheet. `placements` are its copies, those that were printed
+/// badly included, and `parts` what they are of.
+pub(crate) fn outcome_forms(
+    web: &DashboardState,
+    build: &BuildRow,
+    placements: &[PlacementRow],
+    parts: &[CountedPart],
+) -> Markup {
     let is_told = matches!(build.state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
-    let has_counted = placements.iter().any(|placed| !placed.is_bad);
     let tell = if is_told { say!("correct-told") } else { say!("tell-printed") };
+    // Nobody tells how a build printed that lies in the queue.
+    let is_awaited = build.state == BuildState::Printing || build.place.taken_at.is_some() && !is_told;
     html! {
         @if web.orders && build.times.published_at.is_some() {
-            @if build.place.withdrawn_at.is_none() { (sheet("tell", &tell, !is_told, &outcome_form(web, build, &bad_text(build, placements), is_told))) }
+            @if build.place.withdrawn_at.is_none() { (sheet("tell", &tell, is_awaited, &outcome_form(web, build, &bad_fields(build, placements, parts), is_told))) }
             @if build.state == BuildState::Published && !build.place.is_on_its_way() {
                 (act_form(web, build.id, "printing", &say!("it-prints")))
             }
-            @if has_counted { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, build.id))) }
+        }
+    }
+}
+
+/// The forms by which a published build, or its copies, are printed again.
+pub(crate) fn again_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
+    let has_counted = placements.iter().any(|placed| !placed.is_bad);
+    html! {
+        @if web.orders && build.times.published_at.is_some() {
+            (sheet("requeue", &say!("requeue"), false, &requeue_form(web, build.id)))
+            @if has_counted { (sheet("reprint", &say!("copies-again"), false, &reprint_form(web, build.id))) }
             @if build.state == BuildState::Published && build.place.taken_at.is_none() {
                 (sheet("withdraw", &say!("withdraw"), false, &withdraw_form(web, build)))
             }
-            (sheet("requeue", &say!("requeue"), false, &requeue_form(web, build.id)))
         }
     }
 }
@@ -155,13 +173,13 @@ pub(crate) async fn release_form(
     Ok(html! {
         section.forms #release aria-label=(say!("waits-for-yes")) {
             p role="status" { b { (say!("waits-for-yes-text")) } }
-            ul { @for sentence in preview.sentences(&profile.time_zone) { li { (sentence) } } }
+            ul { @for sentence in preview.sentences(&profile.time_zone) { li { (web.time_view().near_times(&sentence)) } } }
             @if web.orders { (act_form_with(web, build.id, ("release", &say!("publish-it")), build.staged.file_hash.as_deref())) }
         }
     })
 }
 
-fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool) -> Markup {
+fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &Markup, is_told: bool) -> Markup {
     let choices = [
         ("complete", say!("outcome-complete")),
         ("interrupted", say!("outcome-interrupted")),
@@ -174,7 +192,7 @@ fn outcome_form(web: &DashboardState, build: &BuildRow, bad: &str, is_told: bool
             label { (say!("the-print-is")) select name="act" {
                 @for (word, text) in choices { option value=(word) selected[word == build.state.to_string()] { (text) } }
             } }
-            label { (say!("bad-copies")) input name="bad" value=(bad) maxlength=(MAX_NOTE); }
+            (bad)
             label { (fields::NOTE.said()) input name="note" maxlength=(MAX_NOTE); }
             label.check { input type="checkbox" name="keep" value="yes"; (say!("keep-bad")) }
             p { (say!("bad-copies-text")) }
@@ -200,15 +218,30 @@ fn act_form_with(web: &DashboardState, build: BuildId, (act, label): (&str, &str
     }
 }
 
-/// The copies that were told bad, as the form takes them; "" for a failed print, in which all are.
-fn bad_text(build: &BuildRow, placements: &[PlacementRow]) -> String {
-    let mut bad: BTreeMap<i64, u32> = BTreeMap::new();
-    if build.state != BuildState::Failed {
-        for placed in placements.iter().filter(|placed| placed.is_bad) {
-            *bad.entry(placed.part_id.0).or_default() += 1;
+/// Asks how many copies of each part are bad, with what was told; nothing was of a failed print, in which all are.
+fn bad_fields(build: &BuildRow, placements: &[PlacementRow], parts: &[CountedPart]) -> Markup {
+    let is_bad = |placed: &&PlacementRow| placed.is_bad && build.state != BuildState::Failed;
+    let bad = |part: PartId| placements.iter().filter(is_bad).filter(|placed| placed.part_id == part).count();
+    html! {
+        details open[placements.iter().any(|placed| is_bad(&placed))] {
+            summary { (say!("copies-that-are-bad")) }
+            @for CountedPart { part, copies } in parts {
+                label { (part.full_name()) input type="number" inputmode="numeric" name=(format!("bad_{}", part.id)) min="0" max=(copies) value=(bad(part.id)); }
+            }
         }
     }
-    bad.iter().map(|(part, copies)| format!("{part}={copies}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The bad copies that a form names.
+fn bad_copies(form: &BuildTellForm) -> Result<Vec<(PartId, u32)>, String> {
+    let mut bad = parse_bad_copies(&form.bad)?;
+    for (part, copies) in form.others.iter().filter_map(|(name, copies)| Some((name.strip_prefix("bad_")?, copies))) {
+        let wrong = || say!("names-no-bad-copies", text = format!("{part}={copies}"));
+        let (part, copies) = (part.parse().map_err(|_| wrong())?, copies.trim());
+        let copies: u32 = if copies.is_empty() { 0 } else { copies.parse().map_err(|_| wrong())? };
+        bad.extend((copies > 0).then_some((PartId(part), copies)));
+    }
+    Ok(bad)
 }
 
 /// Records what a form says of a build.
@@ -222,7 +255,7 @@ pub(crate) async fn post_told(
     if web.ledger.find_build(build).await?.is_none() {
         return Err(HandlerError::NotFound(say!("build-named", build = number.to_string())));
     }
-    let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
+    let bad = bad_copies(&form).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let back = format!("/builds/{number}");
     say_word(&web, &word_of(build, &form, bad, &by), &by, form.anyway.is_some(), &back).await
 }

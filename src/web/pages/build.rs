@@ -30,7 +30,7 @@ use crate::{
             view_section::{ViewSection, ViewedPart},
         },
         figures::chart::height_curve,
-        forms::build_forms::{build_forms, release_form, second_files, unseen_failure},
+        forms::build_forms::{again_forms, outcome_forms, release_form, second_files, unseen_failure},
         labels::label_form::build_labels,
         look::{chip::chip, pieces::figure},
     },
@@ -69,16 +69,16 @@ pub(crate) async fn show_build(
         }
         @if let Some(fires) = fire_forecast(&web, &build, &profile, &view).await? { p { (fires) } }
         (release)
-        div.buttons.acts #told {
-            (build_forms(&web, &build, &placements))
-            @if build.times.published_at.is_some() {
-                a.button href=(format!("/builds/{}/break-out", build.id)) { (say!("break-out-steps")) }
-            }
-            a.button href=(format!("/builds/{}/pick", build.id)) { (say!("pick-map")) }
-            @if copies > 0 {
-                (downloads_sheet(&build, &profile).await?)
-                (build_labels(build.id.0))
-            }
+        div.acts #told {
+            (act_group(&say!("acts-print"), &outcome_forms(&web, &build, &placements, &rows)))
+            (act_group(&say!("acts-unpack"), &html! {
+                @if build.times.published_at.is_some() {
+                    a.button href=(format!("/builds/{}/break-out", build.id)) { (say!("break-out-steps")) }
+                }
+                a.button href=(format!("/builds/{}/pick", build.id)) { (say!("pick-map")) }
+                @if copies > 0 { (build_labels(build.id.0)) (downloads_sheet(&build, &profile).await?) }
+            }))
+            (act_group(&say!("acts-again"), &again_forms(&web, &build, &placements)))
         }
         @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { (say!("nothing-in-it")) } }
         (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &[fields::HEIGHT, fields::DENSITY], &view))
@@ -88,6 +88,11 @@ pub(crate) async fn show_build(
         (height_curve(&build.height_curve()))
     };
     Ok(html_page(&say!("build-number", build = build.id.to_string()), "", Some("start.js"), &content))
+}
+
+/// Buttons of one purpose, if there are any.
+fn act_group(label: &str, buttons: &Markup) -> Markup {
+    html! { @if !buttons.0.trim().is_empty() { div.act-group role="group" aria-label=(label) { span.soft { (label) } div.buttons { (buttons) } } } }
 }
 
 /// The build in numbers.

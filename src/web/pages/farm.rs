@@ -156,7 +156,7 @@ pub(super) fn risk_row(risk: &DateRisk, view: &TimeView) -> Markup {
                     Some(done) => (phrase!("due-done", due = due_of(&due, view), done = time_of(done, view))),
                     None => (phrase!("due-on", due = due_of(&due, view))),
                 }
-                span.why { (colon()) (risk.reason) } (say!("sign-stop")) }
+                span.why { (colon()) (view.near_times(&risk.reason)) } (say!("sign-stop")) }
         } }
     }
 }
@@ -225,8 +225,8 @@ fn no_machine() -> Markup {
 
 fn nothing_came(takes_orders: bool) -> Markup {
     let text = match takes_orders {
-        true => say!("nothing-came-drop", formats = say!("mesh-formats")),
-        false => say!("nothing-came-copy", formats = say!("mesh-formats")),
+        true => say!("nothing-came-drop", formats = say!("drop-formats")),
+        false => say!("nothing-came-copy", formats = say!("drop-formats")),
     };
     let help = html! { a.button.first href="/help/technician" { (say!("nothing-came-help")) } };
     empty(&say!("nothing-came"), &html! { (text) }, &help)

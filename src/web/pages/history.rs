@@ -166,7 +166,7 @@ fn filter_form<'a>(filter: &HistoryFilter, today: Date, machines: impl Iterator<
     html! {
         form.filters method="get" action="/history" {
             label { (fields::MACHINE.said()) select name="machine" {
-                option value="" { (say!("all")) }
+                option value="" { (say!("all-machines")) }
                 @for name in machines { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
             label { (fields::OUTCOME.said()) select name="state" {

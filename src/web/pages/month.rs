@@ -157,6 +157,16 @@ async fn read_month(
     Ok((rows, MonthResponse { month: month.key(), machines, before, late, will_be_late, failed }))
 }
 
+/// The days of all weeks that have a day of a month, and the builds of these days.
+async fn read_weeks(web: &DashboardState, month: &FarmMonth) -> HandlerResult<((Date, Date), Vec<HistoryRow>)> {
+    let monday = |day: Date| day.saturating_sub(i64::from(day.weekday().to_monday_zero_offset()).days());
+    let last = month.later(1).first.saturating_sub(1.days());
+    let days = (monday(month.first), monday(last).saturating_add(7.days()));
+    let at = |day: Date| day.to_zoned(month.zone.time_zone().clone()).map(|begin| begin.timestamp()).ok();
+    let query = HistoryQuery { since: at(days.0), until: at(days.1), ..HistoryQuery::default() };
+    Ok((days, web.ledger.read_history(&query).await?))
+}
+
 /// The page of a month.
 pub(crate) async fn show_month(
     State(web): State<Arc<DashboardState>>,
@@ -164,7 +174,8 @@ pub(crate) async fn show_month(
 ) -> HandlerResult<Markup> {
     let now = Timestamp::now();
     let month = FarmMonth::parse(&asked.at, &web.current_settings().time_zone, now)?;
-    let (rows, report) = read_month(&web, &month, now).await?;
+    let (_, report) = read_month(&web, &month, now).await?;
+    let (weeks, rows) = read_weeks(&web, &month).await?;
     let (before, after, view) = (month.later(-1), month.later(1), web.time_view());
     let content = html! {
         h1 { (month.name()) }
@@ -172,7 +183,7 @@ pub(crate) async fn show_month(
         (figures(&report))
         (output_table(&report, &if month.is_over(now) { before.name() } else { say!("as-many-days", month = before.name()) }))
         p.soft { (say!("month-text")) }
-        (weekly_bars(&say!("height-by-week"), &rows, (month.first, month.later(1).first), &month.zone, &|row| row.measures.height_mm))
+        (weekly_bars(&say!("height-by-week"), &rows, weeks, &month.zone, &|row| row.measures.height_mm))
         (late_section(&report, &view))
         (failed_section(&report.failed, &view))
         p.links {
@@ -231,17 +242,17 @@ fn month_links(month: &FarmMonth, before: &FarmMonth, after: Option<&FarmMonth>)
 fn output_table(report: &MonthResponse, before: &str) -> Markup {
     let columns = people_columns(MONTH_COLUMNS, &[report.machines.as_slice(), &report.before].concat());
     html! {
-        div.wide tabindex="0" role="region" aria-label=(fields::MACHINES.said()) {
+        div.wide.listed tabindex="0" role="region" aria-label=(fields::MACHINES.said()) {
             table {
                 caption { (say!("month-caption", before = before)) }
                 thead { tr { @for column in &columns { (heading(&column.field)) } } }
                 tbody { @for machine in &report.machines {
                     @let last = report.before.iter().find(|other| other.machine == machine.machine);
                     tr { @for column in &columns {
-                        td class=[column.field.is_number().then_some("n")] {
+                        td class=(if column.field.is_number() { "n" } else { "title" }) data-of=(column.field.page_heading()) {
                             (column.field.plain_text(&(column.value)(machine)).unwrap_or_else(|| DASH.to_owned()))
                             @if column.field.is_number() {
-                                br; small.soft { (last.and_then(|last| column.field.plain_text(&(column.value)(last))).unwrap_or_else(|| DASH.to_owned())) }
+                                " " small.soft { (last.and_then(|last| column.field.plain_text(&(column.value)(last))).unwrap_or_else(|| DASH.to_owned())) }
                             }
                         }
                     } }

@@ -44,6 +44,30 @@ struct NeededFacts {
     verified: Vec<BuildRow>,
 }
 
+/// Something that needs a person.
+struct NeedEntry {
+    /// What it is, in a line.
+    line: String,
+    /// What it is, with its buttons.
+    content: Markup,
+}
+
+impl NeedEntry {
+    /// On a phone its line, which opens the rest as a sheet; elsewhere all of it.
+    fn draw(&self, place: usize) -> Markup {
+        let id = format!("need-{place}");
+        html! {
+            div.need {
+                button.row.need-line type="button" popovertarget=(id) { span { (self.line) } }
+                div.sheet-box.need-body #(id) popover role="group" aria-label=(self.line) {
+                    div.sheet-head { h2 { (say!("needs")) } button.close type="button" popovertarget=(id) popovertargetaction="hide" { (say!("close")) } }
+                    (self.content)
+                }
+            }
+        }
+    }
+}
+
 /// What needs a person, with buttons; nothing if nothing does.
 pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], now: Timestamp) -> HandlerResult<Markup> {
     let since = now.checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN);
@@ -57,7 +81,7 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
         refused,
         verified: web.ledger.builds_in_state(BuildState::Verified).await?,
     };
-    let mut entries: Vec<Markup> = facts.failures.iter().map(|build| unseen_failure(web, build)).collect();
+    let mut entries: Vec<NeedEntry> = facts.failures.iter().map(|build| failure_entry(web, build)).collect();
     // A failed print has its own entry.
     let has_entry = |alert: &FarmAlert| {
         alert.kind == AlertKind::PrintFailed && facts.failures.iter().any(|build| build.machine == alert.machine)
@@ -71,33 +95,51 @@ pub(super) async fn needs_section(web: &DashboardState, alerts: &[FarmAlert], no
         @if total > 0 {
             section.needs aria-label=(say!("needs")) {
                 h2 { (say!("things-need", count = total)) }
-                @for entry in &entries { (entry) }
-                @if !folded.is_empty() {
-                    details { summary { (say!("more-things", count = folded.len())) }
-                        @for entry in &folded { (entry) } }
+                div.need-list {
+                    @for (place, entry) in entries.iter().enumerate() { (entry.draw(place)) }
+                    @if !folded.is_empty() {
+                        details { summary { (say!("more-things", count = folded.len())) }
+                            @for (place, entry) in folded.iter().enumerate() { (entry.draw(MAX_SHOWN + place)) } }
+                    }
                 }
             }
         }
     })
 }
 
+/// A failed print that nobody has seen to.
+fn failure_entry(web: &DashboardState, build: &BuildRow) -> NeedEntry {
+    let (number, machine) = (build.id.to_string(), &build.machine);
+    let line = match build.reason.is_empty() {
+        true => say!("print-failed", build = number, machine = machine),
+        false => say!("print-failed-why", build = number, machine = machine, why = language::told(&build.reason)),
+    };
+    NeedEntry { line, content: unseen_failure(web, build) }
+}
+
 /// An alert with its buttons.
-fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> Markup {
-    let (text, whole) = (text_without_paths(web, alert), alert.alert_text());
-    html! {
-        div.need {
-            p { b { (text) } " " span.soft { (phrase!("since-sentence", time = time_of(alert.since.into(), &web.time_view()))) } }
-            (alert_buttons(web, alert, facts))
-            details { summary { (say!("what-to-do")) }
-                p { (prose_with_code(&alert.kind.remedy())) }
-                @if whole != text { p.soft { (whole) } }
-            }
+fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> NeedEntry {
+    let (line, whole) = (text_without_paths(web, alert), alert.alert_text());
+    let buttons = alert_buttons(web, alert, facts);
+    // Where buttons do it, the commands are a detail.
+    let has_buttons = web.orders && !buttons.0.trim().is_empty();
+    let content = html! {
+        p { b { (line) } " " span.soft { (phrase!("since-sentence", time = time_of(alert.since.into(), &web.time_view()))) } }
+        (buttons)
+        details { summary { @if has_buttons { (say!("details")) } @else { (say!("what-to-do")) } }
+            p { (prose_with_code(&alert.kind.remedy())) }
+            @if whole != line { p.soft { (whole) } }
         }
-    }
+    };
+    NeedEntry { line, content }
 }
 
 /// What is wrong, with words in the place of the paths of the server.
 fn text_without_paths(web: &DashboardState, alert: &FarmAlert) -> String {
+    if alert.kind == AlertKind::Refused {
+        // Its detail is how many files lie in which folder; they stand below.
+        return FarmAlert { detail: String::new(), ..alert.clone() }.alert_text();
+    }
     let (settings, text) = (web.current_settings(), alert.alert_text());
     let Some(machine) = settings.profiles.get(&alert.machine) else { return text };
     let queues = machine.printers.iter().map(|printer| (printer.queue.to_string(), say!("its-queue")));
@@ -175,6 +217,8 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
     html! {
         @for part in own.iter().take(MAX_NAMED) {
             @let reason = part.refused.reason.lines().next().unwrap_or_default();
+            // Its name stands before it.
+            @let reason = reason.strip_prefix(part.name.as_str()).and_then(|rest| rest.strip_prefix(": ")).unwrap_or(reason);
             @let reason = RefusalCause::introduce(part.refused.refusal, reason);
             // What was found; what to do is on the page of the part.
             @let ends = reason.find(". ").map(|at| at + 1).into_iter().chain(reason.find('。').map(|at| at + '。'.len_utf8()));
@@ -195,18 +239,17 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
 }
 
 /// Parts whose number of copies is asked for. They are printed as one copy, so nobody is alerted.
-fn copies_question(questions: &[QuestionedPart]) -> Option<Markup> {
+fn copies_question(questions: &[QuestionedPart]) -> Option<NeedEntry> {
     let asked: Vec<&QuestionedPart> = questions.iter().filter(|asked| asked.kind == QuestionKind::Copies).collect();
     let parts: Vec<&PartRow> = asked.iter().map(|asked| &asked.part).take(MAX_NAMED).collect();
     (!parts.is_empty()).then(|| {
-        html! {
-            div.need {
-                p { b { (say!("how-many")) } }
-                @for part in parts {
-                    (part_line(part, "", &html! { a.button href=(format!("/parts/{}#edit", part.id)) { (say!("say-how-many")) } }))
-                }
+        let content = html! {
+            p { b { (say!("how-many")) } }
+            @for part in parts {
+                (part_line(part, "", &html! { a.button href=(format!("/parts/{}#edit", part.id)) { (say!("say-how-many")) } }))
             }
-        }
+        };
+        NeedEntry { line: say!("how-many"), content }
     })
 }
 

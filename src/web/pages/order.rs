@@ -18,13 +18,13 @@ use serde::{Deserialize, Serialize};
 use crate::{
     farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, copy_counts, customer_note},
     tables::{
-        BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS, ORDER_LINE_COLUMNS,
-        PromisedDate, TimeView, closing_text, copies_text, fields, gathered_events,
+        BUILD_PAGE_KEYS, BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS,
+        ORDER_LINE_COLUMNS, PromisedDate, TimeView, closing_text, copies_text, fields, gathered_events,
     },
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            listing::table_of,
+            listing::{table_of, table_of_keys},
             page::html_page,
             query::{Query, customer_address, parse_field},
         },
@@ -198,8 +198,7 @@ pub(crate) async fn show_order(
     let mut order = read_order(&web, &name).await?;
     let (lines, builds): (Vec<OrderLine>, Vec<Vec<BuiltCopies>>) =
         std::mem::take(&mut order.lines).into_iter().map(|line| (line.line, line.builds)).unzip();
-    let mut builds = builds.concat();
-    builds.sort_by_key(|row| (row.build.0, row.part.0));
+    let builds = BuiltCopies::by_build(builds.concat());
     let waiting: u32 = lines.iter().map(|line| line.copies.waiting).sum();
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
@@ -219,7 +218,7 @@ pub(crate) async fn show_order(
         h2 { (say!("where-copies-are")) }
         @if waiting > 0 { p { (say!("copies-wait-for-build", count = waiting)) } }
         @if builds.is_empty() { p { (say!("order-in-no-build")) } }
-        @else { (table_of(&fields::BUILDS.said(), None, ORDER_BUILD_COLUMNS, &builds, &view)) }
+        @else { (table_of_keys((&fields::BUILDS.said(), None), ORDER_BUILD_COLUMNS, &BUILD_PAGE_KEYS, &builds, &view)) }
         h2 { (say!("what-happened-who")) }
         (table_of(&say!("events"), None, ORDER_EVENT_COLUMNS, &events, &view))
     };
@@ -255,8 +254,9 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
         @if order.fact.word == OrderWord::Short {
             p { (say!("order-short-text")) }
         }
-        @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() {
-            p.bad role="status" { b { (state_text(order.fact.word.word())) } (colon()) (order.fact.risk_reason) (say!("sign-stop")) }
+        // That its date has passed, the date says.
+        @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() && order.fact.risk_reason != say!("risk-passed") {
+            p.bad role="status" { b { (state_text(order.fact.word.word())) } (colon()) (view.near_times(&order.fact.risk_reason)) (say!("sign-stop")) }
         }
     }
 }

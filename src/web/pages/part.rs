@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     farm::{MaterialReading, PartQuestion, count_copies_in_layout},
     tables::{
-        EVENT_COLUMNS, PART_COLUMNS, PART_PAGE_KEYS, PLACEMENT_COLUMNS, PlacedCopy, TimeView, fields, gathered_events,
-        part_facts,
+        COPY_GROUP_COLUMNS, CopyGroup, EVENT_COLUMNS, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, TimeView, fields,
+        gathered_events, part_facts,
     },
     web::{
         base::{
@@ -88,7 +88,7 @@ pub(crate) async fn list_parts(
                 @for state in &states { option value=(state) selected[*state == filter.state] { (state_text(state)) } }
             } }
             label { (fields::MACHINE.said()) select name="machine" {
-                option value="" { (say!("all")) }
+                option value="" { (say!("all-machines")) }
                 @for name in settings.profiles.keys() { option value=(name) selected[*name == filter.machine] { (name) } }
             } }
             button type="submit" { (say!("show")) }
@@ -137,9 +137,11 @@ pub(crate) async fn show_part(
     let content = html! {
         h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&PlacedCopy::part_word(&part, &placed))) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&RefusalCause::introduce(part.refused.refusal, &part.refused.reason))) } }
-        @for warning in part.told_warnings() { p.warn { (prose_with_code(warning)) } }
+        @for warning in part.told_warnings().filter(|warning| !is_asked(&part, warning)) { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part, &materials) {
-            p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
+            p.bad role="status" { (prose_with_code(&question.text)) }
+            // Where buttons answer it, the commands are a detail.
+            details { summary { (say!("details")) } p { (prose_with_code(&question.remedy)) } }
         }
         (part_buttons(&web, &part, published))
         div.part-head {
@@ -159,6 +161,12 @@ pub(crate) async fn show_part(
         @if !named.is_empty() { h2 { (say!("other-files")) } (newest_table(named, &view)) }
     };
     Ok(html_page(&say!("part-number", part = number.to_string()), "/parts", None, &content))
+}
+
+/// Whether a warning is what a question asks.
+fn is_asked(part: &PartRow, warning: &str) -> bool {
+    let question = part.owed.question.trim_end_matches('.');
+    !question.is_empty() && warning.contains(question)
 }
 
 /// What can be done with a part, what a person most probably does first.
@@ -196,7 +204,7 @@ fn copies_section(part: &PartRow, placed: &[PlacedCopy], open: Option<(BuildId, 
     let live = placed.iter().filter(|copy| !copy.placed.is_bad).count() as u32;
     let waiting = part.wanted_copies().saturating_sub(live);
     html! {
-        @if part.state == PartState::Refused { p { (say!("part-in-no-build")) } }
+        @if part.state == PartState::Refused { p { (say!("part-in-no-build", why = part.refused.refusal.unwrap_or(RefusalCause::Other).text())) } }
         @else if waiting > 0 {
             p { @match open {
                 Some((build, copies)) => (phrase!("part-in-open-build",
@@ -205,7 +213,7 @@ fn copies_section(part: &PartRow, placed: &[PlacedCopy], open: Option<(BuildId, 
             } }
         }
         @if !placed.is_empty() {
-            (table_of(&fields::COPIES.said(), None, PLACEMENT_COLUMNS, placed, view))
+            (table_of(&fields::COPIES.said(), None, COPY_GROUP_COLUMNS, &CopyGroup::of_copies(placed), view))
         }
     }
 }

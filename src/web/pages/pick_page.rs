@@ -6,12 +6,12 @@ use axum::{
     Json,
     extract::{Path, State},
 };
-use language::{colon, comma, say};
+use language::{comma, say};
 use ledger::{BuildRow, BuildState};
 use maud::{Markup, html};
 
 use crate::{
-    farm::CakeContents,
+    farm::{CakeContents, build_fact},
     settings::MachineProfile,
     tables::{PickList, fields},
     web::{
@@ -22,6 +22,7 @@ use crate::{
             state::DashboardState,
         },
         figures::pick_map::CachedPickMap,
+        look::{chip::chip, times::time_of},
     },
 };
 
@@ -36,11 +37,12 @@ pub(crate) async fn show_pick_map(
     let (build, profile) = find_build(&web, number_of_build).await?;
     let title = say!("pick-map-of", build = build.id.to_string());
     let CachedPickMap { copies, sheets, .. } = cached_map(&web, &build, &profile).await?;
+    let fact = build_fact(&build, &web.read_plans().await?);
     let content = html! {
         h1 { (title) }
-        p { (build.machine) (comma()) @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) (comma()) } (say!("count-copies", count = copies)) ", " (language::say_word("ledger", &build.state.to_string()))
-            @if let Some(at) = build.times.published_at { " " (web.time_view().time_text(at)) }
-            @if let Some(file) = &build.staged.file_name { (colon()) (file) } (say!("sign-stop")) }
+        p { (build.machine) (comma()) @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) (comma()) } (say!("count-copies", count = copies)) ", " (chip(&fact.word))
+            @if let Some(at) = build.times.published_at { " " span.exact-on-paper { (time_of(at, &web.time_view())) } }
+            @if let Some(file) = &build.staged.file_name { span.file-on-paper data-file=(file) {} } }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
             p.warn { (say!("pick-forecast")) }
         }

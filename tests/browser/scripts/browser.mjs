@@ -39,6 +39,32 @@ export async function violations(page, { within = "html", rules } = {}) {
   return found.violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => n.target.join(" ")).join("; ")}`);
 }
 
+/** Texts that reach out of what they stand in, or are cut by it, a line each. What is cut by dots may be where a press shows all of it. */
+export function spilled(page) {
+  return page.evaluate(() => {
+    const found = [], range = document.createRange(), walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+      const parent = node.parentElement;
+      if (!node.textContent.trim() || !parent.checkVisibility() || parent.closest(".unseen, .skip, svg, script, option")) continue;
+      let box = parent;
+      while (["inline", "contents"].includes(getComputedStyle(box).display)) box = box.parentElement;
+      const style = getComputedStyle(box), place = box.getBoundingClientRect();
+      if (place.width <= 1 || ["auto", "scroll"].includes(style.overflowX) || style.textOverflow === "ellipsis" && box.closest("a[href], button[popovertarget]")) continue;
+      range.selectNodeContents(node);
+      const [left, right] = [place.left + Number.parseFloat(style.borderLeftWidth), place.right - Number.parseFloat(style.borderRightWidth)];
+      if ([...range.getClientRects()].some((rect) => rect.left < left - 1 || rect.right > right + 1)) found.push(`${box.tagName}.${box.className}: ${node.textContent.trim().slice(0, 60)}`);
+    }
+    const pen = document.createElement("canvas").getContext("2d");
+    for (const input of document.querySelectorAll("input[placeholder]")) {
+      const style = getComputedStyle(input);
+      pen.font = style.font;
+      const room = input.clientWidth - Number.parseFloat(style.paddingLeft) - Number.parseFloat(style.paddingRight);
+      if (input.checkVisibility() && pen.measureText(input.placeholder).width > room) found.push(`placeholder: ${input.placeholder}`);
+    }
+    return found;
+  });
+}
+
 /** Waits until the 3D view has drawn; the number of parts in it. */
 export async function drawn(page) {
   await page.waitForFunction(() => document.querySelector("#view")?.dataset.drawn, null, { timeout: 30000 });

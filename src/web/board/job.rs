@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// Steps of the axis in which what a bar says has room.
-const TEXT_STEPS: u32 = 48;
+const TEXT_STEPS: u32 = 60;
 
 /// What all builds of a board share.
 pub(crate) struct JobSetting<'a> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use axum::{
     extract::{Path, State},
-    http::{HeaderMap, StatusCode, header},
+    http::{HeaderMap, header},
     response::{IntoResponse, Response},
 };
 use language::say;
@@ -141,7 +141,7 @@ async fn answer_pdf(title: String, labels: Vec<Label>, query: &LabelQuery, addre
                 p { (say!("labels-lack-remedy")) }
                 p { a.button href=(format!("{address}?{anyway}")) { (say!("labels-with-boxes")) } }
             };
-            Ok((StatusCode::UNPROCESSABLE_ENTITY, html_page(&heading, "", None, &content)).into_response())
+            Ok(html_page(&heading, "", None, &content).into_response())
         }
     }
 }

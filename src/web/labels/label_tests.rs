@@ -34,7 +34,7 @@ async fn letters_that_no_font_has_are_named_instead_of_boxes_that_nobody_asked_f
     // Linear A: no font of a server has it.
     let dashboard = with_a_build("\u{10600}\u{10601}.stl").await;
     let answer = dashboard.get("/builds/1/labels.pdf").await;
-    assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert!(answer.status == StatusCode::OK && answer.text.starts_with("<!DOCTYPE html>"), "{}", answer.text);
     assert!(answer.text.contains("\u{10600}\u{10601}") && answer.text.contains("fonts-noto-cjk"), "{}", answer.text);
     let anyway =
         answer.text.split("href=\"/builds/1/labels.pdf?").nth(1).and_then(|rest| rest.split('"').next()).unwrap();

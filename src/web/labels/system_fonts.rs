@@ -219,6 +219,6 @@ mod tests {
         let mut content = Content::new();
         draw_glyph(&mut content, &face, face.glyph_index('試').unwrap(), [100.0, 50.0], 10.0);
         let drawn = String::from_utf8(content.finish().to_vec()).unwrap();
-        assert_eq!(drawn.split_whitespace().collect::<Vec<_>>().join(" "), "100 50 m 108 50 l 104 58 l h f");
+        assert_eq!(drawn.split_whitespace().collect::<Vec<_>>().join(" "), "100 50 m 108 50 l 104 58 l 100 50 l h f");
     }
 }

@@ -149,7 +149,7 @@ fn the_height_is_a_dashed_line_and_a_text() {
         lettering::write_text(&mut canvas, letters, Vec2::new(8.0, 8.0), 24.0, TAG_INK);
         canvas.tags
     };
-    let letters = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", ".", "m", "o", "f", " "];
+    let letters = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "/", "m", " "];
     for (a, b) in letters.iter().flat_map(|a| letters.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
         assert_ne!(drawn(a), drawn(b), "{a} {b}");
     }

@@ -420,4 +420,4 @@ search-words-build = plateau plateaux
 search-words-part = pièce pièces fichier fichiers
 search-words-order = commande commandes
 search-words-customer = client clients
-search-words-machine = machine machines
+search-words-machine = machines machine

@@ -35,7 +35,7 @@ async fn the_page_of_a_build_that_waits_for_a_yes_says_what_that_means_and_has_i
     waiting(ledger, "b", 3).await;
     let page = dashboard.get("/builds/1").await.text;
     for words in
-        ["It waits for a yes", "1 copy, 87.5 of 200 mm high", "On right it could begin", "3 copies wait", "Publish it"]
+        ["It waits for a yes", "1 copy, 87.5 of 200 mm high", "On right it could begin", "3 copies wait", "Release it"]
     {
         assert!(page.contains(words), "{words}: {page}");
     }
@@ -105,7 +105,7 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
     };
     lane("left", "down since today ");
     lane("left", "by ann@farm: its laser.");
-    lane("right", "free now.");
+    lane("right", "free");
     assert!(page.contains("<h2>cube <span class=\"chip idle\"><i></i>free</span></h2>"), "{page}");
     assert!(!page.contains("<b>cube</b>"), "a printer alone has the name of its machine");
     let farm: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();

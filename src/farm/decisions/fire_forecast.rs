@@ -6,7 +6,7 @@ use ledger::MachineStatus;
 
 use super::{
     printer_outlook::PrinterOutlook,
-    queue_depth::{are_all_down, has_machine_room},
+    queue_depth::{has_machine_room, is_hindered},
     trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
 };
 use crate::settings::MachineProfile;
@@ -66,8 +66,7 @@ fn contents_text(row: &MachineStatus) -> String {
 
 /// When the next build of a machine fires because of the time alone.
 pub fn forecast_fire(profile: &MachineProfile, row: &MachineStatus, now: Timestamp) -> Option<FireForecast> {
-    let is_hindered = row.paused.is_some() || are_all_down(profile, &row.ahead);
-    if is_hindered || row.waiting_parts == 0 || !has_machine_room(profile, &row.ahead) {
+    if is_hindered(profile, row) || row.waiting_parts == 0 || !has_machine_room(profile, &row.ahead) {
         return None;
     }
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);

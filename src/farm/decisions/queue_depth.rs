@@ -27,16 +27,15 @@ pub fn has_machine_room(profile: &MachineProfile, ahead: &[BuildsAhead]) -> bool
     has_queue_room(profile.printing.queue_depth, &printers, ahead)
 }
 
-/// Whether a person took all printers of a machine out of use.
-pub fn are_all_down(profile: &MachineProfile, ahead: &[BuildsAhead]) -> bool {
-    let is_down = |printer: &str| ahead.iter().any(|ahead| ahead.printer == printer && ahead.is_down);
-    profile.printers.iter().all(|printer| is_down(&printer.name))
+/// Whether nothing fires on a machine, however much waits: a person paused it, or took all its printers out of use.
+pub fn is_hindered(profile: &MachineProfile, row: &MachineStatus) -> bool {
+    let is_down = |printer: &str| row.ahead.iter().any(|ahead| ahead.printer == printer && ahead.is_down);
+    row.paused.is_some() || profile.printers.iter().all(|printer| is_down(&printer.name))
 }
 
 /// That the open build of a machine waits for room in the queue; `None` = it does not.
 pub fn held_text(profile: &MachineProfile, row: &MachineStatus) -> Option<String> {
-    let is_hindered = row.paused.is_some() || are_all_down(profile, &row.ahead);
-    let is_held = row.waiting_parts > 0 && !is_hindered && !has_machine_room(profile, &row.ahead);
+    let is_held = row.waiting_parts > 0 && !is_hindered(profile, row) && !has_machine_room(profile, &row.ahead);
     is_held.then(|| say!("held-queue-full", depth = profile.printing.queue_depth))
 }
 

@@ -268,6 +268,7 @@ fn an_order_is_done_when_the_last_of_its_copies_is_and_late_where_the_plan_says_
         is_at_risk: true,
         missed_at: Some(at(20.0).into()),
         risk_reason: "its print takes too long for that".to_owned(),
+        risk_cause: Some(RiskCause::TooLong),
     };
     assert_eq!((late.lateness().map(delay_text).as_deref(), &late), (Some("10 h"), &expected));
     let overdue = order_fact(&order, &[plan(&[(5, Some(30.0))], vec![])], at(21.0));

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::copy_fact::copy_counts;
-use crate::farm::planning::MachinePlan;
+use crate::farm::planning::{MachinePlan, RiskCause};
 
 /// How an order stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -49,6 +49,9 @@ pub struct OrderFact {
     pub missed_at: Option<UtcTimestamp>,
     /// Why, as the end of a sentence; "" = it is kept, as far as is known.
     pub risk_reason: String,
+    /// The cause of that.
+    #[serde(skip)]
+    pub risk_cause: Option<RiskCause>,
 }
 
 /// An order, and what is so of it.
@@ -128,6 +131,7 @@ pub fn order_fact(order: &OrderSummary, plans: &[MachinePlan], now: Timestamp) -
         is_at_risk: worst.is_some() || passed.is_some(),
         missed_at: passed.or(worst.filter(|risk| risk.is_late).map(|risk| risk.due_at)),
         risk_reason: worst.map(|risk| risk.reason.clone()).unwrap_or_default(),
+        risk_cause: worst.map(|risk| risk.cause),
     }
 }
 

@@ -16,8 +16,8 @@ use super::{
 };
 use crate::{
     farm::{
-        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, forecast_fire, held_text,
-        night_text,
+        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, forecast_fire,
+        held_text, night_text,
     },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
@@ -138,12 +138,14 @@ impl MachineRowOnBoard<'_> {
             jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer)).collect();
         own.sort_by_key(|job| job.begins());
         let doing = if is_only { &self.fact.doing } else { &printer.doing };
+        let now = setting.view.now().unwrap_or_else(Timestamp::now);
+        let is_free_now = printer.state == PrinterWord::Free && printer.free_at.is_none_or(|at| at.0 <= now);
         html! {
             div.lane {
                 p.lane-name {
                     @if !is_only { b { (printer.printer) } " " (chip(printer.state.word())) " " }
                     // That it is free, its state says.
-                    @if is_only || *doing != say!("free-now") { span.soft.doing { (doing) "." } }
+                    @if is_only || !is_free_now { span.soft.doing { (doing) "." } }
                 }
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))

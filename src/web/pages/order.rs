@@ -16,7 +16,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, copy_counts, customer_note},
+    farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, RiskCause, copy_counts, customer_note},
     tables::{
         BUILD_PAGE_KEYS, BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS,
         ORDER_LINE_COLUMNS, PromisedDate, TimeView, closing_text, copies_text, fields, gathered_events,
@@ -255,7 +255,7 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
             p { (say!("order-short-text")) }
         }
         // That its date has passed, the date says.
-        @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() && order.fact.risk_reason != say!("risk-passed") {
+        @if order.fact.is_at_risk && !order.fact.risk_reason.is_empty() && order.fact.risk_cause != Some(RiskCause::Passed) {
             p.bad role="status" { b { (state_text(order.fact.word.word())) } (colon()) (view.near_times(&order.fact.risk_reason)) (say!("sign-stop")) }
         }
     }

@@ -148,6 +148,38 @@ fn a_spreadsheet_holds_the_parts_beside_it() {
 }
 
 #[test]
+fn what_is_called_a_list_or_a_ticket_and_cannot_be_read_holds_the_parts_beside_it() {
+    for name in [
+        "order.docx",
+        "Bestellung 4711.pdf",
+        "Purchase Order.rtf",
+        "commande.odt",
+        "注文書.pdf",
+        "ticket.toml",
+        "quantities.json",
+        "quantities.txt",
+        "Stückliste.txt",
+        "ticket.txt",
+    ] {
+        let farm = TestInbox::new();
+        farm.drop_file("z.stl", "solid");
+        farm.drop_file(name, "copies = 7");
+        let waits = waits(&farm, HELD);
+        assert!(waits.iter().any(|why| why.starts_with(&format!("z.stl stands beside {name}, "))), "{name}: {waits:?}");
+        assert_eq!(taken(&farm, HELD), [], "{name}");
+        let late = taken(&farm, OVER);
+        assert!(late.len() == 1 && late[0].1.is_err(), "{name}: {late:?}");
+    }
+    // What is called otherwise says nothing of copies.
+    for name in ["drawing.pdf", "datasheet.docx", "border.pdf", "machine.toml"] {
+        let farm = TestInbox::new();
+        farm.drop_file("z.stl", "solid");
+        farm.drop_file(name, "copies = 7");
+        assert!(taken(&farm, HELD).iter().any(|(part, said)| part == "z.stl" && *said == Ok(None)), "{name}");
+    }
+}
+
+#[test]
 fn a_spreadsheet_beside_a_list_is_refused_and_the_list_counts() {
     let farm = TestInbox::new();
     farm.drop_file("a.stl", "solid");

@@ -29,8 +29,37 @@ pub(crate) const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
 const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 /// Texts of other programs that may say how many are wanted of the parts beside them.
 const FOREIGN_TEXTS: [&str; 5] = ["json", "toml", "yaml", "yml", "xml"];
-/// Start of the name of a text file that is taken for an order list.
-const TEXT_LIST_START: &str = "order";
+/// Documents that are not read either, and say how many are wanted where they are called so.
+const DOCUMENTS: [&str; 7] = ["doc", "docx", "odt", "rtf", "pages", "pdf", "eml"];
+/// Starts of the names of texts and documents that say how many are wanted.
+const LIST_STARTS: [&str; 26] = [
+    "order",
+    "ticket",
+    "quantit",
+    "qty",
+    "copies",
+    "bom",
+    "parts list",
+    "partslist",
+    "parts_list",
+    "parts-list",
+    "purchase order",
+    "purchase_order",
+    "bestell",
+    "auftrag",
+    "stückliste",
+    "stueckliste",
+    "mengen",
+    "anzahl",
+    "commande",
+    "quantité",
+    "pedido",
+    "ordine",
+    "注文",
+    "発注",
+    "数量",
+    "订单",
+];
 /// No more text files of one folder are read by each scan.
 const MAX_TEXTS_PER_FOLDER: usize = 16;
 
@@ -58,6 +87,7 @@ pub(crate) fn list_format(path: &Path) -> Option<ListFormat> {
     match without_hidden_txt(path).as_ref() {
         path if has_extension(path, &["csv", "tsv"]) => Some(ListFormat::OtherText),
         path if has_extension(path, &["txt"]) && has_list_start(path) => Some(ListFormat::OtherText),
+        path if has_extension(path, &DOCUMENTS) && has_list_start(path) => Some(ListFormat::Foreign),
         path if has_extension(path, &WORKBOOKS) => Some(ListFormat::Workbook),
         path if has_extension(path, &SPREADSHEETS) => Some(ListFormat::Foreign),
         _ => None,
@@ -66,9 +96,9 @@ pub(crate) fn list_format(path: &Path) -> Option<ListFormat> {
 
 /// Whether a name begins like that of an order list.
 fn has_list_start(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = fold_name(&path.file_name().unwrap_or_default().to_string_lossy());
     let name = name.strip_prefix('.').unwrap_or(&name);
-    name.get(..TEXT_LIST_START.len()).is_some_and(|start| start.eq_ignore_ascii_case(TEXT_LIST_START))
+    LIST_STARTS.iter().any(|start| name.starts_with(start))
 }
 
 /// The format of an entry that is a list.

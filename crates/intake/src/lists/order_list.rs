@@ -2,7 +2,7 @@
 //! lists as people write them: as text in any code page, with any delimiter, or as a workbook; with headers in their own words or
 //! without a header.
 
-use std::ffi::OsStr;
+use std::{collections::HashMap, ffi::OsStr};
 
 use build_file::{check_clearance, check_copies, check_name, check_note, check_priority, escape_invisible};
 
@@ -17,7 +17,7 @@ use crate::{
     names::{
         code_page::{CodePage, decode_candidates, text_plausibility},
         name::is_part_name,
-        name_match::{FileNameMatch, NameMatches},
+        name_match::{FileNameMatch, NameMatches, fold_name},
     },
 };
 
@@ -77,17 +77,44 @@ impl OrderList {
         best.map_or_else(|| Self::from_text(""), |(_, list)| list)
     }
 
-    /// The first sheet that has the columns of a list; where none has, what is wrong with the first.
+    /// The rows of all sheets that have the columns of a list; where none has, what is wrong with the first.
     fn from_workbook(bytes: &[u8]) -> Self {
-        let lists = |texts: Vec<String>| texts.iter().map(|text| Self::from_text(text)).collect::<Vec<_>>();
         let broken = |why| Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
-        let mut lists = match sheet_texts(bytes).map(lists) {
-            Ok(lists) if lists.is_empty() => return broken("its sheets are empty".to_owned()),
-            Ok(lists) => lists,
+        let lists = match sheet_texts(bytes) {
+            Ok(texts) if texts.is_empty() => return broken("its sheets are empty".to_owned()),
+            Ok(texts) => texts.into_iter().map(|text| Self::from_text(&text)),
             Err(why) => return broken(why),
         };
-        let chosen = lists.iter().position(|list| list.content.is_ok()).unwrap_or(0);
-        lists.swap_remove(chosen)
+        let with_sheet = |known: Self, sheet: Self| match (&known.content, &sheet.content) {
+            (_, Err(_)) => known,
+            (Err(_), Ok(_)) => sheet,
+            (Ok(_), Ok(_)) => known.with_sheet(sheet),
+        };
+        lists.reduce(with_sheet).unwrap_or_else(|| broken(NO_HEADER.to_owned()))
+    }
+
+    /// The list with the rows of a further sheet. A row that says the same once more is left out, as is one that names no file: a sheet may
+    /// have the columns of a list for something else.
+    fn with_sheet(mut self, sheet: Self) -> Self {
+        if let (Ok(rows), Ok(more)) = (&mut self.content, sheet.content) {
+            let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+            rows.iter().enumerate().for_each(|(at, row)| by_name.entry(fold_name(&row.file)).or_default().push(at));
+            let says_same = |a: &OrderListRow, b: &OrderListRow| (&a.ticket, &a.objection) == (&b.ticket, &b.objection);
+            for mut row in more {
+                let known = by_name.get(&fold_name(&row.file)).map(Vec::as_slice);
+                let is_file = known.is_some() || is_part_name(row.file.as_ref());
+                // In whatever letter case, it is the same file.
+                if let Some(&[at, ..]) = known {
+                    row.file.clone_from(&rows[at].file);
+                }
+                if is_file && !known.into_iter().flatten().any(|&at| says_same(&rows[at], &row)) {
+                    rows.push(row);
+                }
+            }
+            let known: Vec<String> = sheet.unknown.into_iter().filter(|name| !self.unknown.contains(name)).collect();
+            self.unknown.extend(known);
+        }
+        self
     }
 
     /// Parses the single row of [`OrderListRow::text`].

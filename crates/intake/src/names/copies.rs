@@ -8,7 +8,7 @@ use build_file::MAX_COPIES;
 use super::{
     copies_sizes::{completes_size, continues_size, follows_any_size, is_number_of_thing},
     copies_words::{
-        NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
+        HOLDS, NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
         is_tail_word, is_word_of, split_name_words, word_before_number,
     },
     name::is_part_name,
@@ -181,7 +181,9 @@ fn mention_in_pieces(words: &[NameWord], at: usize) -> Option<(CopiesMention, us
     // `10-12pcs` may be ten or twelve, `1042-12pcs` is twelve.
     let before = at.checked_sub(1).and_then(|at| words[at].number());
     let is_range = before.is_some_and(|number| number.len() < 4) && matches!(words[at].gap.as_str(), "-" | "–");
-    let copies = parse_copies(digits).filter(|_| !is_range);
+    // `box for 12 pcs` is one box.
+    let is_capacity = at > 0 && HOLDS.contains(&words[at - 1].text.as_str());
+    let copies = parse_copies(digits).filter(|_| !is_range && !is_capacity);
     if !rest.is_empty() {
         // `1st` and `21st` are ordinal numbers.
         let is_ordinal = rest == "st" && digits.ends_with('1');

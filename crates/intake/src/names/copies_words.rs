@@ -15,6 +15,9 @@ const PIECES_AT_EDGES: &str = "off ea each ex exempl mal fois times volte veces 
 pub(super) const TIMES: [&str; 7] = ["times", "mal", "fois", "veces", "volte", "keer", "razy"];
 /// Words before which a word for pieces has another meaning: `10 off axis`, `5 ex libris`.
 pub(super) const PHRASE_ENDS: [&str; 5] = ["axis", "road", "grid", "libris", "plus"];
+/// Words before a number of pieces that something is made for.
+pub(super) const HOLDS: [&str; 12] =
+    ["for", "für", "fuer", "pour", "para", "per", "voor", "dla", "för", "для", "holds", "fasst"];
 /// Suffixes that mean pieces only where they are attached to the number: `4pc`, but not `4 PC` (polycarbonate).
 const ATTACHED_PIECES: &str = "pc st";
 /// Words for a number of pieces that stand before it: `qty 4`.

@@ -93,7 +93,7 @@ fn read(bytes: &[u8]) -> Result<Vec<(String, String)>, String> {
 }
 
 #[test]
-fn the_first_sheet_that_can_be_seen_and_has_the_columns_is_the_list() {
+fn a_sheet_that_can_be_seen_and_has_the_columns_is_the_list() {
     let cover = row(1, &["Angebot 4711"]) + &row(2, &["gültig bis", "@46000"]);
     let list = row(1, &["Bestellung Müller & Söhne".replace('&', "&amp;").as_str()])
         + &row(3, &["", "Datei", "Stückzahl", "Termin", "Auftrag"])
@@ -105,6 +105,26 @@ fn the_first_sheet_that_can_be_seen_and_has_the_columns_is_the_list() {
     assert_eq!(read(&bytes).unwrap(), wanted.map(|(file, said)| (file.to_owned(), said.to_owned())));
     let list = OrderList::parse_list(&bytes);
     let row = list.row_for_file(OsStr::new("ring.stl")).unwrap().unwrap();
+    assert_eq!(OrderList::parse_single_row(&row.text).unwrap().ticket, row.ticket, "a row stands by itself");
+}
+
+#[test]
+fn the_rows_of_all_sheets_that_can_be_seen_count_and_two_that_differ_are_asked_about() {
+    let first = row(1, &["file", "copies"]) + &row(2, &["a.stl", "5"]) + &row(3, &["b.stl", "2"]);
+    let second = row(1, &["Datei", "Stückzahl", "Auftrag"])
+        + &row(2, &["A.stl", "7"])
+        + &row(3, &["b.stl", "2"])
+        + &row(4, &["c.stl", "4", "K-1"])
+        + &row(5, &["PA12 powder", "20"]);
+    let bytes = workbook(&[("visible", &first, &[]), ("visible", &second, &[])]);
+    let list = OrderList::parse_list(&bytes);
+    let said = |name: &str| {
+        list.row_for_file(OsStr::new(name)).map(|row| row.and_then(|row| row.ticket.clone().unwrap().copies))
+    };
+    assert!(said("a.stl").is_err_and(|why| why.contains("2 rows are for a.stl; leave one")));
+    assert_eq!((said("b.stl"), said("c.stl")), (Ok(Some(2)), Ok(Some(4))));
+    assert_eq!(list.rows().unwrap().len(), 4, "a row that says the same, or names no file, is left out");
+    let row = list.row_for_file(OsStr::new("c.stl")).unwrap().unwrap();
     assert_eq!(OrderList::parse_single_row(&row.text).unwrap().ticket, row.ticket, "a row stands by itself");
 }
 

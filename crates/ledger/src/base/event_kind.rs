@@ -93,6 +93,8 @@ pub enum EventKind {
     Loaded,
     /// The file of a published build was moved to another printer.
     Relocated,
+    /// The file of a published build was found where the ledger did not have it.
+    Found,
     /// A second file of a published build lay in a queue folder.
     SecondFile,
     /// A person said that a proved build may be published.

@@ -107,7 +107,7 @@ impl ServerError {
             Io(_) | Tls(_) | PoolClosed | WorkerCrashed => error.to_string(),
             PoolTimedOut => "no connection was made in time".to_owned(),
             // 08: connection; 57P: the server stops or starts; 53300: it has no connection left; 28: it does not let this user in; 25P03:
-            // it has ended one that did nothing in a change; 57014: a statement took too long; 55P03: a lock was not free in time.
+            // it has ended one that did nothing in a change; 57014: a statement took too long.
             other => match other.as_database_error().and_then(|error| error.code()) {
                 Some(code) if code == "08P01" && error.to_string().contains("startup parameter") => {
                     return sqlx::Error::AnyDriverError(Box::new(Self::Pooled(error.to_string())));
@@ -121,7 +121,13 @@ impl ServerError {
                      each new connection"
                 ),
                 Some(code) if code.starts_with("08") || code.starts_with("57P") => error.to_string(),
-                Some(code) if ["25P03", "57014", LOCK_TIMEOUT].contains(&&*code) => error.to_string(),
+                Some(code) if ["25P03", "57014"].contains(&&*code) => error.to_string(),
+                Some(code) if code == LOCK_TIMEOUT => {
+                    let holder =
+                        "another connection, which keeps a table locked (`pg_locks` in the database says which)"
+                            .to_owned();
+                    return sqlx::Error::AnyDriverError(Box::new(Self::ChangesWait { holder }));
+                }
                 _ => return error,
             },
         };

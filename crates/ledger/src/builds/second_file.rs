@@ -1,5 +1,6 @@
 //! Second files of a published build, which people copied into a queue folder: where two lay, nobody can say from the folders which of
-//! them was printed. What was seen is an event, and holds until the file is put somewhere else or a person has looked.
+//! them was printed. What was seen is an event, and holds until nestd has moved the file or a person has looked: a person who moves it says nothing of
+//! the other one.
 
 use crate::{
     BuildId, BuildRow, BuildState, EventKind, Ledger,

@@ -130,7 +130,7 @@ impl Ledger {
         }
         let what = if found.is_taken_back { "found taken back at" } else { "found at" };
         let detail = format!("{what} {} instead of {}", found.printer, from.unwrap_or_default());
-        change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
+        change.write_event(EventKind::Found, &machine, None, Some(build), &detail).await?;
         change.commit().await
     }
 }

@@ -24,6 +24,15 @@ pub struct Namesake {
 
 sql_row!(Namesake { id, name, has_ticket });
 
+/// How file systems and the programs that copy files round a time, ns.
+const TIME_STEPS_NS: [i64; 6] = [100, 1_000, 1_000_000, 10_000_000, 1_000_000_000, 2_000_000_000];
+
+/// Whether two times are one, which one of the two may tell rounded.
+fn is_same_time(a_ns: i64, b_ns: i64) -> bool {
+    let is_step = |step: &i64| (a_ns % step == 0 || b_ns % step == 0) && a_ns.abs_diff(b_ns) < step.unsigned_abs();
+    a_ns == b_ns || TIME_STEPS_NS.iter().any(is_step)
+}
+
 impl Ledger {
     /// Finds a part by its number.
     pub async fn find_part(&self, id: PartId) -> Result<Option<PartRow>> {
@@ -141,15 +150,19 @@ impl Ledger {
         Ok(query.bind(hash).bind(machine).bind(before).fetch_optional(self.reader()?).await?)
     }
 
-    /// The latest part of an earlier claim, not refused, whose file had the same folder, name, content and modification time: perhaps a
-    /// sync program has put that file back.
+    /// The latest part of an earlier claim, not refused, whose file had the same folder, name, content and modification time, perhaps
+    /// rounded: a sync program may have put that file back.
     pub async fn find_put_back_part(&self, part: PartId) -> Result<Option<PartId>> {
-        let query = sql::query_scalar(
-            "SELECT p.id FROM part n JOIN part p ON p.content_hash = n.content_hash WHERE n.id = $1 AND p.machine = n.machine \
-             AND p.name = n.name AND p.file_folder = n.file_folder AND p.file_mtime_ns = n.file_mtime_ns AND p.id < n.id \
-             AND p.claim <> n.claim AND p.state <> 'refused' ORDER BY p.id DESC LIMIT 1",
-        );
-        Ok(query.bind(part).fetch_optional(self.reader()?).await?)
+        let earlier: Vec<(PartId, Option<i64>, Option<i64>)> = sql::query_as(
+            "SELECT p.id, p.file_mtime_ns, n.file_mtime_ns FROM part n JOIN part p ON p.content_hash = n.content_hash \
+             WHERE n.id = $1 AND p.machine = n.machine AND p.name = n.name AND p.file_folder = n.file_folder AND p.id < n.id \
+             AND p.claim <> n.claim AND p.state <> 'refused' ORDER BY p.id DESC",
+        )
+        .bind(part)
+        .fetch_all(self.reader()?)
+        .await?;
+        let is_same = |before: Option<i64>, now: Option<i64>| before.zip(now).is_some_and(|(a, b)| is_same_time(a, b));
+        Ok(earlier.into_iter().find(|&(_, before, now)| is_same(before, now)).map(|(id, ..)| id))
     }
 
     /// The parts of other claims that have one of these names in the order of a part, oldest first: not refused, and not built

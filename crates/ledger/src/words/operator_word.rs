@@ -264,7 +264,7 @@ impl Ledger {
         );
         if set.bind(printer).bind(queue_id).bind(build).execute(change.db()).await? > 0 {
             let detail = format!("its file lies in the queue of {printer} again");
-            change.write_event(EventKind::Relocated, &machine, None, Some(build), &detail).await?;
+            change.write_event(EventKind::Found, &machine, None, Some(build), &detail).await?;
             change.commit().await?;
         }
         Ok(())

@@ -193,6 +193,27 @@ fn a_build_of_which_a_second_file_was_taken_stays_where_it_is_until_a_person_has
 }
 
 #[test]
+fn a_second_file_that_is_gone_is_not_forgotten_when_the_own_one_is_moved_away_and_put_back() {
+    let mut copied = Copied::new();
+    copied.copy_to_the_right();
+    copied.expect_told("is a second file of build");
+    fs::remove_file(&copied.right).unwrap();
+    copied.expect_told("`nestd dismiss b");
+    let aside = copied.farm.root().join("aside.3mf");
+    fs::rename(&copied.left, &aside).unwrap();
+    copied.farm.pass_until("it is taken", |farm| published(farm)[0].place.taken_at.is_some());
+    fs::rename(&aside, &copied.left).unwrap();
+    copied.farm.pass_until("it is back", |farm| published(farm)[0].place.taken_at.is_none());
+    copied.expect_told("`nestd dismiss b");
+    let refused = copied.farm.say(&copied.failed(), false).unwrap_err();
+    assert!(matches!(refused, LedgerError::InQueue(InQueueError::SecondGone { .. })), "{refused}");
+    assert_eq!((copied.row().state, visible(&copied.farm)), (BuildState::Published, [1, 0]));
+    copied.dismiss();
+    copied.expect_over();
+    copied.farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
 fn a_build_does_not_move_while_its_copies_lie_in_a_queue_under_another_name() {
     let mut copied = Copied::new();
     let second = copied.right.with_file_name("job.3mf");

@@ -1,6 +1,10 @@
 //! Files that nobody has ordered: recycle bins, folders of the past, backups, unfinished downloads, conflict copies, what a sync program puts back.
 
-use std::{fs, io::Write, time::SystemTime};
+use std::{
+    fs,
+    io::Write,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
 
 use ledger::{CommandKind, CommandState, PartState};
 use zip::{ZipWriter, write::SimpleFileOptions};
@@ -158,17 +162,20 @@ fn a_list_of_another_program_holds_the_parts_beside_it() {
 fn a_file_that_is_put_back_with_its_time_is_asked_about_and_a_new_drop_is_not() {
     let mut farm = farm();
     let bytes = stl(&block(10.0, 12.0, 14.0));
-    let dropped = SystemTime::now() - std::time::Duration::from_secs(3600);
-    let put_back = |farm: &HandDrivenFarm, name: &str| {
+    let dropped = SystemTime::now() - Duration::from_secs(3600);
+    let whole_secs = UNIX_EPOCH + Duration::from_secs(dropped.duration_since(UNIX_EPOCH).unwrap().as_secs());
+    let put_back_at = |farm: &HandDrivenFarm, name: &str, time: SystemTime| {
         let (outside, inside) = (farm.root().join("sent"), farm.folder("inbox").join(name));
         fs::create_dir_all(inside.parent().unwrap()).unwrap();
         fs::write(&outside, &bytes).unwrap();
-        fs::File::options().write(true).open(&outside).unwrap().set_modified(dropped).unwrap();
+        fs::File::options().write(true).open(&outside).unwrap().set_modified(time).unwrap();
         fs::rename(outside, inside).unwrap();
     };
+    let put_back = |farm: &HandDrivenFarm, name: &str| put_back_at(farm, name, dropped);
     put_back(&farm, "kit/a_x3.stl");
     farm.wait_for_parts(PartState::Waiting, 1);
-    put_back(&farm, "kit/a_x3.stl");
+    // Programs that copy files round their times.
+    put_back_at(&farm, "kit/a_x3.stl", whole_secs);
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     assert_eq!(parts[0].owed.question, "");
     assert!(parts[1].owed.question.contains(&format!("part {}", parts[0].id)), "{}", parts[1].owed.question);

@@ -51,6 +51,23 @@ async fn a_node_that_is_cut_off_in_a_change_keeps_the_others_from_theirs_for_sec
 }
 
 #[tokio::test]
+async fn a_table_that_somebody_keeps_locked_is_told_as_that_and_not_as_a_server_that_is_down() {
+    let server = crate::postgres_cluster::shared();
+    let database = server.make_database(None).await;
+    let url = server.url(&database);
+    let daemon = Ledger::open_to_serve(&LedgerAddress::parse(&url, None), &node("print1")).await.unwrap();
+    let mut other = <sqlx::PgConnection as sqlx::Connection>::connect(&url).await.unwrap();
+    sqlx::raw_sql("BEGIN; LOCK TABLE event IN ACCESS EXCLUSIVE MODE").execute(&mut other).await.unwrap();
+    let ended = daemon.write_event(EventKind::Paused, "fuse-1", None, None, "").await.unwrap_err();
+    assert!(
+        matches!(&ended, LedgerError::Server(ServerError::ChangesWait { holder }) if holder.contains("pg_locks")),
+        "{ended}"
+    );
+    sqlx::Connection::close(other).await.unwrap();
+    daemon.write_event(EventKind::Paused, "fuse-1", None, None, "").await.unwrap();
+}
+
+#[tokio::test]
 async fn what_is_asked_of_a_server_that_has_fallen_silent_ends_with_an_error_and_the_ledger_goes_on() {
     let server = crate::postgres_cluster::shared();
     let database = server.make_database(None).await;

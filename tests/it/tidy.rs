@@ -124,3 +124,23 @@ fn a_type_name_has_one_meaning() {
     assert!(known.len() > 400, "only {} types were found", known.len());
     assert!(again.is_empty(), "give these another name:\n{}", again.join("\n"));
 }
+
+#[test]
+fn each_chosen_fault_stands_once_in_the_file_that_it_names() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let table = fs::read_to_string(root.join("tests/mutants/chosen.txt")).unwrap();
+    let mut seen = 0;
+    for fault in table.split("\n== ").skip(1) {
+        let what = fault.lines().next().unwrap_or_default();
+        let (_, rest) = fault.split_once("\nin ").unwrap_or_else(|| panic!("{what}: no line `in FILE`"));
+        let file = rest.lines().next().unwrap_or_default();
+        // A line that begins with blanks goes on with the one before.
+        let mut lines = rest.split_once("\n- ").map_or("", |(_, old)| old).lines();
+        let first = lines.next().unwrap_or_default().to_owned();
+        let old = lines.take_while(|line| line.starts_with(' ')).fold(first, |old, line| format!("{old}\n{line}"));
+        let source = fs::read_to_string(root.join(file)).unwrap_or_else(|error| panic!("{what}: {file}: {error}"));
+        assert_eq!(source.matches(&old).count(), 1, "{what}: {old:?} in {file}");
+        seen += 1;
+    }
+    assert!(seen > 90, "{seen}");
+}

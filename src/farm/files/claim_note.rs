@@ -31,30 +31,35 @@ pub struct ClaimNote {
     /// Copies wanted of each solid of the file when something was last decided about it; none of a refused one.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub wanted: BTreeMap<u32, u32>,
+    /// What else was asked for then, of a file of one solid; `None` = what the row says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub asked: Option<NewTerms>,
 }
 
 impl ClaimNote {
     /// The note of a claim; `unclear` = why the number of copies is not known.
     pub fn new(farm: &str, part: NewPartRow, unclear: Option<&TicketError>) -> Self {
-        Self { farm: farm.to_owned(), part, unclear: unclear.map(ToString::to_string), wanted: BTreeMap::new() }
+        Self {
+            farm: farm.to_owned(),
+            part,
+            unclear: unclear.map(ToString::to_string),
+            wanted: BTreeMap::new(),
+            asked: None,
+        }
+    }
+
+    /// The row with what was asked last, where nothing else was decided about it.
+    pub fn row_as_asked(&self, decisions: u32) -> NewPartRow {
+        let mut row = self.part.clone();
+        if let Some(asked) = &self.asked {
+            row.terms = asked.clone();
+            row.copies = self.wanted.get(&0).copied().filter(|_| decisions == 0).unwrap_or(row.copies);
+        }
+        row
     }
 
     /// The note of a part whose original was fetched from the archive.
     pub fn of_part(farm: &str, part: &PartRow) -> Self {
-        let terms = NewTerms {
-            order_name: part.terms.order_name.clone(),
-            customer: part.terms.customer.clone(),
-            material: part.terms.material.clone(),
-            priority: part.terms.priority,
-            due_at: part.terms.due_at.map(|at| at.0),
-            due_text: part.terms.due_text.clone(),
-            orientation: part.terms.orientation,
-            tilts: part.terms.tilts.clone(),
-            clearance_mm: part.terms.clearance_mm,
-            unit: part.terms.unit,
-            read_unit: part.measures.read_unit,
-            note: part.terms.note.clone(),
-        };
         let wanted = BTreeMap::from([(part.solid.object_index, part.wanted_copies())]);
         let part = NewPartRow {
             claim: part.file.claim.clone(),
@@ -63,12 +68,12 @@ impl ClaimNote {
             content_hash: part.file.content_hash.clone(),
             bytes: part.file.bytes,
             copies: part.wanted_copies(),
-            terms,
+            terms: terms_of(part),
             warnings: part.warnings.lines().map(str::to_owned).collect(),
             ticket: None,
             dropped: DroppedFile::default(),
         };
-        Self { farm: farm.to_owned(), part, unclear: None, wanted }
+        Self { farm: farm.to_owned(), part, unclear: None, wanted, asked: None }
     }
 
     /// The note of a claim beside its stored file; `None` = there is none, or it cannot be read.
@@ -250,6 +255,24 @@ pub async fn drop_taken_over_claims(settings: &Settings, ledger: &Ledger, store:
 /// The id of a claim that is being created or removed.
 fn claim_id(dir: &Path) -> Option<String> {
     Some(intake::claim_id(dir.file_name()?.to_str()?).to_owned())
+}
+
+/// What is asked for with a part.
+pub(crate) fn terms_of(part: &PartRow) -> NewTerms {
+    NewTerms {
+        order_name: part.terms.order_name.clone(),
+        customer: part.terms.customer.clone(),
+        material: part.terms.material.clone(),
+        priority: part.terms.priority,
+        due_at: part.terms.due_at.map(|at| at.0),
+        due_text: part.terms.due_text.clone(),
+        orientation: part.terms.orientation,
+        tilts: part.terms.tilts.clone(),
+        clearance_mm: part.terms.clearance_mm,
+        unit: part.terms.unit,
+        read_unit: part.measures.read_unit,
+        note: part.terms.note.clone(),
+    }
 }
 
 /// The row of a claimed part.

@@ -18,6 +18,10 @@ pub(super) async fn ask_about_doubts(
     now: Timestamp,
 ) -> Result<()> {
     part.warnings.lines().filter_map(intake::read_print_question).for_each(|doubt| add_question(solids, doubt));
+    let replaced = ledger.replaced_without_copies(part.id).await?;
+    if !replaced.is_empty() {
+        add_question(solids, &place_doubt(&replaced));
+    }
     let copy = intake::read_copy_name(&part.name);
     let names = names_in_formats(copy.as_ref().map_or(&part.name, |copy| &copy.original));
     if names.is_empty() || ledger.has_ticket(part.id).await? {
@@ -39,6 +43,13 @@ pub(super) async fn ask_about_doubts(
 /// Adds a doubt to what is asked about the solids of a file.
 pub(super) fn add_question(solids: &mut [SolidFacts], doubt: &str) {
     solids.iter_mut().for_each(|solid| solid.ask(doubt));
+}
+
+/// A file that took the place of parts, of which nobody knows how many copies are wanted of it.
+fn place_doubt(replaced: &[PartRow]) -> String {
+    let parts = replaced.iter().map(|part| format!("{} ({} wanted)", part.id, part.wanted_copies()));
+    let parts: Vec<String> = parts.collect();
+    format!("it took the place of the parts {}, and nothing says how many are wanted of it", parts.join(", "))
 }
 
 /// A name in all formats; none if it is not that of a single part.

@@ -70,10 +70,12 @@ pub(super) async fn decide_on_duplicate(
     solids: &[SolidFacts],
 ) -> Result<DuplicateDecision> {
     let Some(machine) = machines.get(&part.machine) else { return Ok(DuplicateDecision::None) };
-    let Some(earlier) = ledger.find_earlier_part(&part.machine, &part.file.content_hash, part.id).await? else {
-        return Ok(DuplicateDecision::None);
-    };
     let put_back = ledger.find_put_back_part(part.id).await?;
+    let earlier = match put_back {
+        None => ledger.find_earlier_part(&part.machine, &part.file.content_hash, part.id).await?,
+        put_back => put_back,
+    };
+    let Some(earlier) = earlier else { return Ok(DuplicateDecision::None) };
     let earlier = ledger.find_part(earlier).await?;
     Ok(earlier.map_or(DuplicateDecision::None, |earlier| {
         DuplicateDecision::of(part, solids, &earlier, put_back, machine.profile.intake.duplicates)

@@ -12,6 +12,7 @@ use tracing::{debug, info};
 use super::{
     claim_completion, damaged_files, doubtful_drops,
     duplicates::{self, DuplicateDecision},
+    mark_note,
 };
 use crate::{
     farm::{
@@ -116,6 +117,11 @@ pub(super) async fn record_claimed_file(
         return Ok(());
     }
     desk.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
+    if recorded.outcome == RecordedAs::Revision {
+        // What it took over stands nowhere in what was dropped.
+        mark_note::update_decision_count(desk, &part).await;
+        return Ok(());
+    }
     match (part.state, part_spec) {
         (PartState::Claimed, Err(error)) => {
             let remedy = match error {

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use intake::ContentStore;
 use jobs::BackgroundJob;
-use ledger::{LedgerError, PartRow, PartState};
+use ledger::{LedgerError, NewTerms, PartRow, PartState};
 use tracing::warn;
 
 use crate::farm::{
     core::{desks::Receiving, farm::Farm},
-    files::claim_note::ClaimNote,
+    files::claim_note::{ClaimNote, terms_of},
 };
 
 /// Writes the number of decisions into the claim note.
@@ -47,11 +47,11 @@ impl BackgroundJob<Farm> for DecisionCountJob {
 /// ledger.
 pub(crate) async fn update_decision_count(desk: &mut Receiving<'_>, part: &PartRow) {
     match read_decisions(desk, part).await {
-        Ok((decisions, wanted)) => {
+        Ok((decisions, wanted, asked)) => {
             let (store, hash, claim) =
                 (desk.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
             desk.jobs.start(DecisionCountJob { part: part.clone(), decisions }, move || {
-                note_wanted(&store, &hash, &claim, wanted)?;
+                note_wanted(&store, &hash, &claim, wanted, asked)?;
                 Ok(store.mark_decisions(&hash, &claim, decisions)?)
             });
         }
@@ -59,19 +59,30 @@ pub(crate) async fn update_decision_count(desk: &mut Receiving<'_>, part: &PartR
     }
 }
 
-/// How often was decided about the parts of a claim, and the copies that are wanted of each solid by now.
-async fn read_decisions(desk: &Receiving<'_>, part: &PartRow) -> Result<(u32, BTreeMap<u32, u32>), LedgerError> {
+/// How often was decided about the parts of a claim, the copies that are wanted of each solid by now, and what is asked for with the one
+/// part of a file.
+async fn read_decisions(
+    desk: &Receiving<'_>,
+    part: &PartRow,
+) -> Result<(u32, BTreeMap<u32, u32>, Option<NewTerms>), LedgerError> {
     let parts = desk.shared.ledger.parts_of_claim(&part.file.claim).await?;
     let live = parts.iter().filter(|part| part.state != PartState::Refused);
     let wanted = live.map(|part| (part.solid.object_index, part.wanted_copies())).collect();
-    Ok((desk.shared.ledger.decision_count(&part.file.claim).await?, wanted))
+    let asked = if let [only] = &parts[..] { Some(terms_of(only)) } else { None };
+    Ok((desk.shared.ledger.decision_count(&part.file.claim).await?, wanted, asked))
 }
 
-fn note_wanted(store: &ContentStore, hash: &str, claim: &str, wanted: BTreeMap<u32, u32>) -> Result<()> {
+fn note_wanted(
+    store: &ContentStore,
+    hash: &str,
+    claim: &str,
+    wanted: BTreeMap<u32, u32>,
+    asked: Option<NewTerms>,
+) -> Result<()> {
     match ClaimNote::read(store, hash, claim) {
-        Some(note) if note.wanted != wanted => {
+        Some(note) if note.wanted != wanted || note.asked != asked => {
             let path = store.note_path(hash, claim)?;
-            Ok(intake::write_file_atomically(&path, ClaimNote { wanted, ..note }.to_text().as_bytes())?)
+            Ok(intake::write_file_atomically(&path, ClaimNote { wanted, asked, ..note }.to_text().as_bytes())?)
         }
         _ => Ok(()),
     }

@@ -72,7 +72,7 @@ impl ForgottenFileRecovery<'_> {
     }
 
     async fn recover_noted_file(&mut self, one: &ForgottenFile, taken: &ClaimNote) -> Result<()> {
-        let (part, name) = (&taken.part, one.display_name());
+        let (part, name) = (&taken.row_as_asked(one.decisions), one.display_name());
         let id = self.ledger.record_claim(part).await?.id;
         let lies = self.refused.files_with_content(&part.machine, &one.hash).first().cloned();
         let wanted = match taken.wanted.values().collect::<Vec<_>>()[..] {

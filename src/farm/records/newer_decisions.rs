@@ -61,7 +61,11 @@ impl NewerDecisions {
         let store = ContentStore::from_dir(settings.state_dir.join("store"));
         let noted = kept.iter().flat_map(|(hash, kept)| kept.claims.keys().map(move |claim| (hash, claim)));
         for (hash, claim) in noted.filter(|(_, claim)| since.claims.contains_key(*claim)) {
-            since.wanted.extend(ClaimNote::read(&store, hash, claim).map(|note| (claim.clone(), note.wanted)));
+            let Some(note) = ClaimNote::read(&store, hash, claim) else { continue };
+            if let Some(asked) = &note.asked {
+                ledger.take_noted_terms(claim, asked).await?;
+            }
+            since.wanted.insert(claim.clone(), note.wanted);
         }
         let ids: Vec<String> = since.claims.keys().cloned().collect();
         for build in ledger.nesting_builds_of_claims(&ids).await? {

@@ -10,9 +10,11 @@ use build_file::format_count;
 use serde_json::{Map, Value};
 use sqlx::AssertSqlSafe;
 
-use super::former_words::{JsonRow, with_words_of_now};
+use super::record_rows::{
+    JsonRow, asked_and_read, invalid_record, number_column, parse_json, text_column, with_words_of_now,
+};
 use crate::{
-    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, WITHDRAWN_BY_NESTD,
+    BuildId, EventKind, Ledger, PartId, PartState, PutBackReport, WITHDRAWN_BY_NESTD,
     base::{
         error::Result,
         sql::{self, SqlTransaction, SqlValue},
@@ -125,22 +127,6 @@ impl Ledger {
     }
 }
 
-fn invalid_record(why: &str) -> LedgerError {
-    LedgerError::InvalidRecord(why.to_owned())
-}
-
-fn parse_json(text: &str) -> Result<Value> {
-    serde_json::from_str(text).map_err(|error| invalid_record(&error.to_string()))
-}
-
-fn number_column(row: &JsonRow, column: &str) -> Result<i64> {
-    row.get(column).and_then(Value::as_i64).ok_or_else(|| invalid_record(&format!("a row has no {column}")))
-}
-
-fn text_column<'a>(row: &'a JsonRow, column: &str) -> &'a str {
-    row.get(column).and_then(Value::as_str).unwrap_or_default()
-}
-
 /// Reads rows as JSON.
 async fn read_json_rows(db: &mut SqlTransaction, query: String, id: i64) -> Result<Vec<Value>> {
     let rows: Vec<Vec<(String, SqlValue)>> = sql::query_whole_rows(AssertSqlSafe(query)).bind(id).fetch_all(db).await?;
@@ -243,7 +229,12 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
             .fetch_optional(change.db())
             .await?;
     match known {
-        Some((id, PartState::Waiting | PartState::Batched | PartState::Built, _)) => Ok(PartId(id)),
+        Some((id, PartState::Waiting | PartState::Batched | PartState::Built, _)) => {
+            // The record is newer than the ledger: what was asked for and read then is what was printed.
+            change.open_order(text_column(part, "order_name")).await?;
+            overwrite_row(change, "part", id, &asked_and_read(part), &[]).await?;
+            Ok(PartId(id))
+        }
         // The part was not read yet, or was refused and retried later.
         Some((id, _, decisions)) => {
             let keep = ["id", "claim", "object_index", "claimed_at"];

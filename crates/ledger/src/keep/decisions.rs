@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Ledger, PartId,
+    Ledger, NewTerms, PartId, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
     },
+    parts::material::material_key,
     store::change::LedgerChange,
 };
 
@@ -48,6 +49,32 @@ impl Ledger {
              WHERE (SELECT sum(s.decisions) FROM part s WHERE s.claim = n.key) < CAST(n.value AS BIGINT) ORDER BY p.id",
         );
         Ok(query.bind(serde_json::json!(noted).to_string()).fetch_all(self.reader()?).await?)
+    }
+
+    /// Takes in what was last asked for with the part of a claim, as its note says. What its unit makes of its size is found when it is read
+    /// again. Its order stays.
+    pub async fn take_noted_terms(&self, claim: &str, terms: &NewTerms) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let set = sql::query(
+            "UPDATE part SET customer = $1, material = $2, material_key = $3, priority = $4, due_at = $5, due_text = $6, orientation = $7, \
+             tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12 WHERE claim = $13",
+        );
+        set.bind(&terms.customer)
+            .bind(&terms.material)
+            .bind(material_key(&terms.material))
+            .bind(terms.priority)
+            .bind(terms.due_at.map(UtcTimestamp))
+            .bind(&terms.due_text)
+            .bind(terms.orientation)
+            .bind(terms.tilts.to_string())
+            .bind(terms.clearance_mm)
+            .bind(terms.unit)
+            .bind(terms.read_unit)
+            .bind(&terms.note)
+            .bind(claim)
+            .execute(change.db())
+            .await?;
+        change.commit().await
     }
 
     /// Raises the number of decisions of a claim to at least `least`.

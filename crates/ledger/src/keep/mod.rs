@@ -6,6 +6,6 @@ pub(super) mod copy;
 pub(super) mod damaged;
 pub(super) mod decisions;
 pub(super) mod deep_check;
-mod former_words;
+mod record_rows;
 pub(super) mod replace;
 pub(super) mod unknown;

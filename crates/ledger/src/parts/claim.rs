@@ -29,10 +29,9 @@ impl Ledger {
                 recorded.push(RecordedPart { id, outcome: RecordedAs::Replacement });
                 continue;
             }
-            let new = record_new_part(&mut change, part).await?;
-            if new.is_new() && *is_clear {
-                change.replace_refused_parts(new.id).await?;
-                change.replace_revised_parts(new.id, part).await?;
+            let mut new = record_new_part(&mut change, part).await?;
+            if new.outcome == RecordedAs::New && *is_clear && change.replace_earlier_parts(new.id, part).await? {
+                new.outcome = RecordedAs::Revision;
             }
             recorded.push(new);
         }

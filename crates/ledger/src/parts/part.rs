@@ -9,6 +9,7 @@ use crate::{
         sql::{self, sql_row},
     },
     rows::precedence::sort_by_precedence,
+    store::change::LedgerChange,
 };
 
 /// A part with the name of another file of its order, or one that is made of it.
@@ -31,6 +32,25 @@ const TIME_STEPS_NS: [i64; 6] = [100, 1_000, 1_000_000, 10_000_000, 1_000_000_00
 fn is_same_time(a_ns: i64, b_ns: i64) -> bool {
     let is_step = |step: &i64| (a_ns % step == 0 || b_ns % step == 0) && a_ns.abs_diff(b_ns) < step.unsigned_abs();
     a_ns == b_ns || TIME_STEPS_NS.iter().any(is_step)
+}
+
+/// The parts of earlier claims that may be of the same file as part $1, with their times and that of the file, the latest first.
+const SAME_FILES: &str = "SELECT p.id, p.file_mtime_ns, n.file_mtime_ns FROM part n JOIN part p ON p.content_hash = n.content_hash \
+    WHERE n.id = $1 AND p.name = n.name AND p.file_folder = n.file_folder AND p.id < n.id AND p.claim <> n.claim \
+    AND (p.state <> 'refused' OR p.refusal IN ('cancelled', 'replaced')) AND (p.machine = n.machine \
+    OR EXISTS (SELECT 1 FROM event e WHERE e.part_id = p.id AND e.kind = 'moved')) ORDER BY p.id DESC";
+
+/// The first part whose time is that of the file.
+fn latest_of_same_time(earlier: Vec<(PartId, Option<i64>, Option<i64>)>) -> Option<PartId> {
+    let is_same = |before: Option<i64>, now: Option<i64>| before.zip(now).is_some_and(|(a, b)| is_same_time(a, b));
+    earlier.into_iter().find(|&(_, before, now)| is_same(before, now)).map(|(id, ..)| id)
+}
+
+impl LedgerChange {
+    /// Same as [`Ledger::find_put_back_part`] within a change.
+    pub(super) async fn find_put_back(&mut self, part: PartId) -> Result<Option<PartId>> {
+        Ok(latest_of_same_time(sql::query_as(SAME_FILES).bind(part).fetch_all(self.db()).await?))
+    }
 }
 
 impl Ledger {
@@ -150,19 +170,11 @@ impl Ledger {
         Ok(query.bind(hash).bind(machine).bind(before).fetch_optional(self.reader()?).await?)
     }
 
-    /// The latest part of an earlier claim, not refused, whose file had the same folder, name, content and modification time, perhaps
-    /// rounded: a sync program may have put that file back.
+    /// The latest part of an earlier claim whose file had the same folder, name, content and modification time, perhaps rounded: a sync
+    /// program may have put that file back. Where nestd refused the part, a person has put its file back; where a person cancelled it, or a
+    /// newer revision took its place, nobody may have.
     pub async fn find_put_back_part(&self, part: PartId) -> Result<Option<PartId>> {
-        let earlier: Vec<(PartId, Option<i64>, Option<i64>)> = sql::query_as(
-            "SELECT p.id, p.file_mtime_ns, n.file_mtime_ns FROM part n JOIN part p ON p.content_hash = n.content_hash \
-             WHERE n.id = $1 AND p.machine = n.machine AND p.name = n.name AND p.file_folder = n.file_folder AND p.id < n.id \
-             AND p.claim <> n.claim AND p.state <> 'refused' ORDER BY p.id DESC",
-        )
-        .bind(part)
-        .fetch_all(self.reader()?)
-        .await?;
-        let is_same = |before: Option<i64>, now: Option<i64>| before.zip(now).is_some_and(|(a, b)| is_same_time(a, b));
-        Ok(earlier.into_iter().find(|&(_, before, now)| is_same(before, now)).map(|(id, ..)| id))
+        Ok(latest_of_same_time(sql::query_as(SAME_FILES).bind(part).fetch_all(self.reader()?).await?))
     }
 
     /// The parts of other claims that have one of these names in the order of a part, oldest first: not refused, and not built

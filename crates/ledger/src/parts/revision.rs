@@ -2,31 +2,32 @@
 //! a file that is taken once more because its writer went on.
 
 use crate::{
-    EventKind, Ledger, NewPartRow, PartId, PartRow,
+    EventKind, Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
 
-/// What a revision without a ticket of its own takes over of the part that it replaces.
+/// What a file that takes the place of earlier ones takes over of them, unless a ticket came with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum TakenOver {
-    /// Nothing: it has a ticket, or replaces several parts.
+    /// Nothing: it has a ticket.
     Nothing,
     /// The due date and the note: the rest stands in the file itself.
     Date,
-    /// All that was asked with it.
+    /// All that was asked, but for the copies: those of several parts are not known any more for the file as a whole.
+    Terms,
+    /// All that was asked.
     All,
 }
 
 impl TakenOver {
-    /// For a file of this name that replaces so many parts.
+    /// For a file of this name that takes the place of so many parts.
     fn of_claim(name: &str, has_ticket: bool, replaced: usize) -> Self {
         match replaced {
             _ if has_ticket => Self::Nothing,
             _ if build_file::is_camspec_name(name) => Self::Date,
             1 => Self::All,
-            // What was asked with a file of several solids is not known any more for the file as a whole.
-            _ => Self::Nothing,
+            _ => Self::Terms,
         }
     }
 }
@@ -40,6 +41,21 @@ impl Ledger {
         let query =
             sql::select_as("FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
+    }
+
+    /// The parts whose place a part took without knowing how many copies are wanted of it: it has no ticket, and they are several, or the
+    /// copies of the one were never known. None if that is known.
+    pub async fn replaced_without_copies(&self, part: PartId) -> Result<Vec<PartRow>> {
+        let query = sql::select_as(
+            "FROM part WHERE replaced_by = $1 AND NOT EXISTS (SELECT 1 FROM ticket t WHERE t.part_id = $1) ORDER BY id",
+        );
+        let replaced: Vec<PartRow> = query.bind(part).fetch_all(self.reader()?).await?;
+        let is_unknown = |only: &PartRow| only.refused.refusal == Some(RefusalCause::Ticket);
+        Ok(match &replaced[..] {
+            [only] if !is_unknown(only) => Vec::new(),
+            _ if replaced.iter().any(|one| build_file::is_camspec_name(&one.name)) => Vec::new(),
+            _ => replaced,
+        })
     }
 }
 
@@ -60,24 +76,56 @@ async fn take_copies_over(change: &mut LedgerChange, old: &PartRow, new: PartId)
 }
 
 impl LedgerChange {
-    /// A part that was just claimed replaces those that it is a revision of: the same name in the same named order, still waiting, with
-    /// other content, and no copy of it in a build. What was taken of the same file before needs no order.
-    pub(super) async fn replace_revised_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<()> {
+    /// A part that was just claimed takes the place of earlier ones of the same name in the same named order, with what was asked with
+    /// them: of refused ones, and, as a revision with other content, of those that wait and have no copy in a build. What was taken of the
+    /// same file before needs no order. A file that was put back takes no place: the newer one is there. Returns whether anything was taken
+    /// over.
+    pub(super) async fn replace_earlier_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<bool> {
+        if self.find_put_back(new).await?.is_some() {
+            return Ok(false);
+        }
+        let refused = self.refused_namesakes(new).await?;
+        let revised = match &row.dropped.rewrites {
+            Some(claim) if row.terms.order_name.is_empty() => self.parts_of_same_file(claim, new).await?,
+            _ => self.waiting_namesakes(new).await?,
+        };
+        let wanted: Vec<&PartRow> = refused.iter().filter(|part| part.wanted_copies() > 0).chain(&revised).collect();
+        let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), wanted.len());
+        for old in wanted {
+            self.take_over(old, new, takes_over).await?;
+        }
+        for old in &refused {
+            self.settle_refused(old, new).await?;
+        }
+        for old in &revised {
+            sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2")
+                .bind(new)
+                .bind(old.id)
+                .execute(self.db())
+                .await?;
+        }
+        Ok(takes_over != TakenOver::Nothing && !(refused.is_empty() && revised.is_empty()))
+    }
+
+    /// The parts that still wait of which a part that was just claimed is a revision.
+    async fn waiting_namesakes(&mut self, new: PartId) -> Result<Vec<PartRow>> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
              WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
              AND p.id < n.id AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
              AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
         );
-        let earlier: Vec<PartRow> = match &row.dropped.rewrites {
-            Some(claim) if row.terms.order_name.is_empty() => self.parts_of_same_file(claim, new).await?,
-            _ => query.bind(new).fetch_all(self.db()).await?,
-        };
-        let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), earlier.len());
-        for old in earlier {
-            self.record_revision(&old, new, takes_over).await?;
-        }
-        Ok(())
+        Ok(query.bind(new).fetch_all(self.db()).await?)
+    }
+
+    /// The refused parts whose place a part that was just claimed takes.
+    async fn refused_namesakes(&mut self, new: PartId) -> Result<Vec<PartRow>> {
+        let query = sql::select_as(
+            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
+             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
+             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'refused' AND p.replaced_by IS NULL) ORDER BY id",
+        );
+        Ok(query.bind(new).fetch_all(self.db()).await?)
     }
 
     /// What waits of a file that was taken by this claim, and then once more.
@@ -89,10 +137,9 @@ impl LedgerChange {
         Ok(query.bind(claim).bind(new).fetch_all(self.db()).await?)
     }
 
-    /// Records that a part replaces an earlier revision, and what it takes over of that one.
-    async fn record_revision(&mut self, earlier: &PartRow, new: PartId, takes_over: TakenOver) -> Result<()> {
+    /// Records that a part takes the place of an earlier one, and what it takes over of that one.
+    async fn take_over(&mut self, earlier: &PartRow, new: PartId, takes_over: TakenOver) -> Result<()> {
         let old = earlier.id;
-        sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(old).execute(self.db()).await?;
         let take = match takes_over {
             TakenOver::Nothing => None,
             TakenOver::Date => Some(
@@ -100,7 +147,7 @@ impl LedgerChange {
                  (SELECT customer, material, material_key, due_at, due_text, note FROM part WHERE id = $1) \
                  WHERE id = $2 AND state = 'claimed'",
             ),
-            TakenOver::All => Some(
+            TakenOver::Terms | TakenOver::All => Some(
                 "UPDATE part SET (customer, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
                  (SELECT customer, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
                  WHERE id = $2 AND state = 'claimed'",
@@ -113,32 +160,24 @@ impl LedgerChange {
         let asked = match takes_over {
             TakenOver::Nothing => "",
             TakenOver::Date => ", with its due date and its note",
+            TakenOver::Terms => ", with all that was asked with it but the copies",
             TakenOver::All if is_in_all => IN_ALL,
             TakenOver::All => ", with all that was asked with it",
         };
-        let detail = format!("it replaces part {old}, an earlier revision{asked}");
+        let what = if earlier.state == PartState::Refused { "which was refused" } else { "an earlier revision" };
+        let detail = format!("it replaces part {old}, {what}{asked}");
         self.write_event(EventKind::Revised, &earlier.machine, Some(new), None, &detail).await
     }
 
-    /// A part that was just claimed takes the place of refused ones of the same name in the same named order: their copies are not
-    /// wanted of them any more, so that the order can be complete with those of the new one.
-    pub(super) async fn replace_refused_parts(&mut self, new: PartId) -> Result<()> {
-        let query = sql::select_as(
-            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
-             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'refused' AND p.replaced_by IS NULL) ORDER BY id",
-        );
-        let refused: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
-        for part in refused {
-            let unwanted = i64::from(self.waiting_count(part.id).await?);
-            let replace = sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(part.id);
-            replace.execute(self.db()).await?;
-            self.change_cancelled(part.id, unwanted).await?;
-            let detail = format!("part {new} of the same name took its place");
-            self.write_event(EventKind::Revised, &part.machine, Some(part.id), None, &detail).await?;
-            self.note_wanted_change(-unwanted).await?;
-        }
-        Ok(())
+    /// The copies of a refused part are not wanted of it any more, so that the order can be complete with those of the new one.
+    async fn settle_refused(&mut self, part: &PartRow, new: PartId) -> Result<()> {
+        let unwanted = i64::from(self.waiting_count(part.id).await?);
+        let replace = sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(part.id);
+        replace.execute(self.db()).await?;
+        self.change_cancelled(part.id, unwanted).await?;
+        let detail = format!("part {new} of the same name took its place");
+        self.write_event(EventKind::Revised, &part.machine, Some(part.id), None, &detail).await?;
+        self.note_wanted_change(-unwanted).await
     }
 
     /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.

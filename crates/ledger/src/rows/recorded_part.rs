@@ -16,6 +16,8 @@ pub struct RecordedPart {
 pub enum RecordedAs {
     /// A new part, which is read next.
     New,
+    /// A new part that took the place of earlier ones, with what was asked with them. It is read next.
+    Revision,
     /// A new part whose line was cancelled before: it is refused.
     NewAndCancelled,
     /// A part that was recorded before.
@@ -27,6 +29,6 @@ pub enum RecordedAs {
 impl RecordedPart {
     /// Whether the claim was new.
     pub fn is_new(&self) -> bool {
-        matches!(self.outcome, RecordedAs::New | RecordedAs::NewAndCancelled)
+        matches!(self.outcome, RecordedAs::New | RecordedAs::Revision | RecordedAs::NewAndCancelled)
     }
 }

@@ -4,12 +4,12 @@ use std::fs;
 
 use intake::{PutContents, ordered_claim_id};
 use ledger::{
-    AnsweredRequest, BuildState, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit, PartId, PartState,
-    PrintOutcome, ReprintTarget, ToldOutcome,
+    AnsweredRequest, BuildState, CommandArgument, CommandKind, NewOrderRequest, OperatorWord, OrderedLine, PartEdit,
+    PartId, PartState, PrintOutcome, ReprintTarget, ToldOutcome,
 };
 
 use crate::farm::{
-    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, stl},
+    driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, printed::reprints::change, stl},
     note_order, update_order_notes,
 };
 
@@ -292,4 +292,70 @@ fn copies_that_were_told_bad_and_printed_again_after_the_backup_was_made_are_not
     assert_eq!(farm.parts(PartState::Built).len(), 1, "{:?}", farm.parts(PartState::Waiting));
     assert!(farm.queued().is_empty(), "it is not printed a third time");
     assert_eq!(farm.violations(), [""; 0]);
+}
+
+/// What a revision has taken over stands in the ledger alone, and in the note of its claim.
+#[test]
+fn what_a_revision_took_over_after_the_backup_was_made_is_asked_for_after_a_restore() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_bytes("kit/a.stl.toml", b"copies = 3\nunit = \"inch\"\npriority = 90\ncustomer = \"Brandt\"\n");
+    farm.drop_part("kit/a.stl", &block(0.4, 0.4, 0.5));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let backup = farm.write_backup("backup");
+    farm.drop_part("kit/a.stl", &block(0.4, 0.4, 0.6));
+    farm.pass_until("the first is out", |farm| farm.parts(PartState::Refused).len() == 1);
+    farm.pass_secs(2.0);
+    farm.stop();
+    farm.restore(&backup);
+    farm.start();
+    farm.pass_until("it is taken in", |farm| {
+        farm.parts(PartState::Waiting).iter().any(|part| part.file.content_hash == hash_of(&block(0.4, 0.4, 0.6)))
+    });
+    let parts = farm.parts(PartState::Waiting);
+    let part = parts.iter().find(|part| part.file.content_hash == hash_of(&block(0.4, 0.4, 0.6))).unwrap();
+    assert_eq!((part.owed.copies, part.terms.priority, part.terms.customer.as_str()), (3, 90, "Brandt"));
+    assert!((part.measures.size_z_mm.unwrap() - 15.24).abs() < 1e-3, "{:?}", part.size_mm());
+}
+
+fn hash_of(mesh: &solids::Mesh) -> String {
+    blake3::hash(&stl(mesh)).to_hex().to_string()
+}
+
+/// A part is printed again in the size in which it was asked for last, or nobody prints it.
+#[test]
+fn a_unit_that_was_changed_after_the_backup_was_made_holds_after_a_restore() {
+    for is_printed in [true, false] {
+        let mut farm = HandDrivenFarm::open(QUICK);
+        farm.drop_bytes("a.stl.toml", b"unit = \"inch\"\n");
+        farm.drop_part("a.stl", &block(0.4, 0.4, 0.5));
+        let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+        let backup = farm.write_backup("backup");
+        let edit = PartEdit { unit: Some(build_file::LengthUnit::Centimeter), ..PartEdit::default() };
+        let argument = CommandArgument { edit: Some(edit), ..CommandArgument::default() };
+        change(&mut farm, CommandKind::Edit, part, argument, "");
+        farm.pass_until("it is read again", |farm| {
+            farm.parts(PartState::Waiting).iter().any(|part| part.measures.size_z_mm == Some(5.0))
+        });
+        if is_printed {
+            publish(&mut farm, 1);
+            fs::remove_file(&farm.queued()[0]).unwrap();
+        }
+        farm.pass_secs(2.0);
+        farm.stop();
+        let told = farm.restore(&backup);
+        farm.start();
+        farm.pass_secs(2.0);
+        if is_printed {
+            let build = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap())[0].id;
+            let failed = OperatorWord::Outcome(build, ToldOutcome::new(PrintOutcome::Failed, "", "ann@farm"));
+            farm.say(&failed, false).unwrap();
+        } else {
+            farm.order_and_wait(CommandKind::Retry, Some(part));
+        }
+        farm.pass_secs(5.0);
+        let row = farm.ask(async |ledger| ledger.find_part(part).await.unwrap().unwrap());
+        assert_eq!(row.terms.unit, Some(build_file::LengthUnit::Centimeter), "{is_printed}: {told:?}");
+        let is_right = row.measures.size_z_mm == Some(5.0);
+        assert!(is_right || !row.owed.question.is_empty(), "{is_printed}: {row:?}\n{told:?}");
+    }
 }

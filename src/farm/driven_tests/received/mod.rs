@@ -6,6 +6,7 @@ pub(super) mod late;
 pub(super) mod lists;
 pub(super) mod orders;
 pub(super) mod spoken;
+pub(super) mod taken_places;
 pub(super) mod tickets;
 pub(super) mod unfinished;
 pub(super) mod units;

@@ -1,9 +1,9 @@
-//! Words of rows that an earlier version wrote into files: before schema 40, a machine was called by its profile, and a part that was
+//! Rows of records as JSON, in the words of this schema: before schema 40, a machine was called by its profile, and a part that was
 //! refused, rejected.
 
 use serde_json::{Map, Value};
 
-use crate::PartState;
+use crate::{LedgerError, PartState, base::error::Result};
 
 /// A row as JSON: values by column name.
 pub(super) type JsonRow = Map<String, Value>;
@@ -17,6 +17,58 @@ pub(super) fn with_words_of_now(mut row: JsonRow) -> JsonRow {
         row.insert("state".to_owned(), PartState::Refused.to_string().into());
     }
     row
+}
+
+/// Columns of a part that say what was asked for, and what was read of it.
+const ASKED_AND_READ: [&str; 22] = [
+    "machine",
+    "order_name",
+    "customer",
+    "material",
+    "material_key",
+    "reference",
+    "priority",
+    "due_at",
+    "due_text",
+    "orientation",
+    "tilts",
+    "clearance_mm",
+    "unit",
+    "read_unit",
+    "note",
+    "file_copies",
+    "triangles",
+    "volume_mm3",
+    "size_x_mm",
+    "size_y_mm",
+    "size_z_mm",
+    "object_name",
+];
+
+/// What the row of a part says of what was asked for and read.
+pub(super) fn asked_and_read(part: &JsonRow) -> JsonRow {
+    let said = |(column, _): &(&String, &Value)| ASKED_AND_READ.contains(&column.as_str());
+    part.iter().filter(said).map(|(column, value)| (column.clone(), value.clone())).collect()
+}
+
+/// A record that cannot be taken in.
+pub(super) fn invalid_record(why: &str) -> LedgerError {
+    LedgerError::InvalidRecord(why.to_owned())
+}
+
+/// The text of a record.
+pub(super) fn parse_json(text: &str) -> Result<Value> {
+    serde_json::from_str(text).map_err(|error| invalid_record(&error.to_string()))
+}
+
+/// The number in a column.
+pub(super) fn number_column(row: &JsonRow, column: &str) -> Result<i64> {
+    row.get(column).and_then(Value::as_i64).ok_or_else(|| invalid_record(&format!("a row has no {column}")))
+}
+
+/// The text in a column; "" = there is none.
+pub(super) fn text_column<'a>(row: &'a JsonRow, column: &str) -> &'a str {
+    row.get(column).and_then(Value::as_str).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -59,6 +59,7 @@ async fn lively() -> fixtures::TestLedger {
 async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
     let now = jiff::Timestamp::now();
     let seen = |machine: &str, trouble: &str| ObservedMachine {
+        profile: String::new(),
         machine: machine.to_owned(),
         scanned_at: Some(UtcTimestamp(now)),
         is_inbox_there: true,

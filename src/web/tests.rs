@@ -331,6 +331,7 @@ async fn the_farm_is_not_ready_while_no_daemon_beats() {
 async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() {
     let dashboard = with_a_build("bracket.stl").await;
     let seen = |trouble: &str| ledger::ObservedMachine {
+        profile: String::new(),
         machine: "cube".to_owned(),
         scanned_at: None,
         is_inbox_there: trouble.is_empty(),

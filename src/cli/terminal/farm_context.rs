@@ -54,7 +54,10 @@ pub fn run_with_ledger<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, 
             }
             other => other?,
         };
-        let done = work(&settings, &ledger).await;
+        let done = match farm::with_other_nodes(settings, &ledger).await {
+            Ok(settings) => work(&settings, &ledger).await,
+            Err(error) => Err(error.into()),
+        };
         ledger.close().await;
         done
     })

@@ -42,6 +42,8 @@ pub enum AlertKind {
     HeldByOther,
     /// Another node of the farm serves a machine.
     OtherNode,
+    /// A node of the farm does not run, although nobody stopped it.
+    NodeGone,
     /// Claims of another farm lie in a hot folder.
     ForeignClaims,
     /// A machine's folders cannot be made.
@@ -114,7 +116,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 40] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -131,6 +133,7 @@ impl AlertKind {
         Self::ErrorFolderAway,
         Self::HeldByOther,
         Self::OtherNode,
+        Self::NodeGone,
         Self::ForeignClaims,
         Self::FoldersMissing,
         Self::TakingFails,
@@ -175,6 +178,7 @@ impl AlertKind {
             Self::ErrorFolderAway => say!("alert-error-folder-away-headline"),
             Self::HeldByOther => say!("alert-held-by-other-headline"),
             Self::OtherNode => say!("alert-other-node-headline"),
+            Self::NodeGone => say!("alert-node-gone-headline"),
             Self::ForeignClaims => say!("alert-foreign-claims-headline"),
             Self::FoldersMissing => say!("alert-folders-missing-headline"),
             Self::TakingFails => say!("alert-taking-fails-headline"),
@@ -220,6 +224,7 @@ impl AlertKind {
             Self::ErrorFolderAway => say!("alert-error-folder-away-remedy"),
             Self::HeldByOther => say!("alert-held-by-other-remedy"),
             Self::OtherNode => say!("alert-other-node-remedy"),
+            Self::NodeGone => say!("alert-node-gone-remedy"),
             Self::ForeignClaims => say!("alert-foreign-claims-remedy"),
             Self::FoldersMissing => say!("alert-folders-missing-remedy"),
             Self::TakingFails => say!("alert-taking-fails-remedy"),

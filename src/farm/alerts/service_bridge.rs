@@ -32,8 +32,10 @@ pub enum ServicePhase {
 pub struct ServiceBridge {
     reports: Arc<Mutex<ServiceReports>>,
     phase: watch::Sender<ServicePhase>,
-    /// The settings by which they work.
+    /// The settings by which they work: those of this node, with the machines of the others.
     settings: Option<SharedSettings>,
+    /// The machines of other nodes, each with its file as its node says it.
+    others: Arc<Mutex<Vec<(String, String)>>>,
 }
 
 impl ServiceBridge {
@@ -45,7 +47,19 @@ impl ServiceBridge {
     /// Has the services work by these settings: they are in force.
     pub fn adopt_settings(&self, settings: &Settings) {
         if let Some(shared) = &self.settings {
-            *shared.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
+            let others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+            let all = settings.with_machines_of_others(others.iter().map(|(name, text)| (&**name, &**text)));
+            *shared.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(all);
+        }
+    }
+
+    /// Has the services know the machines of other nodes, each with its file, beside those of these settings.
+    pub fn adopt_machines_of_others(&self, settings: &Settings, machines: Vec<(String, String)>) {
+        let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+        if *others != machines {
+            *others = machines;
+            drop(others);
+            self.adopt_settings(settings);
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use ledger::{Ledger, LedgerError};
+use ledger::{Ledger, LedgerError, MachineRow};
 
 use crate::settings::Settings;
 
@@ -32,4 +32,23 @@ pub async fn without_other_nodes(settings: &Settings, ledger: &Ledger) -> Result
     let mut own = settings.clone();
     own.profiles.retain(|name, _| !others.contains_key(name));
     Ok(own)
+}
+
+/// The machines of other nodes, each with its file as its node says it.
+pub(crate) fn profiles_of_others(settings: &Settings, rows: &[MachineRow]) -> Vec<(String, String)> {
+    let own = &settings.node.name;
+    let others = rows.iter().filter(|row| !row.node.is_empty() && row.node != *own && !row.profile.is_empty());
+    others.map(|row| (row.machine.clone(), row.profile.clone())).collect()
+}
+
+/// The settings with the machines of all nodes, for whoever shows and plans them.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn with_other_nodes(settings: Settings, ledger: &Ledger) -> Result<Settings, LedgerError> {
+    if ledger.file().is_some() {
+        return Ok(settings);
+    }
+    let others = profiles_of_others(&settings, &ledger.list_machines().await?);
+    Ok(settings.with_machines_of_others(others.iter().map(|(name, text)| (&**name, &**text))))
 }

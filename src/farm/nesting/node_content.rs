@@ -4,12 +4,13 @@
 use std::{
     cell::RefCell,
     collections::BTreeMap,
+    io::Read,
     path::{Path, PathBuf},
     time::Duration,
 };
 
 use anyhow::{Context, Result, bail};
-use intake::ContentStore;
+use intake::{ContentStore, PutContents};
 use ledger::{Ledger, NodeRow};
 use ureq::{
     http::StatusCode,
@@ -25,6 +26,9 @@ use crate::{
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// A file of 2 GB takes less than this over a slow network.
 const TRANSFER_TIMEOUT: Duration = Duration::from_secs(600);
+
+/// Bytes of a file that are received at once.
+const CHUNK_BYTES: usize = 1 << 16;
 
 /// Folder of the second copies in the state directory.
 pub(crate) const COPIES_DIR: &str = "copies";
@@ -96,10 +100,33 @@ impl OtherNodes {
             store.store_file(&self.copies.file_path(hash)?)?;
             return Ok(true);
         }
+        self.fetch_from_any(hash, &|source| Ok(store.store_received(source, hash)?))
+    }
+
+    /// Copies the file with this hash, which was put on another node, to those that were put here. `false` = no node has it that runs.
+    ///
+    /// # Errors
+    /// A node that runs, and may have it, does not answer.
+    pub(crate) fn fetch_put(&self, contents: &PutContents, hash: &str) -> Result<bool> {
+        self.fetch_from_any(hash, &|source| {
+            let mut arriving = contents.begin_content(rand::random(), 0, u64::MAX)?;
+            let mut chunk = vec![0; CHUNK_BYTES];
+            loop {
+                match source.read(&mut chunk)? {
+                    0 => break,
+                    bytes => arriving.write_chunk(&chunk[..bytes])?,
+                }
+            }
+            arriving.finish_content(Some(hash))?;
+            Ok(())
+        })
+    }
+
+    fn fetch_from_any(&self, hash: &str, keep: &dyn Fn(&mut dyn Read) -> Result<()>) -> Result<bool> {
         let mut unknown = Vec::new();
         for node in &self.nodes {
             let known = self.silent.borrow().get(&node.name).cloned();
-            let answer = known.map_or_else(|| self.fetch_from(&node.address, store, hash), |why| bail!("{why}"));
+            let answer = known.map_or_else(|| self.fetch_from(&node.address, hash, keep), |why| bail!("{why}"));
             match answer {
                 Ok(true) => return Ok(true),
                 Ok(false) => {}
@@ -120,10 +147,11 @@ impl OtherNodes {
     /// It does not answer.
     pub(crate) fn fetch_from_node(&self, name: &str, store: &ContentStore, hash: &str) -> Result<bool> {
         let address = self.nodes.iter().find(|node| node.name == name).map_or("", |node| node.address.as_str());
-        self.fetch_from(address, store, hash).with_context(|| format!("the node {name}"))
+        let keep = |source: &mut dyn Read| Ok(store.store_received(source, hash)?);
+        self.fetch_from(address, hash, &keep).with_context(|| format!("the node {name}"))
     }
 
-    fn fetch_from(&self, address: &str, store: &ContentStore, hash: &str) -> Result<bool> {
+    fn fetch_from(&self, address: &str, hash: &str, keep: &dyn Fn(&mut dyn Read) -> Result<()>) -> Result<bool> {
         if address.is_empty() {
             bail!("its configuration has no node.address");
         }
@@ -145,7 +173,7 @@ impl OtherNodes {
         let answer = request.call().with_context(|| format!("{address} does not answer"))?;
         match answer.status() {
             StatusCode::OK => {
-                store.store_received(&mut answer.into_body().into_reader(), hash)?;
+                keep(&mut answer.into_body().into_reader())?;
                 Ok(true)
             }
             StatusCode::NOT_FOUND => Ok(false),
@@ -155,7 +183,8 @@ impl OtherNodes {
     }
 }
 
-/// A file with this content that this node keeps, in its store, as a second copy, or in an archive of its machines; `None` = none.
+/// A file with this content that this node keeps, in its store, as a second copy, as it was put for an order, or in an archive of its
+/// machines; `None` = none.
 ///
 /// # Errors
 /// The ledger cannot be read.
@@ -163,14 +192,29 @@ pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str)
     let store = ContentStore::from_dir(settings.state_dir.join("store"));
     let Ok(stored) = store.file_path(hash) else { return Ok(None) };
     let copies = second_copies(&settings.state_dir);
+    let put = PutContents::of_farm(&settings.state_dir).path_of(hash);
     let archives = archive_folders(ledger, hash, |machine| settings.profiles.get(machine)).await?;
     let hash = hash.to_owned();
     let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
         Ok(()) => Some(stored),
         Err(_) if copies.verify_hash(&hash).is_ok() => copies.file_path(&hash).ok(),
+        Err(_) if intake::hash_file(&put).is_ok_and(|found| found == hash) => Some(put),
         Err(_) => archives.iter().find_map(|folder| find_original(folder, &hash)),
     });
     Ok(looked.await?)
+}
+
+/// Brings a file here that was put on another node for an order; `false` = no node has it that runs.
+///
+/// # Errors
+/// The ledger cannot be read, or a node that runs, and may have it, does not answer.
+pub async fn fetch_put_content(settings: &Settings, ledger: &Ledger, hash: &str) -> Result<bool> {
+    if ledger.file().is_some() {
+        return Ok(false);
+    }
+    let (nodes, contents) = (OtherNodes::of_ledger(settings, ledger).await?, PutContents::of_farm(&settings.state_dir));
+    let hash = hash.to_owned();
+    tokio::task::spawn_blocking(move || nodes.fetch_put(&contents, &hash)).await?
 }
 
 /// The folders in the archives of known machines where the originals of builds with this content lie, newest first.

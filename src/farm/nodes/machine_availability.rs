@@ -35,6 +35,8 @@ fn hinders(alert: &FarmAlert, machine: &MachineState) -> bool {
 /// The current state of every machine.
 pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
     let now = desk.shared.date();
+    // The one node of a file needs to tell nobody.
+    let tells_profiles = desk.shared.ledger.file().is_none();
     let machines = desk.machines.iter().map(|(name, machine)| {
         let alerts: Vec<FarmAlert> = desk
             .shared
@@ -57,6 +59,7 @@ pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
                 Some(alert) => Some(alert.alert_text()),
                 None => (was_checked && alerts.is_empty()).then(String::new),
             },
+            profile: if tells_profiles { machine.profile.text.clone() } else { String::new() },
         }
     });
     // A machine that has left the configuration is this node's until the last scan of its hot folder has ended: another one would take
@@ -68,6 +71,7 @@ pub(crate) fn observed_machines(desk: &Showing<'_>) -> Vec<ObservedMachine> {
         is_inbox_there: true,
         is_queue_writable: false,
         trouble: None,
+        profile: String::new(),
     });
     machines.chain(leaving).collect()
 }

@@ -39,7 +39,16 @@ impl FarmRows {
     /// # Errors
     /// The ledger cannot be read.
     pub async fn read(ledger: &Ledger) -> Result<Self> {
-        let (statuses, observed) = (ledger.machine_statuses().await?, ledger.list_machines().await?);
+        let (statuses, mut observed) = (ledger.machine_statuses().await?, ledger.list_machines().await?);
+        if ledger.file().is_none() {
+            // What a node saw before it ended is so no more.
+            for node in ledger.list_nodes().await?.into_iter().filter(|node| !node.alive) {
+                for row in observed.iter_mut().filter(|row| row.node == node.name && row.trouble.is_empty()) {
+                    row.trouble = format!("its node {} does not run", node.name);
+                    row.trouble_at = Some(node.beat_at);
+                }
+            }
+        }
         Ok(Self { statuses, observed, down: ledger.down_printers().await? })
     }
 

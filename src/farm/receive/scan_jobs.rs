@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use anyhow::Result;
 use build_file::format_count;
-use intake::PutContents;
 use jobs::{BackgroundJob, Carried};
 use ledger::UtcTimestamp;
 use tracing::warn;
@@ -108,15 +107,16 @@ pub(crate) fn start_scans(desk: &mut Receiving<'_>) {
         let mut leases = machine.leases.clone();
         let (name, status) = (name.clone(), machine.status_files(desk.shared.alerts, desk.shared.settings));
         let (ledger, runtime) = (desk.shared.ledger.clone(), tokio::runtime::Handle::current());
-        let contents = PutContents::of_farm(&desk.shared.settings.state_dir);
-        let awaits_lines = machine.inbox.arriving.is_some();
+        let (awaits_lines, settings) = (machine.inbox.arriving.is_some(), desk.shared.settings.clone());
         let limits = desk.shared.settings.limits.clone();
         let carried = CarriedScanner { machine: name.clone(), scanner };
         let language = desk.shared.settings.language;
         desk.jobs.start_with(HotFolderScanJob { machine: name }, carried, move |CarriedScanner { scanner, .. }| {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
-            let lines = ArrivingLines::read_from(awaits_lines.then_some(&ledger), &profile.name, contents);
-            let ordered = runtime.block_on(lines);
+            let ordered = match awaits_lines {
+                true => runtime.block_on(ArrivingLines::read_from(&ledger, &profile.name, &settings)),
+                false => ArrivingLines::none(&settings),
+            };
             // What it refuses gets its reason beside it.
             let mut scan = language.within(|| {
                 let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, &ordered, find_part);

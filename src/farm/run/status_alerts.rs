@@ -6,11 +6,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildState, Ledger, MachineStatus, PauseCause};
+use ledger::{BuildState, Ledger, MachineRow, MachineStatus, PauseCause};
 
 use crate::farm::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
-    core::machine_state::MachineStates,
+    core::{desks::Shared, machine_state::MachineStates},
     planning::awaits_release,
     printers::release_preview::preview_release,
 };
@@ -20,11 +20,13 @@ const MAX_NAMED: usize = 3;
 
 /// Raises the alerts that follow from the ledger: so they are known after a restart too.
 pub(super) async fn update_ledger_alerts(
-    ledger: &Ledger,
+    shared: &mut Shared<'_>,
     machines: &MachineStates,
-    alerts: &mut AlertRegistry,
     rows: &[MachineStatus],
+    observed: &[MachineRow],
 ) -> Result<()> {
+    update_node_alerts(shared, observed).await?;
+    let (ledger, alerts) = (shared.ledger, &mut *shared.alerts);
     let names: Vec<String> = machines.keys().cloned().collect();
     for name in &names {
         let paused = rows.iter().find(|row| row.machine == *name).and_then(|row| row.paused.as_ref());
@@ -40,10 +42,9 @@ pub(super) async fn update_ledger_alerts(
     update_order_alerts(ledger, &names, alerts).await?;
     update_release_alerts(ledger, machines, alerts).await?;
     let mut gone = Vec::new();
-    let nodes = ledger.list_machines().await?;
     // Another node serves them, or this one takes them as soon as it can.
     let has_node =
-        |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.machine == name && !row.node.is_empty());
+        |name: &str| ledger.file().is_none() && observed.iter().any(|row| row.machine == name && !row.node.is_empty());
     let arriving: BTreeMap<String, u32> = ledger.count_arriving_lines().await?.into_iter().collect();
     let known: BTreeSet<&String> = rows.iter().map(|row| &row.machine).chain(arriving.keys()).collect();
     for name in known.into_iter().filter(|name| !machines.contains_key(*name) && !has_node(name)) {
@@ -62,6 +63,26 @@ pub(super) async fn update_ledger_alerts(
         }
     }
     alerts.retain_machines(AlertKind::MachineGone, &gone);
+    Ok(())
+}
+
+/// Raises an alert for each other node that does not run although nobody stopped it, and has the ledger say so of its machines.
+async fn update_node_alerts(shared: &mut Shared<'_>, observed: &[MachineRow]) -> Result<()> {
+    if shared.ledger.file().is_some() {
+        return Ok(());
+    }
+    let own = &shared.settings.node.name;
+    for node in shared.ledger.list_nodes().await?.into_iter().filter(|node| node.name != *own) {
+        let its = observed.iter().filter(|row| row.node == node.name).map(|row| row.machine.as_str());
+        let its: Vec<&str> = its.collect();
+        if node.alive || node.pid == 0 || its.is_empty() {
+            shared.alerts.clear(AlertKind::NodeGone, "", &node.name);
+            continue;
+        }
+        let detail = format!("{} on {}, with {}", node.name, node.host, its.join(", "));
+        shared.alerts.raise(AlertKind::NodeGone, "", &node.name, &detail);
+        shared.ledger.record_node_gone(&node.name).await?;
+    }
     Ok(())
 }
 

@@ -86,6 +86,9 @@ pub struct MachineProfile {
     /// What materials are called.
     #[serde(skip)]
     pub materials: Materials,
+    /// Its file with the defaults of the farm, in TOML; "" = it was not read from a file.
+    #[serde(skip)]
+    pub text: String,
     /// Its build space, and the distances between parts there.
     #[serde(flatten)]
     pub space: BuildSpace,

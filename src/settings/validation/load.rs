@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use serde::de::DeserializeOwned;
+use serde::{Deserialize, de::DeserializeOwned};
 use thiserror::Error;
 use toml::{Table, Value};
 
@@ -20,7 +20,10 @@ use crate::settings::{
         fragment::{ConfigFragment, read_config_text},
         validator::ConfigValidator,
     },
-    service::{folders, inputs::FarmInputs},
+    service::{
+        folders,
+        inputs::{FarmFolders, FarmInputs},
+    },
 };
 
 /// Default paths of the configuration.
@@ -241,15 +244,45 @@ fn build_profile(
         _ => Table::new(),
     };
     merge_tables(&mut merged, own.to_table());
+    let text = merged.to_string();
     let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
-    let mut folders = folders::machine_folders(root, &farm_inputs.folders, &inputs.folders, name);
-    let queue = (root, farm_inputs.folders.queue.as_path(), folders.queue.as_path());
-    let printers = printer_validation::validate_printers(name, &inputs, queue, validator);
-    folders.queue = printers.first().and_then(|first| Some(first.queue.folder()?.to_owned())).unwrap_or_default();
     if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported
     }
-    Some(validation_rules::validate_profile(name, inputs, folders, printers, validator))
+    Some(MachineProfile { text, ..profile_of(name, inputs, root, &farm_inputs.folders, validator) })
+}
+
+fn profile_of(
+    name: &str,
+    inputs: ProfileInputs,
+    root: &Path,
+    farm: &FarmFolders,
+    validator: &mut ConfigValidator,
+) -> MachineProfile {
+    let mut folders = folders::machine_folders(root, farm, &inputs.folders, name);
+    let queue = (root, farm.queue.as_path(), folders.queue.as_path());
+    let printers = printer_validation::validate_printers(name, &inputs, queue, validator);
+    folders.queue = printers.first().and_then(|first| Some(first.queue.folder()?.to_owned())).unwrap_or_default();
+    validation_rules::validate_profile(name, inputs, folders, printers, validator)
+}
+
+impl Settings {
+    /// The settings with the machines of other nodes as these say them, each with its name and its file. What this version does not
+    /// understand is left out. Their folders are on other servers: what is written here for them says nothing.
+    pub fn with_machines_of_others<'r>(&self, rows: impl IntoIterator<Item = (&'r str, &'r str)>) -> Self {
+        let mut all = self.clone();
+        for (name, text) in rows {
+            let inputs = text.parse::<Table>().ok().and_then(|table| ProfileInputs::deserialize(table).ok());
+            let (Some(inputs), false) = (inputs, text.is_empty()) else { continue };
+            let mut unused = ConfigValidator::new(Vec::new());
+            let mut profile = profile_of(name, inputs, &self.root, &FarmInputs::default().folders, &mut unused);
+            profile.time_zone = self.time_zone.clone();
+            printer_validation::name_loaded(&mut profile, &self.materials, &mut unused);
+            profile.text = text.to_owned();
+            all.profiles.insert(name.to_owned(), profile);
+        }
+        all
+    }
 }
 
 /// Merges `over` into `base`, table by table. Values of `over` take precedence.

@@ -144,6 +144,7 @@ pub(super) fn validate_profile(
         printing: validate_printing(&printing, validator),
         time_zone: FarmZone::default(),
         materials: Materials::default(),
+        text: String::new(),
         space: BuildSpace {
             volume_mm,
             wall_margin_mm: space.wall_margin_mm,

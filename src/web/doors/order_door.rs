@@ -134,10 +134,9 @@ async fn take_order(
     let settings = web.current_settings();
     let Some(profile) = settings.profiles.get(&order.machine) else {
         let known: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-        let text = format!("there is no machine {} here; this node has {}", order.machine, known.join(", "));
+        let text = format!("there is no machine {}; there are {}", order.machine, known.join(", "));
         return Err(unprocessable(text));
     };
-    check_own_machine(web, &settings.node.name, &order.machine).await?;
     let lines = order.check_lines(profile).map_err(unprocessable)?;
     judge_lines(web, profile, &lines).await?;
     let new = new_order(client, key, fingerprint, &order, lines, profile.intake.unit)?;
@@ -150,19 +149,6 @@ async fn take_order(
             })
         }
         RecordedRequest::Known(known) => answer_again(web, client, &new.key, &known, &new.answered.fingerprint).await,
-    }
-}
-
-/// Refuses an order for a machine that another node serves: what was put is here.
-async fn check_own_machine(web: &DashboardState, own: &str, machine: &str) -> HandlerResult<()> {
-    if web.ledger.file().is_some() {
-        return Ok(());
-    }
-    match web.ledger.node_of_machine(machine).await? {
-        Some(node) if node != own => {
-            Err(unprocessable(format!("machine {machine} is served by node {node}: put the files and order there")))
-        }
-        _ => Ok(()),
     }
 }
 

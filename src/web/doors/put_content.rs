@@ -16,13 +16,16 @@ use serde::Serialize;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio_stream::{Stream, StreamExt};
 
-use crate::web::{
-    base::{
-        client::RequestClient,
-        client_limits::{BytesUnderWay, ClientPlace},
-        error::{HandlerError, HandlerResult},
+use crate::{
+    farm,
+    web::{
+        base::{
+            client::RequestClient,
+            client_limits::{BytesUnderWay, ClientPlace},
+            error::{HandlerError, HandlerResult},
+        },
+        core::{command::check_takes_orders, state::DashboardState},
     },
-    core::{command::check_takes_orders, state::DashboardState},
 };
 
 /// A file that the farm has.
@@ -48,7 +51,7 @@ pub(super) async fn get_put_content(
 ) -> HandlerResult<Json<ContentResource>> {
     let hash = require_hash(&hash)?;
     let found = find_content(&web, hash).await?;
-    let missing = || HandlerError::NotFound(format!("content {hash} on this node"));
+    let missing = || HandlerError::NotFound(format!("content {hash}"));
     Ok(Json(found.ok_or_else(missing)?.into()))
 }
 
@@ -62,7 +65,7 @@ pub(crate) async fn put_content(
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
     let hash = require_hash(&hash)?;
-    if let Some(found) = find_content(&web, hash).await? {
+    if let Some(found) = find_own_content(&web, hash).await? {
         return Ok(Json(ContentResource::from(found)).into_response());
     }
     let _place = take_place(&web, &client)?;
@@ -104,10 +107,21 @@ pub(crate) fn put_contents(web: &DashboardState) -> PutContents {
     PutContents::of_farm(&web.current_settings().state_dir)
 }
 
-/// The file with this BLAKE3, which is kept from now on as if it was just put.
-pub(super) async fn find_content(web: &DashboardState, hash: &str) -> HandlerResult<Option<StoredFile>> {
+/// The file with this BLAKE3 on this node, which is kept from now on as if it was just put.
+async fn find_own_content(web: &DashboardState, hash: &str) -> HandlerResult<Option<StoredFile>> {
     let (contents, hash) = (put_contents(web), hash.to_owned());
     run_on_disk(move || Ok(contents.use_content(&hash)?)).await
+}
+
+/// The same; a file that was put on another node is brought here.
+pub(super) async fn find_content(web: &DashboardState, hash: &str) -> HandlerResult<Option<StoredFile>> {
+    if let Some(found) = find_own_content(web, hash).await? {
+        return Ok(Some(found));
+    }
+    match farm::fetch_put_content(&web.current_settings(), &web.ledger, hash).await? {
+        true => find_own_content(web, hash).await,
+        false => Ok(None),
+    }
 }
 
 /// A place for a file that arrives, until it is dropped.

@@ -165,10 +165,10 @@ impl ContentStore {
     /// Copies what a reader gives into the store. The copy is durable on return.
     ///
     /// Reading or writing fails, or other bytes come than those with this hash.
-    pub fn store_received(&self, source: &mut impl Read, hash: &str) -> Result<(), StoreError> {
+    pub fn store_received(&self, mut source: impl Read, hash: &str) -> Result<(), StoreError> {
         let to = self.file_path(hash)?;
         let mut copy = self.temporary_file()?;
-        let stored = copy_and_hash(source, copy.as_file_mut()).map_err(io_error("receive", &to))?;
+        let stored = copy_and_hash(&mut source, copy.as_file_mut()).map_err(io_error("receive", &to))?;
         if stored.hash != hash {
             return Err(io_error("receive", &to)(io::Error::other("other bytes came than were asked for")));
         }

@@ -62,6 +62,8 @@ told-build-named = Baujob { $build }
 told-build-why = Baujob { $build }: { $why }
 told-release-brief = { $n } Stück, { $height } von { $limit } mm hoch, Packdichte { $density } %, etwa { $hours } h Druck
 told-node-serves-it = der Knoten { $node } bedient sie
+told-node-is-gone = ihr Knoten { $node } läuft nicht
+told-node-with-machines = { $node } auf { $host }, mit { $names }
 told-gone-with-work =
     { $parts ->
         [one] { $parts } Teil
@@ -211,6 +213,10 @@ told-record-of-build = laut dem Eintrag eines Baujobs
 told-imported-record = aus seinem Eintrag im Archiv übernommen
 told-imported-from-build = aus dem Eintrag eines Baujobs übernommen
 told-replaces-part-all = es ersetzt Teil { $old }, eine frühere Fassung, mit allem, was damit verlangt war
+told-replaces-refused = es ersetzt Teil { $old }, das abgelehnt wurde
+told-replaces-refused-all = es ersetzt Teil { $old }, das abgelehnt wurde, mit allem, was damit verlangt war
+told-replaces-refused-terms = es ersetzt Teil { $old }, das abgelehnt wurde, mit allem, was damit verlangt war, außer der Stückzahl
+told-replaces-part-terms = es ersetzt Teil { $old }, einen früheren Stand, mit allem, was damit verlangt war, außer der Stückzahl
 told-replaces-part-date = es ersetzt Teil { $old }, eine frühere Fassung, mit deren Termin und Notiz
 told-more-wanted-record = { $more } mehr gewünscht, laut dem Eintrag eines Baujobs
 told-published-after-backup = sein Baujob wurde nach der Sicherung ausgegeben

@@ -66,6 +66,8 @@ told-release-brief =
        *[other] { $n } copies
     }, { $height } of { $limit } mm high, { $density } % dense, about { $hours } h of printing
 told-node-serves-it = the node { $node } serves it
+told-node-is-gone = its node { $node } does not run
+told-node-with-machines = { $node } on { $host }, with { $names }
 told-gone-with-work =
     { $parts ->
         [one] { $parts } part
@@ -215,6 +217,10 @@ told-record-of-build = according to the record of a build
 told-imported-record = imported from its record in the archive
 told-imported-from-build = imported from the record of a build
 told-replaces-part-all = it replaces part { $old }, an earlier revision, with all that was asked with it
+told-replaces-refused = it replaces part { $old }, which was refused
+told-replaces-refused-all = it replaces part { $old }, which was refused, with all that was asked with it
+told-replaces-refused-terms = it replaces part { $old }, which was refused, with all that was asked with it but the copies
+told-replaces-part-terms = it replaces part { $old }, an earlier revision, with all that was asked with it but the copies
 told-replaces-part-date = it replaces part { $old }, an earlier revision, with its due date and its note
 told-more-wanted-record = { $more } more wanted, according to the record of a build
 told-published-after-backup = its build was published after the backup was made

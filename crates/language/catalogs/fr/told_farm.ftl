@@ -66,6 +66,8 @@ told-release-brief =
        *[other] { $n } exemplaires
     }, { $height } sur { $limit } mm de haut, densité { $density } %, environ { $hours } h d’impression
 told-node-serves-it = le nœud { $node } la sert
+told-node-is-gone = son nœud { $node } ne tourne pas
+told-node-with-machines = { $node } sur { $host }, avec { $names }
 told-gone-with-work =
     { $parts ->
         [one] { $parts } pièce
@@ -215,6 +217,10 @@ told-record-of-build = d’après la fiche d’un plateau
 told-imported-record = repris de sa fiche dans l’archive
 told-imported-from-build = repris de la fiche d’un plateau
 told-replaces-part-all = elle remplace la pièce { $old }, une révision antérieure, avec tout ce qui était demandé
+told-replaces-refused = elle remplace la pièce { $old }, qui a été refusée
+told-replaces-refused-all = elle remplace la pièce { $old }, qui a été refusée, avec tout ce qui était demandé avec elle
+told-replaces-refused-terms = elle remplace la pièce { $old }, qui a été refusée, avec tout ce qui était demandé avec elle sauf le nombre d’exemplaires
+told-replaces-part-terms = elle remplace la pièce { $old }, une révision antérieure, avec tout ce qui était demandé avec elle sauf le nombre d’exemplaires
 told-replaces-part-date = elle remplace la pièce { $old }, une révision antérieure, avec son échéance et sa note
 told-more-wanted-record = { $more } de plus, d’après la fiche d’un plateau
 told-published-after-backup = son plateau a été publié après la sauvegarde

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Columns of a machine that its node records.
-const MACHINE_COLUMNS: usize = 7;
+const MACHINE_COLUMNS: usize = 8;
 /// Machines that one statement records.
 const MACHINES_PER_STATEMENT: usize = 100;
 
@@ -33,6 +33,8 @@ pub struct ObservedMachine {
     pub is_queue_writable: bool,
     /// Why it is unavailable; "" = it is available, `None` = not known yet.
     pub trouble: Option<String>,
+    /// Its file with the defaults of the farm, in TOML; "" = it stays as it was said.
+    pub profile: String,
 }
 
 /// Last observed state of a machine.
@@ -52,9 +54,12 @@ pub struct MachineRow {
     pub trouble_at: Option<UtcTimestamp>,
     /// The node that serves it; "" = not known yet.
     pub node: String,
+    /// Its file with the defaults of its farm, in TOML; "" = its node has not said it.
+    #[serde(skip)]
+    pub profile: String,
 }
 
-sql_row!(MachineRow { machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node });
+sql_row!(MachineRow { machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node, profile });
 
 impl Ledger {
     /// The last observed states of all machines, by name.
@@ -158,6 +163,29 @@ impl Ledger {
     }
 }
 
+impl Ledger {
+    /// A node does not run although nobody stopped it: its machines are unavailable, until it says otherwise.
+    pub async fn record_node_gone(&self, node: &str) -> Result<()> {
+        let its = "SELECT machine FROM station WHERE node = $1 AND trouble = ''";
+        let its: Vec<String> = sql::query_scalar(its).bind(node).fetch_all(self.reader()?).await?;
+        if its.is_empty() {
+            return Ok(());
+        }
+        let mut change = self.begin_change().await?;
+        let (now, why) = (change.now, format!("its node {node} does not run"));
+        for machine in its {
+            let set = sql::query(
+                "UPDATE station SET trouble = $1, trouble_at = $2 WHERE machine = $3 AND node = $4 AND trouble = ''",
+            );
+            let set = set.bind(&why).bind(now).bind(&machine).bind(node);
+            if set.execute(change.db()).await? > 0 {
+                change.write_event(EventKind::Unavailable, &machine, None, None, &why).await?;
+            }
+        }
+        change.commit().await
+    }
+}
+
 /// Has the files of all live parts of a machine fetched from where they are.
 async fn fetch_files_of(change: &mut LedgerChange, machine: &str) -> Result<()> {
     let now = change.now;
@@ -201,15 +229,16 @@ pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen:
             format!("({})", places.join(", "))
         });
         let mut record = sql::query(AssertSqlSafe(format!(
-            "INSERT INTO station (machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node) \
+            "INSERT INTO station (machine, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at, node, profile) \
              VALUES {} ON CONFLICT (machine) DO UPDATE SET node = excluded.node, \
              scanned_at = coalesce(excluded.scanned_at, station.scanned_at), is_inbox_there = excluded.is_inbox_there, \
-             is_queue_writable = excluded.is_queue_writable, trouble = excluded.trouble, trouble_at = excluded.trouble_at",
+             is_queue_writable = excluded.is_queue_writable, trouble = excluded.trouble, trouble_at = excluded.trouble_at, \
+             profile = CASE WHEN excluded.profile = '' THEN station.profile ELSE excluded.profile END",
             places.collect::<Vec<_>>().join(", ")
         )));
         for (seen, trouble, since) in rows {
             record = record.bind(&seen.machine).bind(seen.scanned_at).bind(seen.is_inbox_there);
-            record = record.bind(seen.is_queue_writable).bind(*trouble).bind(*since).bind(node);
+            record = record.bind(seen.is_queue_writable).bind(*trouble).bind(*since).bind(node).bind(&seen.profile);
         }
         record.execute(change.db()).await?;
     }

@@ -48,6 +48,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (40, "machine is the word", include_str!("../../../../migrations/0040_machine_is_the_word.sql")),
     (41, "customers", include_str!("../../../../migrations/0041_customers.sql")),
     (42, "material", include_str!("../../../../migrations/0042_material.sql")),
+    (43, "profile of machine", include_str!("../../../../migrations/0043_profile_of_machine.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

@@ -12,6 +12,8 @@ const HURRY: &str = "5";
 pub struct TestNode {
     pub farm: TestFarm,
     pub name: String,
+    /// Where its pages are.
+    pub address: String,
 }
 
 impl TestNode {
@@ -26,7 +28,7 @@ impl TestNode {
              [web]\nlisten = \"127.0.0.1:{port}\"\n"
         );
         fs::write(farm.config(), more).unwrap();
-        Self { farm, name }
+        Self { farm, name, address: format!("http://127.0.0.1:{port}") }
     }
 
     pub fn started(number: u32, url: &str) -> Self {

@@ -75,6 +75,30 @@ fn take(queue: &QueueFolder) -> usize {
 }
 
 #[test]
+fn a_second_file_under_the_name_of_one_that_was_taken_back_stays_and_hinders_nothing() {
+    let printers = TwoPrinters::new();
+    assert_eq!(printers.left.take_back(BUILD, &is_proved).unwrap(), TakeBackOutcome::TakenBack);
+    fs::write(printers.left.published_path(BUILD), BUILD).unwrap();
+    assert_eq!(printers.left.take_back(BUILD, &is_proved).unwrap(), TakeBackOutcome::TakenBack);
+    assert!(printers.left.published_path(BUILD).exists());
+}
+
+#[test]
+fn a_folder_that_is_unmounted_while_a_file_is_taken_back_does_not_say_that_its_printer_took_it() {
+    let printers = TwoPrinters::new();
+    let [left, away] = ["left", "away"].map(|name| printers._dir.path().join(name));
+    let mut steps = 0;
+    let told = printers.left.take_back_with_hook(BUILD, &is_proved, &mut || {
+        steps += 1;
+        if steps == 2 {
+            fs::rename(&left, &away).unwrap();
+            fs::create_dir(&left).unwrap();
+        }
+    });
+    assert!(matches!(told, Err(QueueError::Unavailable { .. })), "{told:?}");
+}
+
+#[test]
 fn a_build_moved_between_printers_is_printed_once_wherever_it_is_stopped_and_whoever_takes_it() {
     let mut cases = 0;
     for stop in 1.. {

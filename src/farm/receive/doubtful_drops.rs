@@ -22,6 +22,13 @@ pub(super) async fn ask_about_doubts(
     if !replaced.is_empty() {
         add_question(solids, &place_doubt(&replaced));
     }
+    if let Some(moved) = ledger.moved_namesake(part).await? {
+        let doubt = format!(
+            "part {} of this name in its order was moved to {}, and it may be a newer one",
+            moved.id, moved.machine
+        );
+        add_question(solids, &doubt);
+    }
     let copy = intake::read_copy_name(&part.name);
     let names = names_in_formats(copy.as_ref().map_or(&part.name, |copy| &copy.original));
     if names.is_empty() || ledger.has_ticket(part.id).await? {

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 
 /// Suffixes that copying programs, browsers and sync programs add to incomplete files (or folders: Safari's `x.stl.download`),
 /// and editors to their backups.
-const SUFFIXES: [&str; 33] = [
+const SUFFIXES: [&str; 39] = [
     ".tmp",
     ".temp",
     ".partial",
@@ -39,6 +39,12 @@ const SUFFIXES: [&str; 33] = [
     ".orig",
     ".swp",
     ".autosave",
+    ".pending",
+    ".gdownload",
+    ".mega",
+    ".dtapart",
+    ".bc!",
+    ".icloud",
 ];
 /// Prefixes of Office lock files, and of the snapshots of Samba, which are named by their time. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`, `.snapshot`) are always
 /// ignored.

@@ -29,8 +29,11 @@ pub(crate) const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
 const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 /// Texts of other programs that may say how many are wanted of the parts beside them.
 const FOREIGN_TEXTS: [&str; 5] = ["json", "toml", "yaml", "yml", "xml"];
-/// Documents that are not read either, and say how many are wanted where they are called so.
-const DOCUMENTS: [&str; 7] = ["doc", "docx", "odt", "rtf", "pages", "pdf", "eml"];
+/// Documents, links and other forms of lists that are not read either, and say how many are wanted where they are called so.
+const DOCUMENTS: [&str; 20] = [
+    "doc", "docx", "odt", "rtf", "pages", "pdf", "eml", "msg", "htm", "html", "mht", "tab", "prn", "dbf", "gz",
+    "gsheet", "lnk", "url", "webloc", "desktop",
+];
 /// Starts of the names of texts and documents that say how many are wanted.
 const LIST_STARTS: [&str; 26] = [
     "order",

@@ -17,6 +17,17 @@ const ENDED: &str = "cancelled canceled cancel cancellation void obsolete discon
     製造済 製造済み 製作済 納品済 納品済み 出荷済 出荷済み 取消済 cxl cxld 已取消 已打印 已完成 已发货 已交付 отменено отменён отменена \
     отмена напечатано готово выполнено отгружено anulowane anulowano wydrukowane zrušeno vytištěno törölve iptal basıldı annulleret \
     inställd peruttu hiddenrow struckthrough 취소 취소됨 완료 출력완료";
+/// Words of a state in which nothing is to be made yet, or no more.
+const NOT_YET: &str = "superseded draft quote quotation estimate pending wait waiting pause paused stop stopped postponed deferred sold \
+    notapproved unapproved entwurf angebot anfrage warten wartet wartend zurückgestellt verschoben ersetzt überholt brouillon devis \
+    attente remplacé reporté borrador presupuesto pendiente bozza preventivo attesa concept offerte wacht 下書き 見積 見積中 待ち 草稿 报价 待定 \
+    черновик ожидание";
+/// Words by which a short note withdraws a row.
+const WITHDRAWN: &str = "cancelled canceled cancel storniert storno abgesagt entfällt entfallen hinfällig annulé annulée cancelado cancelada \
+    anulado annullato geannuleerd vervallen キャンセル 取消 已取消 отменено отменён notneeded notrequired nolongerneeded nichtbenötigt \
+    nichtnötig nichtmehrbenötigt pasnécessaire obsolete superseded";
+/// A longer note tells of something else, too.
+const MAX_NOTE_WORDS: usize = 5;
 /// Headers of columns that say whether a row is ended, beside the words above.
 const ENDED_HEADERS: &str = "cancelled canceled cancellation storniert storno storniertam entfällt annulé annulée done printed produced \
     finished completed delivered shipped erledigt gefertigt gefertigtam gedruckt gedrucktam produziert hergestellt fertig geliefert \
@@ -43,6 +54,8 @@ static ENDED_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(ENDED));
 static ENDED_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(ENDED_HEADERS));
 static WANTED_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(WANTED_HEADERS));
 static OPEN_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(OPEN));
+static NOT_YET_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(NOT_YET));
+static WITHDRAWN_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(WITHDRAWN));
 static NO_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(NO));
 
 fn words(list: &str) -> HashSet<String> {
@@ -58,15 +71,16 @@ pub(super) fn is_state_header(header: &str) -> bool {
 /// Most words of an end: `do not print`.
 const MAX_WORDS: usize = 3;
 
-/// Whether a longer text tells of an end: `cancelled by customer`, `already printed`, but not `not printed yet`.
-fn tells_of_end(cell: &str) -> bool {
-    let said: Vec<String> =
-        cell.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(normalize_word).collect();
+fn words_of(cell: &str) -> Vec<String> {
+    cell.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(normalize_word).collect()
+}
+
+/// Whether a longer text tells of one of these ends: `cancelled by customer`, `already printed`, but not `not printed yet`.
+fn tells_of(ends: &HashSet<String>, cell: &str) -> bool {
+    let said = words_of(cell);
     let is_open = |range: &[String]| range.iter().any(|word| OPEN_WORDS.contains(word));
     (1..=MAX_WORDS).flat_map(|length| said.windows(length).enumerate().map(move |(at, run)| (at, length, run))).any(
-        |(at, length, run)| {
-            ENDED_WORDS.contains(&run.concat()) && !is_open(&said[..at]) && !is_open(&said[at + length..])
-        },
+        |(at, length, run)| ends.contains(&run.concat()) && !is_open(&said[..at]) && !is_open(&said[at + length..]),
     )
 }
 
@@ -80,7 +94,9 @@ pub(super) fn says_no(header: &str, cell: &str) -> bool {
         // `なし` says nothing in most columns.
         true => WANTED_COLUMNS.contains(&column) && NO_WORDS.contains(&word),
         false if ENDED_WORDS.contains(&word) || not_to_print_words(cell).is_some() => true,
-        false if is_state && tells_of_end(cell) => true,
+        false if is_state && tells_of(&ENDED_WORDS, cell) => true,
+        false if words_of(cell).len() <= MAX_NOTE_WORDS && tells_of(&WITHDRAWN_WORDS, cell) => true,
+        false if WANTED_COLUMNS.contains(&column) && NOT_YET_WORDS.contains(&word) => true,
         false if ENDED_COLUMNS.contains(&column) => !is_no,
         false => WANTED_COLUMNS.contains(&column) && is_no,
     }
@@ -131,6 +147,14 @@ mod tests {
             ("Hold", "Y"),
             ("Skip", "x"),
             ("Qty printed", "5"),
+            ("status", "superseded"),
+            ("Status", "Entwurf"),
+            ("status", "not approved"),
+            ("Status", "zurückgestellt"),
+            ("status", "pending"),
+            ("comment", "customer cancelled"),
+            ("note", "cancelled by customer"),
+            ("note", "not needed any more"),
         ] {
             assert!(says_no(header, cell), "{header} = {cell}");
         }
@@ -161,6 +185,10 @@ mod tests {
             ("note", "cancelled order 7 was the same part"),
             ("Qty printed", "0"),
             ("Hold", "N"),
+            ("note", "pending paint sample"),
+            ("note", "draft angle 2 degrees"),
+            ("status", "approved"),
+            ("note", "not cancelled"),
         ] {
             assert!(!says_no(header, cell), "{header} = {cell}");
         }

@@ -9,6 +9,8 @@ const SIZE_PREFIXES: &str = "m м mf mj d ø φ ⌀ da di de do dia diam diamete
                              od id phi pcd dn nps g gf bsp bspp bspt bsw bsf npt unc unf unef un tr tm rd pg kf din iso en ansi asme \
                              jis gost fi nema awg swg sw tx torx ph pz mod modul module modulo módulo gt htd mxl xl at f led vis schraube \
                              直径 外径 内径 径 孔径 螺纹 モジュール ねじ ネジ 模数 丝杠";
+/// Bodies whose numbers name things of several sizes.
+const STANDARDS: &str = "din iso en ansi asme jis gost";
 /// Letters before a length, a width, a height or a thickness. Behind another size they complete it; alone, only a number of
 /// two digits is one, because `L2` and `H2` name things.
 const LENGTH_PREFIXES: &str = "b l h w t s r lg len length länge laenge longueur lunghezza largo longitud lengte długość dl breite \
@@ -142,6 +144,10 @@ fn is_open_size(words: &[NameWord], at: usize) -> bool {
         return !completes && (!is_length || prefix.chars().count() > 1 || number.len() > 1);
     }
     if is_bearing(&word.text) || is_listed(SIZE_NUMBERS, &word.text) {
+        return true;
+    }
+    // `ISO 4762`
+    if word.number().is_some() && earlier.is_some_and(|word| is_listed(STANDARDS, &word.text)) {
         return true;
     }
     match split_unit(&word.text) {

@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Names of recycle bins that people or their computers choose. Nobody orders what is thrown away, and it is not taken out of there.
-const BINS: [&str; 41] = [
+const BINS: [&str; 42] = [
     "papierkorb",
     "gelöscht",
     "gelöschte dateien",
@@ -17,6 +17,7 @@ const BINS: [&str; 41] = [
     "recycle",
     "recyclebin",
     "trash",
+    "trashes",
     "trashcan",
     "trashbox",
     "wastebasket",
@@ -52,7 +53,7 @@ const BINS: [&str; 41] = [
     "κάδος ανακύκλωσης",
 ];
 /// Names of folders for what is done, besides backups and what is old. An order may have such a name, so it is asked about.
-const DONE: [&str; 56] = [
+const DONE: [&str; 72] = [
     "archive",
     "archives",
     "archived",
@@ -109,6 +110,22 @@ const DONE: [&str; 56] = [
     "отменено",
     "キャンセル",
     "已取消",
+    "storno",
+    "failed",
+    "error",
+    "errors",
+    "fehler",
+    "ausschuss",
+    "scrap",
+    "rejects",
+    "superseded",
+    "obsolete",
+    "processed",
+    "wartend",
+    "previous versions",
+    "vorgängerversionen",
+    "versions",
+    "stversions",
 ];
 
 /// Words in the name of a file that nobody wants to be printed.
@@ -125,6 +142,30 @@ const DO_NOT_PRINT: [&str; 12] = [
     "印刷不要",
     "印刷禁止",
     "不要打印",
+];
+/// Words in the name of a file that is not wanted any more, or not yet.
+const UNWANTED: [&str; 21] = [
+    "cancelled",
+    "canceled",
+    "superseded",
+    "obsolete",
+    "rejected",
+    "not approved",
+    "deleted",
+    "scrapped",
+    "storniert",
+    "gesperrt",
+    "ausschuss",
+    "nicht fertig",
+    "nicht freigegeben",
+    "gelöscht",
+    "ungültig",
+    "annulé",
+    "supprimé",
+    "cancelado",
+    "annullato",
+    "キャンセル",
+    "已取消",
 ];
 
 /// The name as it is compared: without the signs around it that put it first or last in a list, as in `_old`.
@@ -154,10 +195,20 @@ fn without_date(name: &str) -> &str {
     if is_date(&name[..name.len() - bare.len()]) { bare } else { name }
 }
 
+/// The words by which a text says that something is not to be printed, if it has such.
+pub(crate) fn not_to_print_words(text: &str) -> Option<&'static str> {
+    let text = plain_words(text);
+    DO_NOT_PRINT.into_iter().find(|words| text.contains(words))
+}
+
 /// The words of a file's name by which nobody wants it to be printed, if it has such.
-pub(crate) fn not_to_print_words(name: &str) -> Option<&'static str> {
-    let name = fold_name(name).replace(['_', '-'], " ").replace('’', "'");
-    DO_NOT_PRINT.into_iter().find(|words| name.contains(words))
+pub(crate) fn unwanted_words(name: &str) -> Option<&'static str> {
+    let text = plain_words(name);
+    not_to_print_words(name).or_else(|| UNWANTED.into_iter().find(|words| text.contains(words)))
+}
+
+fn plain_words(text: &str) -> String {
+    fold_name(text).replace(['_', '-'], " ").replace('’', "'")
 }
 
 #[cfg(test)]
@@ -217,5 +268,8 @@ mod tests {
         assert_eq!(not_to_print_words("x_DO_NOT_PRINT.stl"), Some("do not print"));
         assert_eq!(not_to_print_words("Halter - nicht drucken.stl"), Some("nicht drucken"));
         assert_eq!(not_to_print_words("print-bed clip.stl"), None);
+        assert_eq!(unwanted_words("x_storniert.stl"), Some("storniert"));
+        assert_eq!(unwanted_words("Halter (not approved).stl"), Some("not approved"));
+        assert_eq!(unwanted_words("door_stop hold.stl"), None);
     }
 }

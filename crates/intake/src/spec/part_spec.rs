@@ -23,7 +23,7 @@ use crate::{
     names::{
         code_page::decode_candidates,
         copies::{CopiesInName, read_copies_in_file_name},
-        unordered_folder::{is_past_name, not_to_print_words},
+        unordered_folder::{is_past_name, unwanted_words},
     },
 };
 
@@ -127,7 +127,7 @@ impl ClaimedPart {
         given
             .warnings
             .extend(past.map(|name| print_question(&format!("it lies in a folder called {}", display_name(name)))));
-        let not_to_print = not_to_print_words(&self.display_name());
+        let not_to_print = unwanted_words(&self.display_name());
         given.warnings.extend(not_to_print.map(|words| print_question(&format!("its name says \"{words}\""))));
         Ok(given)
     }

@@ -137,6 +137,7 @@ told-other-format-part = es kann { $who } in einem anderen Format sein
 told-other-format = es kann { $name } in einem anderen Format sein
 told-put-back-by-sync = es hat Ordner, Namen, Bytes und Zeit von Teil { $part }; vielleicht hat ein Abgleichprogramm zurückgelegt, was schon angenommen war
 told-took-place = es trat an die Stelle der Teile { $names }, und nichts sagt, wie viele davon gewünscht sind
+told-moved-namesake = Teil { $part } dieses Namens in seinem Auftrag wurde zu { $machine } verschoben, und dies ist vielleicht eine neuere Fassung
 told-same-file-other-unit = Dieselbe Datei wie Teil { $part }, aber in einer anderen Einheit: es ist ein Teil anderer Größe.
 told-same-file-more = Dieselbe Datei wie Teil { $part }: als weitere Stück angenommen.
 told-same-file-refused = Es ist dieselbe Datei wie Teil { $part }, und diese Maschine nimmt keine Datei zweimal an. Sind weitere Stück gemeint, im Profil { $machine } duplicates = "warn" setzen, nestd neu laden und es zurückholen.

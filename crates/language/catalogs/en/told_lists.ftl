@@ -145,6 +145,7 @@ told-other-format-part = it may be { $who } in another format
 told-other-format = it may be { $name } in another format
 told-put-back-by-sync = it has the folder, the name, the bytes and the time of part { $part }, so a sync program may have put back what was taken already
 told-took-place = it took the place of the parts { $names }, and nothing says how many are wanted of it
+told-moved-namesake = part { $part } of this name in its order was moved to { $machine }, and it may be a newer one
 told-same-file-other-unit = The same file as part { $part }, but in another unit: it is a part of another size.
 told-same-file-more = The same file as part { $part }: taken as more copies.
 told-same-file-refused = It is the same file as part { $part }, and this machine takes no file twice. Where more copies are meant, set duplicates = "warn" in the profile { $machine }, reload nestd and take it back.

@@ -145,6 +145,7 @@ told-other-format-part = c’est peut-être { $who } dans un autre format
 told-other-format = c’est peut-être { $name } dans un autre format
 told-put-back-by-sync = elle a le dossier, le nom, les octets et l’heure de la pièce { $part } ; un logiciel de synchronisation a peut-être remis ce qui était déjà pris
 told-took-place = elle a pris la place des pièces { $names }, et rien ne dit combien sont voulues
+told-moved-namesake = la pièce { $part } de ce nom dans sa commande est passée à { $machine }, et celle-ci est peut-être plus récente
 told-same-file-other-unit = Le même fichier que la pièce { $part }, mais dans une autre unité : c’est une pièce d’une autre taille.
 told-same-file-more = Le même fichier que la pièce { $part } : pris comme exemplaires de plus.
 told-same-file-refused = C’est le même fichier que la pièce { $part }, et cette machine ne prend aucun fichier deux fois. Si plus d’exemplaires sont voulus, mettre duplicates = "warn" dans le profil { $machine }, recharger nestd et la reprendre.

@@ -137,6 +137,7 @@ told-other-format-part = 別の形式の { $who } かもしれません
 told-other-format = 別の形式の { $name } かもしれません
 told-put-back-by-sync = フォルダー、名前、内容、時刻がパーツ { $part } と同じです。受け付け済みのものを同期ソフトが戻した可能性があります
 told-took-place = パーツ { $names } の代わりになりましたが、必要な個数がどこにも示されていません
+told-moved-namesake = 同じ注文のこの名前のパーツ { $part } は { $machine } へ移されており、これはその新しい版かもしれません
 told-same-file-other-unit = パーツ { $part } と同じファイルですが、単位が違うため、別のサイズのパーツです。
 told-same-file-more = パーツ { $part } と同じファイルです。追加の個数として受け付けました。
 told-same-file-refused = パーツ { $part } と同じファイルで、この装置は同じファイルを 2 回受け付けません。追加の個数であれば、プロファイル { $machine } で duplicates = "warn" を設定し、nestd を再読み込みして戻してください。

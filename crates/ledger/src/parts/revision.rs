@@ -43,6 +43,18 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
+    /// A part of the same name in the same named order that was moved to another machine and is not built yet: a part that comes now may be a
+    /// newer revision of it.
+    pub async fn moved_namesake(&self, part: &PartRow) -> Result<Option<PartRow>> {
+        let query = sql::select_as(
+            "FROM part WHERE name = $1 AND order_name = $2 AND order_name <> '' AND machine <> $3 AND claim <> $4 AND id < $5 \
+             AND state IN ('claimed', 'waiting', 'batched') \
+             AND EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'moved') ORDER BY id DESC LIMIT 1",
+        );
+        let query = query.bind(&part.name).bind(&part.terms.order_name).bind(&part.machine).bind(&part.file.claim);
+        Ok(query.bind(part.id).fetch_optional(self.reader()?).await?)
+    }
+
     /// The parts whose place a part took without knowing how many copies are wanted of it: it has no ticket, and they are several, or the
     /// copies of the one were never known. None if that is known.
     pub async fn replaced_without_copies(&self, part: PartId) -> Result<Vec<PartRow>> {

@@ -10,6 +10,7 @@ mod order_requests;
 mod orders;
 mod pick;
 mod printers;
+mod put_back;
 mod store;
 mod told_words;
 mod withdrawals;

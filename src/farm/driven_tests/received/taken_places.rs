@@ -125,3 +125,22 @@ fn a_file_that_is_put_back_after_a_move_a_cancellation_or_a_revision_is_asked_ab
         }
     }
 }
+
+#[test]
+fn a_revision_that_is_dropped_where_its_part_was_moved_away_from_is_asked_about() {
+    let mut farm = farm();
+    farm.write_profile("other", &format!("{QUICK}[trigger]\nmax_wait_secs = \"24h\"\n"));
+    farm.reload();
+    farm.drop_bytes("kit/a.stl.toml", b"copies = 3\n");
+    farm.drop_part("kit/a.stl", &block(10.0, 12.0, 14.0));
+    let part = only_waiting(&mut farm).id;
+    farm.ask(async |ledger| ledger.move_to_machine(part, "other", false, "ann").await.unwrap());
+    farm.pass_secs(2.0);
+    farm.drop_part("kit/a.stl", &block(10.0, 12.0, 15.0));
+    let is_asked = |farm: &HandDrivenFarm| {
+        farm.parts(PartState::Waiting).iter().any(|one| one.owed.question.contains("was moved to other"))
+    };
+    farm.pass_until("it is asked about", is_asked);
+    let machines: Vec<String> = farm.parts(PartState::Waiting).into_iter().map(|part| part.machine).collect();
+    assert_eq!(machines.len(), 2, "{machines:?}");
+}

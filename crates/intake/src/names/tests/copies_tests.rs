@@ -77,3 +77,15 @@ fn any_name_is_read_without_a_panic() {
         let _ = read_copies_in_name(&name);
     });
 }
+
+#[test]
+fn a_name_that_is_no_text_says_no_copies_and_is_asked_about() {
+    let name: &OsStr = std::os::unix::ffi::OsStrExt::from_bytes(b"Halter \x93neu\x94 x4.stl".as_slice());
+    assert_eq!(read_copies_in_file_name(name), CopiesInName::Undecodable);
+    assert!(
+        CopiesInName::Undecodable
+            .unclear_reason()
+            .is_some_and(|why| why.contains("no text") || why.contains("not text"))
+    );
+    assert_eq!(read_copies_in_file_name(OsStr::new("Halter x4.stl")), CopiesInName::Said(4));
+}

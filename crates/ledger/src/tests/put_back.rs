@@ -1,0 +1,85 @@
+//! Which copies wait again, and which do not: each of these faults would print a copy too many or too few.
+
+use super::{printers::published_at, *};
+use crate::{
+    InQueueError, OperatorWord, PrintOutcome, PutBackReport, ReprintTarget, SeenFiles, ToldOutcome, WITHDRAWN_BY_NESTD,
+};
+
+fn told(outcome: PrintOutcome) -> ToldOutcome {
+    ToldOutcome::new(outcome, "", "a@b")
+}
+
+async fn row(ledger: &Ledger, part: PartId) -> PartRow {
+    ledger.find_part(part).await.unwrap().unwrap()
+}
+
+#[tokio::test]
+async fn copies_of_a_cancelled_part_are_not_printed_again() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let build = published(&ledger, &[(part, 0)]).await;
+    ledger.cancel_part(part, RefusalCause::Cancelled, "not needed").await.unwrap();
+    let report = ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    assert_eq!((report.put_back_copies(), row(&ledger, part).await.state), (0, PartState::Refused));
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn a_copy_is_bad_only_in_the_build_that_it_is_in() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let build = published(&ledger, &[(part, 0)]).await;
+    let mut change = ledger.begin_change().await.unwrap();
+    let told = change.mark_bad(build, &[(part, 1)], "a@b", true, &mut PutBackReport::default()).await;
+    assert!(matches!(told, Err(LedgerError::NotInBuild { copy: 1, .. })), "{told:?}");
+}
+
+#[tokio::test]
+async fn a_copy_that_is_good_after_all_takes_the_place_of_one_that_waits_for_it() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let build = published(&ledger, &[(part, 0)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    ledger.cancel_copies(part, 1, "a@b").await.unwrap();
+    assert_eq!(row(&ledger, part).await.wanted_copies(), 1);
+    ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap();
+    let part = row(&ledger, part).await;
+    assert_eq!((part.wanted_copies(), part.state), (1, PartState::Built), "none is printed once more");
+}
+
+#[tokio::test]
+async fn the_last_copies_of_a_part_are_printed_again() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let first = published(&ledger, &[(part, 0)]).await;
+    tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    let last = published(&ledger, &[(part, 1)]).await;
+    for build in [first, last] {
+        ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap();
+    }
+    ledger.reprint_copies(&ReprintTarget::Part(part, Some(1)), "a@b").await.unwrap();
+    let left = [ledger.copies_of_build(first).await.unwrap().len(), ledger.copies_of_build(last).await.unwrap().len()];
+    assert_eq!(left, [1, 0]);
+}
+
+#[tokio::test]
+async fn some_copies_of_a_build_that_lies_in_its_queue_are_not_printed_again_before_its_outcome_is_told() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let some = OperatorWord::Reprint(ReprintTarget::Part(part, Some(1)));
+    let refused = ledger.carry_out(&some, "a@b", &SeenFiles::new(), true).await;
+    let is_so = matches!(&refused, Err(LedgerError::InQueue(InQueueError::NotTold { build: of })) if *of == build);
+    assert!(is_so, "{refused:?}");
+}
+
+#[tokio::test]
+async fn copies_of_a_withdrawn_build_do_not_go_before_what_is_more_urgent() {
+    let ledger = fresh().await;
+    let build = published_at(&ledger, "a", "left").await;
+    let word = OperatorWord::Withdraw(build, String::new());
+    ledger.carry_out(&word, WITHDRAWN_BY_NESTD, &SeenFiles::new(), false).await.unwrap();
+    ledger.finish_noted_word(build, true).await.unwrap();
+    let parts = ledger.parts_in_state(PartState::Waiting).await.unwrap();
+    assert_eq!((parts.len(), parts[0].owed.put_back_at), (1, None));
+}

@@ -19,7 +19,7 @@ pub use service::node::NodeSettings;
 pub use service::notify::{NotifySettings, WebhookSettings};
 pub use service::settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
 pub use service::web::{ListenAddress, WebSettings};
-pub use validation::load::{SettingsError, find_config_file, load_for_viewing, load_settings};
+pub use validation::load::{OtherMachine, SettingsError, find_config_file, load_for_viewing, load_settings};
 
 mod machine;
 mod reading;

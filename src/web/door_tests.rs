@@ -123,7 +123,7 @@ async fn what_can_be_judged_is_refused_at_once_and_the_key_stays_free() {
     for (asked, said) in [
         (with(json!({ "priority": 101 })), "line 1 (a.stl): priority = 101; it must be 0 to 100"),
         (with(json!({ "content": "00".repeat(32) })), "put it first"),
-        (json!({ "machine": "none", "order": "K", "lines": [] }), "there is no machine none here; this node has cube"),
+        (json!({ "machine": "none", "order": "K", "lines": [] }), "there is no machine none; there are cube"),
         (of_lines(json!([])), "1 to 500 lines"),
     ] {
         let refused = order(&dashboard, "k", asked).await;

@@ -8,7 +8,7 @@ use std::{
 use tokio::sync::watch;
 
 use super::alert::AlertKind;
-use crate::settings::{Settings, SharedSettings};
+use crate::settings::{OtherMachine, Settings, SharedSettings};
 
 /// What is wrong with each service, by alert and name; `None` = it works.
 type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;
@@ -34,8 +34,8 @@ pub struct ServiceBridge {
     phase: watch::Sender<ServicePhase>,
     /// The settings by which they work: those of this node, with the machines of the others.
     settings: Option<SharedSettings>,
-    /// The machines of other nodes, each with its file as its node says it.
-    others: Arc<Mutex<Vec<(String, String)>>>,
+    /// The machines of other nodes.
+    others: Arc<Mutex<Vec<OtherMachine>>>,
 }
 
 impl ServiceBridge {
@@ -48,13 +48,13 @@ impl ServiceBridge {
     pub fn adopt_settings(&self, settings: &Settings) {
         if let Some(shared) = &self.settings {
             let others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
-            let all = settings.with_machines_of_others(others.iter().map(|(name, text)| (&**name, &**text)));
-            *shared.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(all);
+            *shared.write().unwrap_or_else(PoisonError::into_inner) =
+                Arc::new(settings.with_machines_of_others(&others));
         }
     }
 
-    /// Has the services know the machines of other nodes, each with its file, beside those of these settings.
-    pub fn adopt_machines_of_others(&self, settings: &Settings, machines: Vec<(String, String)>) {
+    /// Has the services know the machines of other nodes beside those of these settings.
+    pub fn adopt_machines_of_others(&self, settings: &Settings, machines: Vec<OtherMachine>) {
         let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
         if *others != machines {
             *others = machines;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use ledger::{Ledger, LedgerError, MachineRow};
 
-use crate::settings::Settings;
+use crate::settings::{OtherMachine, Settings};
 
 /// The machines that other nodes serve, each with its node, whether they are configured here or not.
 ///
@@ -34,11 +34,16 @@ pub async fn without_other_nodes(settings: &Settings, ledger: &Ledger) -> Result
     Ok(own)
 }
 
-/// The machines of other nodes, each with its file as its node says it.
-pub(crate) fn profiles_of_others(settings: &Settings, rows: &[MachineRow]) -> Vec<(String, String)> {
+/// The machines of other nodes, as these say them.
+pub(crate) fn profiles_of_others(settings: &Settings, rows: &[MachineRow]) -> Vec<OtherMachine> {
     let own = &settings.node.name;
     let others = rows.iter().filter(|row| !row.node.is_empty() && row.node != *own && !row.profile.is_empty());
-    others.map(|row| (row.machine.clone(), row.profile.clone())).collect()
+    let machine = |row: &MachineRow| OtherMachine {
+        name: row.machine.clone(),
+        node: row.node.clone(),
+        text: row.profile.clone(),
+    };
+    others.map(machine).collect()
 }
 
 /// The settings with the machines of all nodes, for whoever shows and plans them.
@@ -49,6 +54,5 @@ pub async fn with_other_nodes(settings: Settings, ledger: &Ledger) -> Result<Set
     if ledger.file().is_some() {
         return Ok(settings);
     }
-    let others = profiles_of_others(&settings, &ledger.list_machines().await?);
-    Ok(settings.with_machines_of_others(others.iter().map(|(name, text)| (&**name, &**text))))
+    Ok(settings.with_machines_of_others(&profiles_of_others(&settings, &ledger.list_machines().await?)))
 }

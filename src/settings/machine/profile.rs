@@ -89,6 +89,9 @@ pub struct MachineProfile {
     /// Its file with the defaults of the farm, in TOML; "" = it was not read from a file.
     #[serde(skip)]
     pub text: String,
+    /// The other node that serves it: its folders are there. "" = this one does, or nobody.
+    #[serde(skip)]
+    pub of_node: String,
     /// Its build space, and the distances between parts there.
     #[serde(flatten)]
     pub space: BuildSpace,

@@ -266,20 +266,31 @@ fn profile_of(
     validation_rules::validate_profile(name, inputs, folders, printers, validator)
 }
 
+/// A machine of another node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OtherMachine {
+    /// Its name.
+    pub name: String,
+    /// The node that serves it.
+    pub node: String,
+    /// Its file with the defaults of its farm, in TOML.
+    pub text: String,
+}
+
 impl Settings {
-    /// The settings with the machines of other nodes as these say them, each with its name and its file. What this version does not
-    /// understand is left out. Their folders are on other servers: what is written here for them says nothing.
-    pub fn with_machines_of_others<'r>(&self, rows: impl IntoIterator<Item = (&'r str, &'r str)>) -> Self {
+    /// The settings with the machines of other nodes as these say them. What this version does not understand is left out. Their folders are
+    /// on other servers: what is written here for them says nothing.
+    pub fn with_machines_of_others(&self, machines: &[OtherMachine]) -> Self {
         let mut all = self.clone();
-        for (name, text) in rows {
+        for OtherMachine { name, node, text } in machines {
             let inputs = text.parse::<Table>().ok().and_then(|table| ProfileInputs::deserialize(table).ok());
             let (Some(inputs), false) = (inputs, text.is_empty()) else { continue };
             let mut unused = ConfigValidator::new(Vec::new());
             let mut profile = profile_of(name, inputs, &self.root, &FarmInputs::default().folders, &mut unused);
             profile.time_zone = self.time_zone.clone();
             printer_validation::name_loaded(&mut profile, &self.materials, &mut unused);
-            profile.text = text.to_owned();
-            all.profiles.insert(name.to_owned(), profile);
+            (profile.text, profile.of_node) = (text.clone(), node.clone());
+            all.profiles.insert(name.clone(), profile);
         }
         all
     }

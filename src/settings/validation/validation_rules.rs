@@ -145,6 +145,7 @@ pub(super) fn validate_profile(
         time_zone: FarmZone::default(),
         materials: Materials::default(),
         text: String::new(),
+        of_node: String::new(),
         space: BuildSpace {
             volume_mm,
             wall_margin_mm: space.wall_margin_mm,

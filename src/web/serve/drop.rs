@@ -7,7 +7,7 @@ use anyhow::Context;
 use axum::{
     extract::{Multipart, Path, State, multipart::Field},
     http::StatusCode,
-    response::{IntoResponse, Response},
+    response::{IntoResponse, Redirect, Response},
 };
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use language::say;
@@ -43,12 +43,19 @@ const CONTENT_KEPT: Duration = Duration::from_secs(7 * 86_400);
 /// How long the key of a request is kept.
 const KEYS_KEPT: jiff::SignedDuration = jiff::SignedDuration::from_hours(30 * 24);
 
-/// The page with the form of a machine.
+/// The page with the form of a machine; for one of another node, that of its node.
 pub(super) async fn show_form(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
-) -> HandlerResult<Markup> {
-    let profile = find_profile(&web, &name)?;
+) -> HandlerResult<Response> {
+    let profile = find_machine(&web, &name)?;
+    if let Some(node) = web.ledger.find_node(&profile.of_node).await?.filter(|_| !profile.of_node.is_empty())
+        && node.alive
+        && !node.address.is_empty()
+    {
+        return Ok(Redirect::temporary(&format!("{}/machines/{name}/drop", node.address)).into_response());
+    }
+    let profile = require_own(profile)?;
     let content = html! {
         h1 { (say!("add-files-to", machine = &name)) }
         @if web.orders {
@@ -56,12 +63,23 @@ pub(super) async fn show_form(
             (drop_form(&web, &profile, web.current_settings().limits.max_bytes))
         } @else { p { (phrase!("no-orders-from-pages", folder = html! { code { (profile.folders.inbox.display()) } })) } }
     };
-    Ok(html_page(&say!("add-files-to", machine = &name), "", Some("drop.js"), &content))
+    Ok(html_page(&say!("add-files-to", machine = &name), "", Some("drop.js"), &content).into_response())
 }
 
-fn find_profile(web: &DashboardState, name: &str) -> HandlerResult<MachineProfile> {
+fn find_machine(web: &DashboardState, name: &str) -> HandlerResult<MachineProfile> {
     let settings = web.current_settings();
     settings.profiles.get(name).cloned().ok_or_else(|| HandlerError::NotFound(say!("machine-named", machine = name)))
+}
+
+/// Refuses files for a machine whose hot folder is on another server.
+fn require_own(profile: MachineProfile) -> HandlerResult<MachineProfile> {
+    match profile.of_node.as_str() {
+        "" => Ok(profile),
+        node => {
+            let text = say!("files-at-other-node", machine = &profile.name, node = node);
+            Err(refused(StatusCode::CONFLICT, text))
+        }
+    }
 }
 
 fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
@@ -76,7 +94,7 @@ pub(super) async fn post_files(
     progress: RequestInProgress,
     mut form: Multipart,
 ) -> HandlerResult<Response> {
-    let profile = find_profile(&web, &name)?;
+    let profile = require_own(find_machine(&web, &name)?)?;
     let busy = || HandlerError::TooMany(1, say!("others-add-files"));
     let _place = web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let (mut fields, mut files, mut asked) = (DropFields::default(), Vec::new(), blake3::Hasher::new());
@@ -199,8 +217,9 @@ async fn sweep_put_files(web: &DashboardState) -> HandlerResult<()> {
 /// Removes what was arriving when an earlier daemon ended, as long as the dashboard is served.
 pub(super) async fn sweep_unfinished(web: Arc<DashboardState>) {
     loop {
-        let inboxes: Vec<PathBuf> =
-            web.current_settings().profiles.values().map(|profile| profile.folders.inbox.clone()).collect();
+        let settings = web.current_settings();
+        let own = settings.profiles.values().filter(|profile| profile.of_node.is_empty());
+        let inboxes: Vec<PathBuf> = own.map(|profile| profile.folders.inbox.clone()).collect();
         let sweep = move || {
             for inbox in inboxes {
                 // A folder that is away is swept when it is there again.

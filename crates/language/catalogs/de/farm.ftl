@@ -153,3 +153,4 @@ unseen-seen-to = : dort liegen lassen ({ $machine })
 how-many = Wie viele Stück werden gebraucht? Vorerst gilt jeweils 1.
 say-how-many = Stückzahl angeben
 machine-named = Maschine { $machine }
+files-at-other-node = Dateien für { $machine } gehen an den Knoten { $node }, der sie bedient: dort auf seinen Seiten hinzufügen.

@@ -165,3 +165,4 @@ unseen-seen-to = : leave them there ({ $machine })
 how-many = How many copies are wanted? They are taken as 1.
 say-how-many = Say how many
 machine-named = machine { $machine }
+files-at-other-node = The files of { $machine } go to the node { $node }, which serves it: add them on its pages.

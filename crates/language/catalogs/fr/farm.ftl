@@ -165,3 +165,4 @@ unseen-seen-to =  : les y laisser ({ $machine })
 how-many = Combien d’exemplaires faut-il ? Ils comptent pour 1.
 say-how-many = Dire combien
 machine-named = machine { $machine }
+files-at-other-node = Les fichiers de { $machine } vont au nœud { $node }, qui la sert : les ajouter sur ses pages.

@@ -118,3 +118,4 @@ unseen-seen-to = : ファイルはそこに残す({ $machine })
 how-many = 何個必要ですか? 今は 1 個として扱っています。
 say-how-many = 個数を入力
 machine-named = 装置 { $machine }
+files-at-other-node = { $machine } のファイルは担当ノード { $node } のページで追加してください。

@@ -42,6 +42,10 @@ fn any_node_shows_plans_and_takes_orders_for_the_machines_of_all() {
         let told = node.farm.nestd_ok(&["status"]);
         assert!(told.contains(other), "{told}");
     }
+    // Files are dropped where the hot folder is.
+    let (status, told) = ask(&nodes[0], "GET", "/machines/machine-2/drop", "", b"");
+    assert!(status == 200 && told.as_str().unwrap().contains("machine-2"), "{told}");
+    assert!(!nodes[0].farm.root().join("inbox/machine-2").exists());
     // Files that were put on one node are ordered on the other, for a machine of either.
     let (first, second) = (stl(&block(20.0, 15.0, 10.0)), stl(&block(21.0, 15.0, 10.0)));
     let put = |node: &TestNode, bytes: &[u8]| {

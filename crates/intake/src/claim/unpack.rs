@@ -298,11 +298,12 @@ fn path_of(entry: &ZipFile<'_, BufReader<File>>) -> Result<Option<PathBuf>, Unpa
     let is_strange =
         bytes.contains(&0) || bytes.starts_with(b"/") || bytes.split(|&byte| byte == b'/').any(|one| one == b"..");
     if is_strange || entry.is_symlink() {
-        let what = if is_strange { "a file outside of it" } else { "a link" };
         let name = display_name(OsStr::from_bytes(&bytes));
-        return Err(UnpackError::Refused(format!(
-            "This archive names {what}, \"{name}\". Unpack it, and drop the files that are meant."
-        )));
+        let names = match is_strange {
+            true => format!("This archive names a file outside of it, \"{name}\"."),
+            false => format!("This archive names a link, \"{name}\"."),
+        };
+        return Err(UnpackError::Refused(format!("{names} Unpack it, and drop the files that are meant.")));
     }
     if bytes.ends_with(b"/") {
         return Ok(None);

@@ -389,3 +389,19 @@ told-at-risk-of = { $names } von { $name } sind fällig { $due }: { $why }
 told-at-risk-more = { $names } und { $more } weitere sind fällig { $due }: { $why }
 told-at-risk-more-of = { $names } und { $more } weitere von { $name } sind fällig { $due }: { $why }
 told-machine-not-configured = seine Maschine ist nicht konfiguriert
+
+## What is loaded
+
+told-loaded-before = { $material } war schon auf { $machine } geladen
+told-nothing-loaded-before = Auf { $machine } war schon nichts geladen
+told-loaded-now = { $material } ist jetzt auf { $machine } geladen: der nächste Baujob wird daraus
+told-nothing-loaded-now = Auf { $machine } ist jetzt nichts geladen: Teile mit Angabe des Werkstoffs warten
+told-others-wait =
+    { $parts ->
+        [one] { $parts } Teil dort wartet
+       *[other] { $parts } Teile dort warten
+    } auf einen anderen Werkstoff; `nestd status` sagt, auf welchen
+told-fired-of-other = Baujob { $build } wurde vorher ausgelöst und ist aus { $material }: ihn zuerst drucken oder zurückziehen
+told-material-not-named = [materials] in nestd.toml nennt „{ $material }“ nicht, nur { $names }: einen von diesen verwenden, oder ihn dort ergänzen und nestd neu laden
+told-no-machine-here = hier gibt es keine Maschine „{ $machine }“
+told-part-not-loaded = Teil { $part } ist aus { $material }, das auf { $machine } nicht geladen ist; `nestd machine load { $machine } '{ $material }'` meldet es als geladen

@@ -220,3 +220,15 @@ told-too-many-items-to-see = die Datei hat zu viele Build-Einträge, um zu sehen
 told-is-speck = es ist { $x } x { $y } x { $z } mm groß, kleiner als { $least } mm
 told-is-speck-inches = es ist { $x } x { $y } x { $z } mm groß, kleiner als { $least } mm; in Zoll statt Millimetern gelesen wäre es { $a } x { $b } x { $c } mm groß
 told-is-thin = es ist { $x } x { $y } x { $z } mm groß, dünner als eine Schicht von { $layer } mm
+
+## Why a ZIP archive was not unpacked
+
+told-archive-cannot = Dieses Archiv kann nicht entpackt werden: { $detail }. Es noch einmal als gewöhnliche ZIP-Datei ohne Kennwort packen, oder es entpacken und den Ordner ablegen.
+told-archive-twice = Dieses Archiv nennt eine Datei zweimal. Es entpacken und den Ordner ablegen.
+told-archive-names-twice = Dieses Archiv nennt „{ $name }“ zweimal. Es entpacken und den Ordner ablegen.
+told-archive-too-large = Dieses Archiv ist entpackt größer als erlaubt (`max_unpacked_bytes` = { $limit }, und das { $times }-fache seiner Größe je Datei). Es entpacken und den Ordner ablegen.
+told-archive-entries = Dieses Archiv hat { $entries } Einträge; erlaubt sind { $limit } (`max_entries`). Es entpacken und den Ordner ablegen.
+told-archive-in-archive = Dieses Archiv enthält ein weiteres Archiv, „{ $name }“. Beide entpacken und den Ordner ablegen.
+told-archive-empty = Dieses Archiv enthält keine Datei. Die Teile hineinpacken und es erneut ablegen.
+told-archive-outside = Dieses Archiv nennt eine Datei außerhalb, „{ $name }“. Es entpacken und die gemeinten Dateien ablegen.
+told-archive-link = Dieses Archiv nennt eine Verknüpfung, „{ $name }“. Es entpacken und die gemeinten Dateien ablegen.

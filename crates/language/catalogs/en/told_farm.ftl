@@ -428,3 +428,19 @@ told-at-risk-of = { $names } of { $name } are due { $due }: { $why }
 told-at-risk-more = { $names } and { $more } more are due { $due }: { $why }
 told-at-risk-more-of = { $names } and { $more } more of { $name } are due { $due }: { $why }
 told-machine-not-configured = its machine is not configured
+
+## What is loaded
+
+told-loaded-before = { $material } was loaded on { $machine } before
+told-nothing-loaded-before = Nothing was loaded on { $machine } before
+told-loaded-now = { $material } is loaded on { $machine } now: its next build is made of that
+told-nothing-loaded-now = Nothing is loaded on { $machine } now: parts that say their material wait
+told-others-wait =
+    { $parts ->
+        [one] { $parts } part there waits
+       *[other] { $parts } parts there wait
+    } for another material; `nestd status` says for which
+told-fired-of-other = Build { $build } fired before and is of { $material }: print it first, or withdraw it
+told-material-not-named = [materials] in nestd.toml does not name '{ $material }', only { $names }: use one of these, or add it there and reload nestd
+told-no-machine-here = there is no machine '{ $machine }' here
+told-part-not-loaded = part { $part } is of { $material }, which is not loaded on { $machine }; `nestd machine load { $machine } '{ $material }'` says that it is

@@ -220,3 +220,15 @@ told-too-many-items-to-see = the file has too many build items to see whether th
 told-is-speck = it is { $x } x { $y } x { $z } mm, smaller than { $least } mm
 told-is-speck-inches = it is { $x } x { $y } x { $z } mm, smaller than { $least } mm; read in inches instead of millimetres it would be { $a } x { $b } x { $c } mm
 told-is-thin = it is { $x } x { $y } x { $z } mm, thinner than a layer of { $layer } mm
+
+## Why a ZIP archive was not unpacked
+
+told-archive-cannot = This archive cannot be unpacked: { $detail }. Pack it once more as an ordinary ZIP file without a password, or unpack it and drop the folder.
+told-archive-twice = This archive names a file twice. Unpack it, and drop the folder.
+told-archive-names-twice = This archive names "{ $name }" twice. Unpack it, and drop the folder.
+told-archive-too-large = This archive unpacks to more than the limit (`max_unpacked_bytes` = { $limit }, and { $times } times its size for a file). Unpack it, and drop the folder.
+told-archive-entries = This archive has { $entries } entries; the limit is { $limit } (`max_entries`). Unpack it, and drop the folder.
+told-archive-in-archive = This archive has another archive in it, "{ $name }". Unpack both, and drop the folder.
+told-archive-empty = This archive has no file in it. Pack the parts into it, and drop it again.
+told-archive-outside = This archive names a file outside of it, "{ $name }". Unpack it, and drop the files that are meant.
+told-archive-link = This archive names a link, "{ $name }". Unpack it, and drop the files that are meant.

@@ -428,3 +428,19 @@ told-at-risk-of = { $names } de { $name }, échéance { $due } : { $why }
 told-at-risk-more = { $names } et { $more } de plus, échéance { $due } : { $why }
 told-at-risk-more-of = { $names } et { $more } de plus de { $name }, échéance { $due } : { $why }
 told-machine-not-configured = sa machine n’est pas configurée
+
+## What is loaded
+
+told-loaded-before = { $material } était déjà chargé sur { $machine }
+told-nothing-loaded-before = Rien n’était déjà chargé sur { $machine }
+told-loaded-now = { $material } est maintenant chargé sur { $machine } : son prochain plateau en est fait
+told-nothing-loaded-now = Rien n’est maintenant chargé sur { $machine } : les pièces qui nomment leur matériau attendent
+told-others-wait =
+    { $parts ->
+        [one] { $parts } pièce y attend
+       *[other] { $parts } pièces y attendent
+    } un autre matériau ; `nestd status` dit lequel
+told-fired-of-other = Le plateau { $build } a été lancé avant et est en { $material } : l’imprimer d’abord, ou le retirer
+told-material-not-named = [materials] dans nestd.toml ne nomme pas « { $material } », seulement { $names } : utiliser un de ceux-ci, ou l’y ajouter et recharger nestd
+told-no-machine-here = il n’y a pas de machine « { $machine } » ici
+told-part-not-loaded = la pièce { $part } est en { $material }, qui n’est pas chargé sur { $machine } ; `nestd machine load { $machine } '{ $material }'` dit qu’il l’est

@@ -220,3 +220,15 @@ told-too-many-items-to-see = le fichier a trop d’éléments de fabrication pou
 told-is-speck = elle fait { $x } x { $y } x { $z } mm, moins de { $least } mm
 told-is-speck-inches = elle fait { $x } x { $y } x { $z } mm, moins de { $least } mm ; lue en pouces plutôt qu’en millimètres, elle ferait { $a } x { $b } x { $c } mm
 told-is-thin = elle fait { $x } x { $y } x { $z } mm, moins qu’une couche de { $layer } mm
+
+## Why a ZIP archive was not unpacked
+
+told-archive-cannot = Cette archive ne peut pas être décompressée : { $detail }. La refaire en fichier ZIP ordinaire sans mot de passe, ou la décompresser et déposer le dossier.
+told-archive-twice = Cette archive nomme deux fois un fichier. La décompresser, et déposer le dossier.
+told-archive-names-twice = Cette archive nomme deux fois « { $name } ». La décompresser, et déposer le dossier.
+told-archive-too-large = Cette archive décompressée dépasse la limite (`max_unpacked_bytes` = { $limit }, et { $times } fois sa taille par fichier). La décompresser, et déposer le dossier.
+told-archive-entries = Cette archive a { $entries } entrées ; la limite est { $limit } (`max_entries`). La décompresser, et déposer le dossier.
+told-archive-in-archive = Cette archive en contient une autre, « { $name } ». Décompresser les deux, et déposer le dossier.
+told-archive-empty = Cette archive ne contient aucun fichier. Y mettre les pièces, et la déposer à nouveau.
+told-archive-outside = Cette archive nomme un fichier hors d’elle, « { $name } ». La décompresser, et déposer les fichiers voulus.
+told-archive-link = Cette archive nomme un lien, « { $name } ». La décompresser, et déposer les fichiers voulus.

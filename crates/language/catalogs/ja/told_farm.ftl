@@ -330,3 +330,15 @@ told-at-risk-of = { $name } の { $names } の納期は { $due } です: { $why 
 told-at-risk-more = { $names } ほか { $more } 件の納期は { $due } です: { $why }
 told-at-risk-more-of = { $name } の { $names } ほか { $more } 件の納期は { $due } です: { $why }
 told-machine-not-configured = 装置が設定されていません
+
+## What is loaded
+
+told-loaded-before = { $material } は以前から { $machine } に入っています
+told-nothing-loaded-before = { $machine } には以前から何も入っていません
+told-loaded-now = { $material } が { $machine } に入りました。次のビルドはこの材料になります
+told-nothing-loaded-now = { $machine } には今何も入っていません。材料の指定があるパーツは待ちます
+told-others-wait = そこの { $parts } 個のパーツは別の材料を待っています。材料は `nestd status` でわかります
+told-fired-of-other = ビルド { $build } は先に開始され、材料は { $material } です。先に造形するか、取り下げてください
+told-material-not-named = nestd.toml の [materials] に「{ $material }」はなく、{ $names } だけがあります。この中から選ぶか、追加して nestd を再読み込みしてください
+told-no-machine-here = ここに装置「{ $machine }」はありません
+told-part-not-loaded = パーツ { $part } の材料 { $material } は { $machine } に入っていません。入れたことの記録は `nestd machine load { $machine } '{ $material }'`

@@ -192,3 +192,15 @@ told-too-many-items-to-see = ビルド項目が多すぎて、接触している
 told-is-speck = { $x } x { $y } x { $z } mm で、{ $least } mm より小さくなっています
 told-is-speck-inches = { $x } x { $y } x { $z } mm で、{ $least } mm より小さくなっています。ミリではなくインチとして読むと { $a } x { $b } x { $c } mm です
 told-is-thin = { $x } x { $y } x { $z } mm で、1 層 { $layer } mm より薄くなっています
+
+## Why a ZIP archive was not unpacked
+
+told-archive-cannot = このアーカイブは展開できません: { $detail }。パスワードのない普通の ZIP として作り直すか、展開してフォルダーを入れてください。
+told-archive-twice = このアーカイブには同じファイルが 2 回あります。展開してフォルダーを入れてください。
+told-archive-names-twice = このアーカイブには「{ $name }」が 2 回あります。展開してフォルダーを入れてください。
+told-archive-too-large = このアーカイブは展開すると上限を超えます(`max_unpacked_bytes` = { $limit }、1 ファイルは元の { $times } 倍まで)。展開してフォルダーを入れてください。
+told-archive-entries = このアーカイブの項目は { $entries } 個で、上限は { $limit } 個です(`max_entries`)。展開してフォルダーを入れてください。
+told-archive-in-archive = このアーカイブの中に別のアーカイブ「{ $name }」があります。両方を展開してフォルダーを入れてください。
+told-archive-empty = このアーカイブにはファイルがありません。パーツを入れて、もう一度入れてください。
+told-archive-outside = このアーカイブは外のファイル「{ $name }」を指しています。展開して、必要なファイルを入れてください。
+told-archive-link = このアーカイブはリンク「{ $name }」を含みます。展開して、必要なファイルを入れてください。

@@ -7,7 +7,6 @@
 
 use std::collections::BTreeMap;
 
-use build_file::format_count;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -70,27 +69,30 @@ impl Ledger {
         let query = sql::query_scalar("SELECT material FROM loaded_material WHERE machine = $1").bind(machine);
         let before: String = query.fetch_optional(change.db()).await?.unwrap_or_default();
         if before == material {
-            return Ok(vec![format!("{} was loaded on {machine} before.", sentence_start(material))]);
+            return Ok(vec![match material {
+                "" => format!("Nothing was loaded on {machine} before."),
+                material => format!("{material} was loaded on {machine} before."),
+            }]);
         }
         change.set_loaded(machine, material, by).await?;
         let query = sql::query_scalar("SELECT id FROM part WHERE machine = $1 AND state = 'waiting'").bind(machine);
         for part in query.fetch_all(change.db()).await? {
             change.decide_awaiting(part).await?;
         }
-        let mut sentences =
-            vec![format!("{} is loaded on {machine} now: its next build is made of that.", sentence_start(material))];
+        let mut sentences = vec![match material {
+            "" => format!("Nothing is loaded on {machine} now: parts that say their material wait."),
+            material => format!("{material} is loaded on {machine} now: its next build is made of that."),
+        }];
         let awaiting: u32 =
             sql::query_scalar("SELECT count(*) FROM part WHERE machine = $1 AND state = 'waiting' AND awaits_material")
                 .bind(machine)
                 .fetch_one(change.db())
                 .await?;
-        if awaiting > 0 {
-            let waits = if awaiting == 1 { "waits" } else { "wait" };
-            sentences.push(format!(
-                "{} there {waits} for another material; `nestd status` says for which.",
-                format_count(awaiting, "part", "parts")
-            ));
-        }
+        sentences.extend(match awaiting {
+            0 => None,
+            1 => Some("1 part there waits for another material; `nestd status` says for which.".to_owned()),
+            parts => Some(format!("{parts} parts there wait for another material; `nestd status` says for which.")),
+        });
         for (build, of) in change.unprinted_builds(machine).await? {
             if !of.is_empty() && material_key(&of) != material_key(material) {
                 sentences.push(format!("Build {build} fired before and is of {of}: print it first, or withdraw it."));
@@ -198,9 +200,4 @@ impl LedgerChange {
         }
         Ok(is_changed)
     }
-}
-
-/// A material at the start of a sentence.
-fn sentence_start(material: &str) -> &str {
-    if material.is_empty() { "Nothing" } else { material }
 }

@@ -49,7 +49,7 @@ pub use facts::build_fact::{BuildFact, DatedBuild, build_fact, build_of_copy, bu
 pub use facts::copy_fact::{CopyWord, copy_counts, copy_fact, counted_words};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;
-pub use facts::machine_fact::{MachineFact, MachineWord, machine_fact};
+pub use facts::machine_fact::{MachineFact, MachineWord, asked_text, machine_fact};
 pub use facts::material_fact::MaterialReading;
 pub use facts::order_fact::{DatedOrder, OrderFact, OrderWord, delay_text};
 pub use facts::printer_fact::{PrinterFact, PrinterWord};

@@ -185,8 +185,8 @@ pub const ABOUT_HEIGHT: FieldDefinition = FieldDefinition::real("Height", "mm", 
 pub const FIRES_AT: FieldDefinition = FieldDefinition::time("Fires");
 /// When the print of a build begins.
 pub const BEGINS: FieldDefinition = FieldDefinition::time("Begins");
-/// When parts can be unpacked.
-pub const UNPACKED: FieldDefinition = FieldDefinition::time("Unpacked");
+/// When parts can be unpacked, as far as is known.
+pub const UNPACKED: FieldDefinition = FieldDefinition::time("Unpacking");
 /// How a person closed an order.
 pub const CLOSED: FieldDefinition = FieldDefinition::text("Closed");
 /// What can be sent to the customer of an order.

@@ -212,7 +212,7 @@ async fn an_order_shows_each_line_with_its_copies_its_part_and_its_builds() {
     let page = dashboard.get("/orders/bracket.stl").await.text;
     assert!(page.contains("href=\"/parts/1\"") && page.contains("href=\"/builds/1#part-1\""), "{page}");
     // No printer was decided, so that it is taken to print; it takes 8.75 hours.
-    assert!(page.contains("2 printing; since") && page.contains("Done "), "{page}");
+    assert!(page.contains("2 printing; since") && page.contains("Expected about <time"), "{page}");
     let order = dashboard.json("/api/v1/orders/bracket.stl").await;
     assert_eq!(
         (&order["state"], &order["standing"], &order["printing"]),

@@ -151,7 +151,7 @@ pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_
         configured,
         forecast: {
             let now = Timestamp::now();
-            let fact = machine_fact(&status, None, Vec::new(), now);
+            let fact = machine_fact(&status, None, Vec::new(), &[]);
             MachineForecast::new(status, None, fact, now)
         },
     };

@@ -57,8 +57,7 @@ fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
     let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_in_build(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
-    let unpacked =
-        sheet.fact.ends_at.map(|at| fields::UNPACKED.fact_of(format!("{}, as far as is known", view.near_text(at))));
+    let unpacked = sheet.fact.ends_at.map(|at| fields::UNPACKED.fact_of(view.estimate_text(at)));
     facts.splice(0..0, unpacked);
     let mut text =
         format!("Build {} of {}: {}\n{}", row.id, row.machine, sheet.fact.word, align_fields(&facts, columns));

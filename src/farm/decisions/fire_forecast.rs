@@ -60,7 +60,7 @@ fn contents_text(row: &MachineStatus) -> String {
             say!("with-copies-high", copies = copies, height = height)
         }
         // Its layout is not searched yet.
-        _ => say!("with-copies", copies = row.collecting_copies()),
+        _ => say!("with-copies", copies = row.collecting_copies),
     }
 }
 
@@ -72,7 +72,7 @@ pub fn forecast_fire(profile: &MachineProfile, row: &MachineStatus, now: Timesta
     let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
     let (oldest, outlook) = (row.waits_since?.0, PrinterOutlook::of_status(profile, row, now));
     let facts = |newest: Timestamp| TriggerFacts {
-        copies: row.collecting_copies().max(1) as usize,
+        copies: row.collecting_copies.max(1) as usize,
         oldest,
         due: DueFacts::of_arrivals(profile, &outlook, height_mm, &row.due_arrivals, newest),
         height_mm,

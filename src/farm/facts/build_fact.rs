@@ -23,6 +23,11 @@ pub struct BuildFact {
 }
 
 impl PlanStage {
+    /// Whether its print has begun, as far as is known.
+    pub fn has_begun(self) -> bool {
+        matches!(self, Self::Printing | Self::Cooling | Self::Ended)
+    }
+
     /// The stage in words. `awaits_release` = the build waits for a person's yes.
     pub fn word(self, awaits_release: bool) -> &'static str {
         match self {

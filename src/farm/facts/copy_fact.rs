@@ -15,7 +15,7 @@ use crate::farm::planning::{MachinePlan, PlanStage, PlannedPart};
 pub enum CopyWord {
     /// Told good.
     Good,
-    /// Its print is over, and nobody told how it came out.
+    /// Its print is over, as far as is known, and nobody told how it came out.
     Printed,
     /// It is printed.
     Printing,
@@ -54,7 +54,7 @@ impl CopyWord {
     pub fn word(self) -> &'static str {
         match self {
             Self::Good => "good",
-            Self::Printed => "printed",
+            Self::Printed => "should be printed",
             Self::Printing => "printing",
             Self::Queued => "in the queue",
             Self::InBuild => "in a build",

@@ -20,6 +20,10 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
         None => how,
     };
     let of = match (printed, copies.wanted) {
+        // Nobody told that.
+        (1, 1) if copies.printed > 0 => say!("note-one-should"),
+        (printed, parts) if copies.printed > 0 && printed == parts => say!("note-all-should", parts = parts),
+        (_, parts) if copies.printed > 0 => say!("note-some-should", printed = printed, parts = parts),
         (0, 1) => say!("note-one-not-printed"),
         (0, parts) => say!("note-none-printed", parts = parts),
         (1, 1) => say!("note-one-printed"),

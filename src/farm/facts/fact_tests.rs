@@ -81,25 +81,25 @@ fn one(builds: &[OccupyingBuild], now: f64) -> PrinterFact {
 fn a_printer_prints_cools_and_should_be_done_until_somebody_tells() {
     let steps = [
         (vec![], 1.0, PrinterWord::Free, "free now"),
-        (vec![made(1)], 1.0, PrinterWord::Expecting, "build 1 is made for it, free from today 15:00"),
-        (vec![queued(1)], 1.0, PrinterWord::Queued, "build 1 lies in its queue, free from today 15:00"),
+        (vec![made(1)], 1.0, PrinterWord::Expecting, "build 1 is made for it, free from about today 15:00"),
+        (vec![queued(1)], 1.0, PrinterWord::Queued, "build 1 lies in its queue, free from about today 15:00"),
         (
             vec![taken(1, 1.0), queued(2)],
             2.0,
             PrinterWord::Printing,
-            "printing build 1 until about today 11:00 (estimated), then 1 more build, free from tomorrow 05:00",
+            "printing build 1 until about today 11:00 (estimated), then 1 more build, free from about tomorrow 05:00",
         ),
         (
             vec![told(1, 1.0)],
             2.0,
             PrinterWord::Printing,
-            "printing build 1 until about today 11:00, free from today 15:00",
+            "printing build 1 until about today 11:00, free from about today 15:00",
         ),
         (
             vec![taken(1, 1.0)],
             12.0,
             PrinterWord::Cooling,
-            "cooling build 1 until about today 15:00 (estimated), free from today 15:00",
+            "cooling build 1 until about today 15:00 (estimated), free from about today 15:00",
         ),
         (
             vec![taken(1, 1.0)],
@@ -118,7 +118,7 @@ fn a_printer_prints_cools_and_should_be_done_until_somebody_tells() {
             vec![taken(1, 1.0), taken(2, 15.0)],
             16.0,
             PrinterWord::Printing,
-            "printing build 2 until about tomorrow 01:00 (estimated), free from tomorrow 05:00",
+            "printing build 2 until about tomorrow 01:00 (estimated), free from about tomorrow 05:00",
         ),
     ];
     for (builds, now, word, text) in steps {
@@ -139,21 +139,74 @@ fn a_printer_that_took_a_file_is_never_free_until_its_outcome_is_told() {
 fn a_printer_is_free_in_its_hours_and_one_that_is_down_says_why() {
     let closed = machine(&["name = \"left\"\nhours = \"Mon-Fri 6-22\""]);
     let fact = facts(&closed, &[], &[], 3.0).remove(0);
-    assert_eq!((fact.state, fact.doing.as_str()), (PrinterWord::Free, "free from today 06:00"));
+    assert_eq!((fact.state, fact.doing.as_str()), (PrinterWord::Closed, "closed until today 06:00"));
+    assert_eq!((fact.until, fact.free_at), (Some(at(6.0).into()), Some(at(6.0).into())));
+    assert_eq!(facts(&closed, &[], &[], 7.0).remove(0).state, PrinterWord::Free);
+    let goes_on = facts(&closed, &[taken(1, 1.0)], &[], 3.0).remove(0);
+    assert_eq!(goes_on.state, PrinterWord::Printing, "a print goes on at any time");
+    let never = machine(&["name = \"left\"\ndays_off = [\"2026-01-01..2040-01-01\"]"]);
+    let fact = facts(&never, &[], &[], 3.0).remove(0);
+    assert_eq!((fact.state, fact.doing.as_str()), (PrinterWord::Closed, "its calendar is not open again"));
     let down = facts(&machine(&["name = \"left\""]), &[taken(1, 1.0)], &["left"], 3.0).remove(0);
     assert_eq!((down.state, down.free_at), (PrinterWord::Down, None));
     assert_eq!(down.doing, "down since today 00:00 by ann@farm: its laser");
 }
 
 fn waiting(machine: &str) -> MachineStatus {
-    MachineStatus { machine: machine.to_owned(), waiting_parts: 1, waiting_copies: 3, ..MachineStatus::default() }
+    MachineStatus {
+        machine: machine.to_owned(),
+        waiting_parts: 1,
+        waiting_copies: 3,
+        collecting_copies: 3,
+        ..MachineStatus::default()
+    }
+}
+
+#[test]
+fn a_machine_that_is_closed_says_until_when_unless_a_printer_of_it_is_free() {
+    let hours = ["name = \"left\"\nhours = \"Mon-Fri 6-22\"", "name = \"right\"\nhours = \"Mon-Fri 2-22\""];
+    let said = |printers: &[&str], hour: f64, status: &MachineStatus| {
+        let profile = machine(printers);
+        let fact = machine_fact(status, None, facts(&profile, &[], &[], hour), &[]);
+        (fact.state, fact.doing)
+    };
+    let (nothing, three) = (MachineStatus::default(), waiting("m"));
+    let closed = "closed until today 06:00".to_owned();
+    assert_eq!(said(&hours[..1], 1.0, &nothing), (MachineWord::Closed, closed.clone()));
+    assert_eq!(said(&hours[..1], 1.0, &three), (MachineWord::Collecting, closed + "; collecting 3 copies"));
+    let both = "left: closed until today 06:00; right: closed until today 02:00".to_owned();
+    assert_eq!(said(&hours, 1.0, &nothing), (MachineWord::Closed, both));
+    let one = "left: closed until today 06:00; right: free now".to_owned();
+    assert_eq!(said(&hours, 3.0, &nothing), (MachineWord::Free, one));
+}
+
+#[test]
+fn a_proved_build_waits_for_a_yes_and_what_is_asked_is_not_collected() {
+    let profile = machine(&["name = \"left\""]);
+    let build = NestingBuild {
+        build: BuildId(4),
+        state: BuildState::Verified,
+        copies: 12,
+        fired_by: "full".to_owned(),
+        attempts: 1,
+        nesting_at: None,
+    };
+    let status = MachineStatus { nesting: vec![build], collecting_copies: 2, asked_copies: 1, ..waiting("m") };
+    let said = |awaiting: &[BuildId]| {
+        let fact = machine_fact(&status, None, facts(&profile, &[], &[], 3.0), awaiting);
+        (fact.state, fact.doing)
+    };
+    let rest = "collecting 2 copies; 1 copy waits for an answer";
+    assert_eq!(said(&[]), (MachineWord::Nesting, format!("build 4 is proved (12 copies); {rest}")));
+    let yes = format!("build 4 waits for a yes (12 copies); {rest}");
+    assert_eq!(said(&[BuildId(4)]), (MachineWord::AwaitsYes, yes));
 }
 
 #[test]
 fn a_machine_says_what_is_most_urgent_first_and_all_that_is_so() {
     let profile = machine(&["name = \"left\"", "name = \"right\""]);
     let machine_of = |status: &MachineStatus, builds: &[OccupyingBuild], down: &[&str]| -> MachineFact {
-        machine_fact(status, None, facts(&profile, builds, down, 2.0), at(2.0))
+        machine_fact(status, None, facts(&profile, builds, down, 2.0), &[])
     };
     let status = waiting(&profile.name);
     let idle = machine_of(&MachineStatus::default(), &[], &[]);
@@ -161,13 +214,13 @@ fn a_machine_says_what_is_most_urgent_first_and_all_that_is_so() {
     let collecting = machine_of(&status, &[], &[]);
     assert_eq!((collecting.state, collecting.doing.as_str()), (MachineWord::Collecting, "collecting 3 copies"));
     let awaiting = vec![AwaitedMaterial { material: "PA11".to_owned(), parts: 1, copies: 3 }];
-    let awaiting = machine_of(&MachineStatus { awaiting, ..status.clone() }, &[], &[]);
+    let awaiting = machine_of(&MachineStatus { awaiting, collecting_copies: 0, ..status.clone() }, &[], &[]);
     assert_eq!((awaiting.state, awaiting.doing.as_str()), (MachineWord::Free, "3 copies wait for PA11"));
     let printing = machine_of(&status, &[taken(1, 1.0)], &[]);
     assert_eq!(printing.state, MachineWord::Printing);
     assert_eq!(
         printing.doing,
-        "left: printing build 1 until about today 11:00 (estimated), free from today 15:00; right: free now; collecting 3 copies"
+        "left: printing build 1 until about today 11:00 (estimated), free from about today 15:00; right: free now; collecting 3 copies"
     );
     assert_eq!(printing.free_at, Some(at(2.0).into()), "the other one is free");
     let nesting = NestingBuild {
@@ -264,6 +317,7 @@ fn an_order_is_done_when_the_last_of_its_copies_is_and_late_where_the_plan_says_
     let expected = OrderFact {
         word: OrderWord::Late,
         done_at: Some(at(30.0).into()),
+        is_estimated: true,
         is_late: true,
         is_at_risk: true,
         missed_at: Some(at(20.0).into()),
@@ -346,6 +400,11 @@ fn a_customer_is_told_how_much_is_printed_and_when_the_rest_is_expected() {
     assert_eq!(
         note(OrderState::Open, none, Some(60.0)),
         "Your order A-7: none of the 3 parts is printed yet, all of it is expected Friday 27 November; 1 part is not made."
+    );
+    let untold = LineCopies { printed: 4, waiting: 4, ..some };
+    assert_eq!(
+        note(OrderState::Open, untold, Some(60.0)),
+        "Your order A-7: 44 of 48 parts should be printed by now, the rest is expected Friday 27 November."
     );
     let all = LineCopies { wanted: 2, good: 2, ..LineCopies::default() };
     assert_eq!(note(OrderState::Complete, all, None), "Your order A-7 is complete: all 2 parts are printed.");

@@ -1,13 +1,13 @@
 //! What a machine does and when it is free: a function of its printers, of what waits for it, and of what the daemon saw of it. Trouble
 //! goes first, then what its printers do, then what is made for them; it is free where nothing of all that is so.
 
-use jiff::Timestamp;
 use language::say;
-use ledger::{BuildState, MachineRow, MachineStatus, UtcTimestamp};
+use ledger::{BuildId, BuildState, MachineRow, MachineStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::printer_fact::{PrinterFact, PrinterWord};
+use crate::farm::planning::PlanStage;
 
 /// What a machine does, in one word: the first of these that is so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -27,12 +27,18 @@ pub enum MachineWord {
     Ended,
     /// A file lies in its queue.
     Queued,
-    /// A build is made: searched, proved, or waiting for a person's yes.
+    /// A proved build waits for a person's yes.
+    #[serde(rename = "waits for a yes")]
+    AwaitsYes,
+    /// A build is made: searched, or proved.
     Nesting,
     /// Files are read.
     Reading,
     /// Parts wait for its next build.
     Collecting,
+    /// Nothing of all that, and no print begins now on any of its printers.
+    #[serde(rename = "closed now")]
+    Closed,
     /// Nothing of all that.
     Free,
 }
@@ -56,7 +62,7 @@ pub struct MachineFact {
 
 impl MachineWord {
     /// All of them, the most urgent first.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Unavailable,
         Self::Paused,
         Self::Down,
@@ -64,9 +70,11 @@ impl MachineWord {
         Self::Cooling,
         Self::Ended,
         Self::Queued,
+        Self::AwaitsYes,
         Self::Nesting,
         Self::Reading,
         Self::Collecting,
+        Self::Closed,
         Self::Free,
     ];
 
@@ -80,20 +88,22 @@ impl MachineWord {
             Self::Cooling => "cooling",
             Self::Ended => "ended",
             Self::Queued => "queued",
+            Self::AwaitsYes => PlanStage::Made.word(true),
             Self::Nesting => "nesting",
             Self::Reading => "reading",
             Self::Collecting => "collecting",
+            Self::Closed => PrinterWord::Closed.word(),
             Self::Free => "free",
         }
     }
 }
 
-/// What is so of a machine with these printers. `observed` is what the daemon saw of it last.
+/// What is so of a machine with these printers. `observed` is what the daemon saw of it last, `awaiting` its builds that wait for a yes.
 pub fn machine_fact(
     status: &MachineStatus,
     observed: Option<&MachineRow>,
     printers: Vec<PrinterFact>,
-    now: Timestamp,
+    awaiting: &[BuildId],
 ) -> MachineFact {
     let trouble = observed.map_or("", |observed| observed.trouble.as_str());
     let is_one = |word: PrinterWord| printers.iter().any(|printer| printer.state == word);
@@ -107,9 +117,11 @@ pub fn machine_fact(
         _ if is_one(PrinterWord::Cooling) => MachineWord::Cooling,
         _ if is_one(PrinterWord::Ended) => MachineWord::Ended,
         _ if is_one(PrinterWord::Queued) => MachineWord::Queued,
+        _ if !awaiting.is_empty() => MachineWord::AwaitsYes,
         status if !status.nesting.is_empty() => MachineWord::Nesting,
         status if status.claimed_parts > 0 => MachineWord::Reading,
-        status if status.collecting_copies() > 0 => MachineWord::Collecting,
+        status if status.collecting_copies > 0 => MachineWord::Collecting,
+        _ if is_one(PrinterWord::Closed) && !is_one(PrinterWord::Free) => MachineWord::Closed,
         _ => MachineWord::Free,
     };
     let mut pieces = Vec::new();
@@ -120,8 +132,8 @@ pub fn machine_fact(
         let by = if paused.paused_by.is_empty() { "-" } else { &paused.paused_by };
         pieces.push(say!("machine-paused", by = by));
     }
-    pieces.extend(printing_texts(&printers, now));
-    pieces.extend(making_texts(status));
+    pieces.extend(printing_texts(&printers));
+    pieces.extend(making_texts(status, awaiting));
     MachineFact {
         machine: status.machine.clone(),
         state,
@@ -132,19 +144,20 @@ pub fn machine_fact(
 }
 
 /// What the printers of a machine do, unless all are idle.
-fn printing_texts(printers: &[PrinterFact], now: Timestamp) -> Vec<String> {
+fn printing_texts(printers: &[PrinterFact]) -> Vec<String> {
     match printers {
-        all if all.iter().all(|printer| printer.is_idle(now)) => Vec::new(),
+        all if all.iter().all(|printer| printer.state == PrinterWord::Free) => Vec::new(),
         [only] => vec![only.doing.clone()],
         all => all.iter().map(|printer| format!("{}: {}", printer.printer, printer.doing)).collect(),
     }
 }
 
 /// What is made, read and collected, in words.
-fn making_texts(status: &MachineStatus) -> Vec<String> {
+fn making_texts(status: &MachineStatus, awaiting: &[BuildId]) -> Vec<String> {
     let made = |build: &ledger::NestingBuild| {
         let (number, copies) = (build.build.to_string(), build.copies);
         match build.state {
+            _ if awaiting.contains(&build.build) => say!("build-awaits-yes", build = number, copies = copies),
             BuildState::Verified => say!("build-is-proved", build = number, copies = copies),
             _ => say!("build-is-searched", build = number, copies = copies),
         }
@@ -153,9 +166,10 @@ fn making_texts(status: &MachineStatus) -> Vec<String> {
     if status.claimed_parts > 0 {
         making.push(say!("reading-files", files = status.claimed_parts));
     }
-    if status.collecting_copies() > 0 {
-        making.push(say!("collecting-copies", copies = status.collecting_copies()));
+    if status.collecting_copies > 0 {
+        making.push(say!("collecting-copies", copies = status.collecting_copies));
     }
+    making.extend(asked_text(status));
     making.extend(
         status
             .awaiting
@@ -163,6 +177,11 @@ fn making_texts(status: &MachineStatus) -> Vec<String> {
             .map(|awaiting| say!("copies-await-material", copies = awaiting.copies, material = &awaiting.material)),
     );
     making
+}
+
+/// How many copies are asked about, in words; `None` = none is.
+pub fn asked_text(status: &MachineStatus) -> Option<String> {
+    (status.asked_copies > 0).then(|| say!("copies-await-answer", copies = status.asked_copies))
 }
 
 impl MachineFact {

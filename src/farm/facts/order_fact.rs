@@ -41,6 +41,8 @@ pub struct OrderFact {
     /// When all of it can be unpacked if nothing more arrives, as far as is known, to the minute; when it was over, where it is. `None` =
     /// that is not known.
     pub done_at: Option<UtcTimestamp>,
+    /// Whether nobody told that all of it is done: `done_at` goes by the plan.
+    pub is_estimated: bool,
     /// Whether a due date of it is missed, or will be.
     pub is_late: bool,
     /// Whether a due date of it is at risk: it is late, or less time is left than such plans are wrong by.
@@ -127,6 +129,7 @@ pub fn order_fact(order: &OrderSummary, plans: &[MachinePlan], now: Timestamp) -
             true => Some(order.order.state_at),
             false => done_at,
         },
+        is_estimated: !is_over,
         is_late: worst.is_some_and(|risk| risk.is_late) || passed.is_some(),
         is_at_risk: worst.is_some() || passed.is_some(),
         missed_at: passed.or(worst.filter(|risk| risk.is_late).map(|risk| risk.due_at)),

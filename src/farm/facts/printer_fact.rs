@@ -34,7 +34,10 @@ pub enum PrinterWord {
     Queued,
     /// A build is made for it.
     Expecting,
-    /// It has nothing to do.
+    /// It has nothing to do, and no print begins now: it is outside its hours, or it has a day off.
+    #[serde(rename = "closed now")]
+    Closed,
+    /// It has nothing to do, and a print could begin now.
     Free,
 }
 
@@ -53,7 +56,8 @@ pub struct PrinterFact {
     pub doing: String,
     /// The build that it prints, has printed, or begins next; `None` = there is none.
     pub build: Option<BuildId>,
-    /// When the print ends, its cooling ends, it should have ended, or the next print could begin, as far as is known, to the minute.
+    /// When the print ends, its cooling ends, it should have ended, or the next print could begin, as far as is known, to the minute; of a
+    /// closed one, when it is open again.
     pub until: Option<UtcTimestamp>,
     /// Whether nobody told that the print began: it is taken to have begun when the printer took its file.
     pub is_estimated: bool,
@@ -73,8 +77,16 @@ pub struct PrinterFact {
 
 impl PrinterWord {
     /// All of them, the most urgent first.
-    pub const ALL: [Self; 7] =
-        [Self::Down, Self::Printing, Self::Cooling, Self::Ended, Self::Queued, Self::Expecting, Self::Free];
+    pub const ALL: [Self; 8] = [
+        Self::Down,
+        Self::Printing,
+        Self::Cooling,
+        Self::Ended,
+        Self::Queued,
+        Self::Expecting,
+        Self::Closed,
+        Self::Free,
+    ];
 
     /// The word, as JSON has it.
     pub fn word(self) -> &'static str {
@@ -85,6 +97,7 @@ impl PrinterWord {
             Self::Ended => "ended",
             Self::Queued => "queued",
             Self::Expecting => "expecting",
+            Self::Closed => "closed now",
             Self::Free => "free",
         }
     }
@@ -101,12 +114,16 @@ pub fn printer_fact(
 ) -> PrinterFact {
     let load = load_of_spans(spans, now);
     let free_at = rules.begins_at(load.free_at, &profile.time_zone);
-    let (state, at) = doing(spans, now);
-    let until = at.map(|span| match state {
-        PrinterWord::Printing => span.printed_at,
-        PrinterWord::Cooling | PrinterWord::Ended => span.ends_at,
-        _ => span.begins_at,
-    });
+    let (state, at) = match doing(spans, now) {
+        (PrinterWord::Free, _) if free_at > now => (PrinterWord::Closed, None),
+        doing => doing,
+    };
+    let until = match (state, at) {
+        (PrinterWord::Closed, _) => Some(free_at),
+        (PrinterWord::Printing, Some(span)) => Some(span.printed_at),
+        (PrinterWord::Cooling | PrinterWord::Ended, Some(span)) => Some(span.ends_at),
+        (_, span) => span.map(|span| span.begins_at),
+    };
     let fact = PrinterFact {
         printer: rules.name.clone(),
         machine: profile.name.clone(),
@@ -153,11 +170,6 @@ impl PrinterFact {
         }
     }
 
-    /// Whether it has nothing to do, and a print could begin now.
-    pub fn is_idle(&self, now: Timestamp) -> bool {
-        self.state == PrinterWord::Free && self.free_at.is_some_and(|at| at.0 <= now)
-    }
-
     /// What it does: `printing build 4 until about today 15:30 (estimated), free from tomorrow 08:00`. `more` builds follow.
     fn in_words(&self, more: usize, zone: &FarmZone, now: Timestamp) -> String {
         let time = |at: Option<UtcTimestamp>| at.map(|at| zone.format_near(at.0, now));
@@ -165,11 +177,13 @@ impl PrinterFact {
         let until = time(self.until).unwrap_or_default();
         let free = match self.free_at {
             Some(at) if at.0 <= now => None,
-            Some(at) => Some(say!("printer-free-from", time = zone.format_near(at.0, now))),
+            Some(at) => Some(say!("printer-free-from", time = say!("about-time", time = zone.format_near(at.0, now)))),
             None => Some(say!("printer-never-open")),
         };
         let doing = match self.state {
-            PrinterWord::Free => return free.unwrap_or_else(|| say!("free-now")),
+            PrinterWord::Free => return say!("free-now"),
+            PrinterWord::Closed if self.free_at.is_none() => return say!("printer-never-open"),
+            PrinterWord::Closed => return say!("printer-closed", time = until),
             PrinterWord::Down => return self.down_text(zone, now),
             PrinterWord::Ended => {
                 say!("printer-ended", build = build, until = until)

@@ -57,7 +57,12 @@ impl<'p> FarmReading<'p> {
             printer_fact(profile, rules, spans, down.cloned(), times, self.now)
         });
         let status = MachineStatus::of_machine(&self.rows.statuses, &profile.name);
-        machine_fact(&status, self.rows.observed(&profile.name), printers.collect(), self.now)
+        machine_fact(
+            &status,
+            self.rows.observed(&profile.name),
+            printers.collect(),
+            &self.rows.awaiting_release(profile),
+        )
     }
 
     /// The plans of the machines, in their order.

@@ -3,7 +3,9 @@
 
 use anyhow::Result;
 use jiff::Timestamp;
-use ledger::{BuildRow, BuildState, DownPrinter, Ledger, MachineRow, MachineStatus, OccupyingBuild, ToldPrint};
+use ledger::{
+    BuildId, BuildRow, BuildState, DownPrinter, Ledger, MachineRow, MachineStatus, OccupyingBuild, ToldPrint,
+};
 
 use super::packing_experience::{LEARN_FROM, PackingExperience};
 use crate::{
@@ -20,6 +22,8 @@ pub struct FarmRows {
     pub observed: Vec<MachineRow>,
     /// The printers that people took out of use.
     pub down: Vec<DownPrinter>,
+    /// Proved builds that are not published.
+    pub verified: Vec<BuildRow>,
 }
 
 /// What a machine's printers have to do.
@@ -49,7 +53,14 @@ impl FarmRows {
                 }
             }
         }
-        Ok(Self { statuses, observed, down: ledger.down_printers().await? })
+        let verified = ledger.builds_in_state(BuildState::Verified).await?;
+        Ok(Self { statuses, observed, down: ledger.down_printers().await?, verified })
+    }
+
+    /// The builds of a machine that wait for a person's yes.
+    pub fn awaiting_release(&self, profile: &MachineProfile) -> Vec<BuildId> {
+        let own = self.verified.iter().filter(|build| build.machine == profile.name && awaits_release(profile, build));
+        own.map(|build| build.id).collect()
     }
 
     /// What the daemon saw of a machine last.

@@ -95,7 +95,7 @@ pub async fn preview_release(
         printer: printer.or_else(|| Some(rules_of_build(profile, build)?.name.clone())).unwrap_or_default(),
         begins_at,
         ends_at,
-        waiting_copies: MachineStatus::of_machine(&rows.statuses, &profile.name).waiting_copies,
+        waiting_copies: MachineStatus::of_machine(&rows.statuses, &profile.name).collecting_copies,
         late,
         made_again_for: find_misfit(profile, build),
     })

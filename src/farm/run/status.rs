@@ -340,6 +340,8 @@ fn status_json(
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
+        "collecting_copies": row.collecting_copies,
+        "asked_copies": row.asked_copies,
         "refused_files": machine.inbox.refused_file_count,
         "open_build": {
             "height_mm": open.height_mm,

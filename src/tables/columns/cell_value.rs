@@ -24,6 +24,8 @@ pub enum CellValue {
     Real(f64),
     /// A point in time.
     Time(UtcTimestamp),
+    /// A point in time that nobody told: it goes by the plan.
+    Estimate(UtcTimestamp),
     /// A due date. Programs get its instant.
     #[serde(serialize_with = "due_instant")]
     Due(GivenDate),
@@ -48,6 +50,13 @@ fn due_instant<S: serde::Serializer>(due: &GivenDate, serializer: S) -> Result<S
 
 fn promised_instant<S: serde::Serializer>(promise: &PromisedDate, serializer: S) -> Result<S::Ok, S::Error> {
     promise.done_at.serialize(serializer)
+}
+
+impl CellValue {
+    /// A time of the plan, if it is known.
+    pub fn estimate(at: Option<UtcTimestamp>) -> Self {
+        at.map_or(Self::Missing, Self::Estimate)
+    }
 }
 
 impl<T: Into<CellValue>> From<Option<T>> for CellValue {

@@ -128,6 +128,7 @@ impl FieldDefinition {
     pub fn cell_text(&self, value: &CellValue, view: &TimeView) -> Option<String> {
         match value {
             CellValue::Time(at) => Some(view.time_text(*at)),
+            CellValue::Estimate(at) => Some(view.estimate_text(*at)),
             CellValue::Due(due) => Some(view.due_text(due)),
             CellValue::Promise(promise) => Some(view.promise_text(promise)),
             other => self.plain_text(other),
@@ -138,7 +139,11 @@ impl FieldDefinition {
     pub fn plain_text(&self, value: &CellValue) -> Option<String> {
         Some(match value {
             // A time is shown by a `TimeView`, which knows the zone.
-            CellValue::Missing | CellValue::Time(_) | CellValue::Due(_) | CellValue::Promise(_) => return None,
+            CellValue::Missing
+            | CellValue::Time(_)
+            | CellValue::Estimate(_)
+            | CellValue::Due(_)
+            | CellValue::Promise(_) => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
             CellValue::Text(text)
             | CellValue::State(text)

@@ -48,12 +48,14 @@ pub struct PromisedDate {
     pub done_at: UtcTimestamp,
     /// By how much it is late; `None` = it is not.
     pub late: Option<SignedDuration>,
+    /// Whether nobody told that: it goes by the plan.
+    pub is_estimated: bool,
 }
 
 impl PromisedDate {
     /// That of an order, as far as it is known.
     pub fn of_order(fact: &OrderFact) -> Option<Self> {
-        Some(Self { done_at: fact.done_at?, late: fact.lateness() })
+        Some(Self { done_at: fact.done_at?, late: fact.lateness(), is_estimated: fact.is_estimated })
     }
 
     /// By how much it is late: `28 h late`.
@@ -91,6 +93,11 @@ impl TimeView {
     /// A time as people say it: `today 05:49`.
     pub fn near_text(&self, at: UtcTimestamp) -> String {
         self.now.map_or_else(|| self.zone.format_minute(at.0), |now| self.zone.format_near(at.0, now))
+    }
+
+    /// A time that nobody told, as people say it: `about today 05:49`.
+    pub fn estimate_text(&self, at: UtcTimestamp) -> String {
+        say!("about-time", time = self.near_text(at))
     }
 
     /// A text with each exact time of the farm in it as people say it: `before 2026-11-30 06:00 CET` becomes `before tomorrow 06:00`.
@@ -141,9 +148,13 @@ impl TimeView {
         }
     }
 
-    /// When something will be done, with its delay: `tomorrow 03:45, 28 h late`.
+    /// When something will be done, with its delay: `about tomorrow 03:45, 28 h late`.
     pub fn promise_text(&self, promise: &PromisedDate) -> String {
-        language::join_names([Some(self.near_text(promise.done_at)), promise.late_text()].into_iter().flatten())
+        let done = match promise.is_estimated {
+            true => self.estimate_text(promise.done_at),
+            false => self.near_text(promise.done_at),
+        };
+        language::join_names([Some(done), promise.late_text()].into_iter().flatten())
     }
 
     /// A due date with the time that is left: `2026-12-24, in 32d 4h`.

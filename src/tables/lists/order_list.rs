@@ -93,7 +93,7 @@ pub const ORDER_BUILD_COLUMNS: &[TableColumn<BuiltCopies>] = &[
     TableColumn::new("build", fields::BUILD, |row| CellValue::BuildWithPart(row.build, row.part)),
     TableColumn::for_programs("build_state", fields::LEDGER_STATE, |row| row.build_state.into()),
     TableColumn::new("state_word", fields::STATE, |row| CellValue::State(row.fact.word.clone())),
-    TableColumn::new("ends_at", fields::UNPACKED, |row| row.fact.ends_at.into()),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| CellValue::estimate(row.fact.ends_at)),
     TableColumn::for_programs("published_at", fields::PUBLISHED, |row| row.published_at.into()),
     TableColumn::for_programs("part", fields::PART, |row| row.part.into()),
     TableColumn::new("name", fields::NAME, |row| CellValue::NamedPart(row.part, row.name.clone())),

@@ -164,7 +164,7 @@ pub const COPY_GROUP_COLUMNS: &[TableColumn<CopyGroup>] = &[
     TableColumn::for_people("copy_state", fields::STATE, |row| {
         CellValue::State(row.first.copy_state.word().to_owned())
     }),
-    TableColumn::new("ends_at", fields::UNPACKED, |row| row.first.build.ends_at.into()),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| CellValue::estimate(row.first.build.ends_at)),
 ];
 
 /// Why a part was refused; otherwise what it waits for and its warnings.

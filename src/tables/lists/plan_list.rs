@@ -25,8 +25,11 @@ pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
     TableColumn::new("fires_at", fields::FIRES_AT, |row| row.fires_at.into()),
     TableColumn::for_people("fires_by", fields::FIRED_BY, |row| row.fires_by.map(|by| by.to_string()).into()),
     TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
-    TableColumn::new("begins_at", fields::BEGINS, |row| row.begins_at.into()),
-    TableColumn::new("ends_at", fields::UNPACKED, |row| row.ends_at.into()),
+    TableColumn::new("begins_at", fields::BEGINS, |row| match row.stage.has_begun() {
+        true => row.begins_at.into(),
+        false => CellValue::estimate(row.begins_at),
+    }),
+    TableColumn::new("ends_at", fields::UNPACKED, |row| CellValue::estimate(row.ends_at)),
     TableColumn::for_people("due", fields::DUE, |row| {
         GivenDate::new(row.parts.iter().filter_map(|part| part.due_at).min(), "").into()
     }),
@@ -36,7 +39,7 @@ pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
 pub const RISK_COLUMNS: &[TableColumn<DateRisk>] = &[
     TableColumn::for_people("of", fields::ORDER_OR_PART, |row| row.subject_text().into()),
     TableColumn::for_people("due", fields::DUE, |row| GivenDate::new(Some(row.due_at), &row.due_text).into()),
-    TableColumn::new("done_at", fields::UNPACKED, |row| row.done_at.into()),
+    TableColumn::new("done_at", fields::UNPACKED, |row| CellValue::estimate(row.done_at)),
     TableColumn::for_people("risk", fields::RISK, |row| CellValue::State(row.word().to_owned())),
     TableColumn::new("reason", fields::REASON, |row| (&row.reason).into()),
 ];
@@ -67,7 +70,7 @@ pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
     notes.push(match (plan.builds.len(), last) {
         (0, _) => say!("plan-nothing", machine = &plan.machine),
         (_, Some(last)) => {
-            say!("plan-done", machine = &plan.machine, time = view.near_text(last))
+            say!("plan-done", machine = &plan.machine, time = view.estimate_text(last))
         }
         (_, None) => say!("plan-unknown", machine = &plan.machine),
     });

@@ -12,7 +12,7 @@ use crate::{
     web::look::{
         chip::chip,
         pieces::thumbnail,
-        times::{due_of, promise_of, time_of},
+        times::{due_of, estimate_of, promise_of, time_of},
     },
 };
 
@@ -146,6 +146,7 @@ fn shown(field: &FieldDefinition, value: &CellValue, link: CellLink, view: &Time
         (CellValue::Prose(_), None) => prose_with_code(text),
         (CellValue::State(_), None) => chip(text),
         (CellValue::Time(at), None) => time_of(*at, view),
+        (CellValue::Estimate(at), None) => estimate_of(*at, view),
         (CellValue::Due(due), None) => due_of(due, view),
         (CellValue::Promise(promise), None) => promise_of(promise, view),
         _ => html! { (text) },

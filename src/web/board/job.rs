@@ -15,7 +15,7 @@ use crate::{
         look::{
             chip::{Tone, chip, chip_of},
             style::AXIS_STEPS,
-            times::time_of,
+            times::estimate_of,
         },
     },
 };
@@ -147,7 +147,7 @@ fn height(build: &PlannedBuild) -> String {
 
 /// When it comes to its next stage.
 fn when(build: &PlannedBuild, view: &TimeView) -> Markup {
-    let time = |at: UtcTimestamp| time_of(at, view);
+    let time = |at: UtcTimestamp| estimate_of(at, view);
     html! {
         @match (build.stage, build.printed_at, build.ends_at, build.fires_at, build.begins_at) {
             (PlanStage::Ended, _, Some(ends), ..) => (phrase!("since-time", time = time(ends))),
@@ -168,8 +168,7 @@ fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
         (None, Some(printer)) => say!("build-to-come-on", printer = printer),
         (None, None) => say!("build-to-come"),
     };
-    let time = |at: Option<UtcTimestamp>| at.map(|at| view.near_text(at));
-    let begun = matches!(build.stage, PlanStage::Printing | PlanStage::Cooling | PlanStage::Ended);
+    let time = |at: Option<UtcTimestamp>| at.map(|at| view.estimate_text(at));
     let dates = match build.dates {
         DatesKept::NoDate => None,
         DatesKept::Kept => Some(say!("all-dates-kept")),
@@ -177,13 +176,16 @@ fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
         DatesKept::Tight => Some(say!("a-date-is-tight")),
         DatesKept::Late => Some(say!("a-date-is-late")),
     };
-    let begins = |time: String| if begun { say!("began-time", time = time) } else { say!("begins-time", time = time) };
+    let begins = match build.stage.has_begun() {
+        true => build.begins_at.map(|at| say!("began-time", time = view.near_text(at))),
+        false => time(build.begins_at).map(|time| say!("begins-time", time = time)),
+    };
     let pieces = [
         Some(language::say_word("state", build.stage.word(build.awaits_release))),
         Some(height(build)).filter(|height| !height.is_empty()),
         Some(say!("count-copies", count = build.copies)),
         time(build.fires_at).map(|time| say!("fires-time", time = time)),
-        time(build.begins_at).map(begins),
+        begins,
         time(build.printed_at).map(|time| say!("printed-time", time = time)),
         time(build.ends_at).map(|time| say!("unpacked-time", time = time)),
         dates,

@@ -16,8 +16,8 @@ use super::{
 };
 use crate::{
     farm::{
-        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, forecast_fire,
-        held_text, night_text,
+        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text,
+        forecast_fire, held_text, night_text,
     },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
@@ -27,7 +27,7 @@ use crate::{
         forms::{drop_form::drop_form, machine_forms::load_form},
         look::{
             chip::chip,
-            times::{due_of, time_of},
+            times::{due_of, estimate_of, time_of},
         },
     },
 };
@@ -99,7 +99,7 @@ impl MachineRowOnBoard<'_> {
                 h2 { (name) " " (chip(self.fact.state.word())) }
                 @if !status.material.is_empty() { p.soft { (say!("material-loaded", material = &status.material)) } }
                 // Of a machine with one printer, its lane says it.
-                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now && self.fact.printers.len() > 1) { p.soft { (phrase!("free-time", time = time_of(free, view))) } }
+                @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now && self.fact.printers.len() > 1) { p.soft { (phrase!("free-time", time = estimate_of(free, view))) } }
                 (machine_warnings(status, self.observed, view))
                 div.buttons {
                     (self.next_step(web))
@@ -138,14 +138,12 @@ impl MachineRowOnBoard<'_> {
             jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer)).collect();
         own.sort_by_key(|job| job.begins());
         let doing = if is_only { &self.fact.doing } else { &printer.doing };
-        let now = setting.view.now().unwrap_or_else(Timestamp::now);
-        let is_free_now = printer.state == PrinterWord::Free && printer.free_at.is_none_or(|at| at.0 <= now);
         html! {
             div.lane {
                 p.lane-name {
                     @if !is_only { b { (printer.printer) } " " (chip(printer.state.word())) " " }
                     // That it is free, its state says.
-                    @if is_only || !is_free_now { span.soft.doing { (doing) "." } }
+                    @if is_only || printer.state != PrinterWord::Free { span.soft.doing { (doing) "." } }
                 }
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))
@@ -199,6 +197,7 @@ impl MachineRowOnBoard<'_> {
                 // Of a machine with one printer, its lane says it.
                 @if self.fact.printers.len() > 1 {
                     @for awaiting in &status.awaiting { span { (say!("copies-await-material", copies = awaiting.copies, material = &awaiting.material)) } }
+                    @if let Some(asked) = asked_text(status) { span { (asked) } }
                 }
                 @if let Some(open) = machine.forecast_build() { (self.open_build(open)) }
                 @if let Some(fires) = fires { (fire_time(&fires, (self.profile, status), view)) }

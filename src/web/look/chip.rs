@@ -41,7 +41,7 @@ impl Tone {
             Self::Good => &["complete", "good", "kept", "on time", "done", "runs"],
             Self::Busy => &[
                 "printing",
-                "printed",
+                "should be printed",
                 "cooling",
                 "nesting",
                 "being made",
@@ -65,7 +65,7 @@ impl Tone {
                 "in a build",
                 "later",
             ],
-            Self::Idle => &["free", "withdrawn", "cancelled", "closed", "stopped", "no date"],
+            Self::Idle => &["free", "closed now", "withdrawn", "cancelled", "closed", "stopped", "no date"],
             Self::Tight => &[
                 "tight",
                 "ended",

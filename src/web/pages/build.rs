@@ -103,7 +103,7 @@ fn figures(build: &BuildRow, fact: &BuildFact, copies: u32, profile: &MachinePro
             @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (figure(&height, &say!("figure-high", volume = volume), None)) }
             (figure(&copies.to_string(), &say!("figure-copies", count = copies), None))
             @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, &say!("figure-dense"), None)) }
-            @if let Some(ends) = fact.ends_at { (figure(&view.near_text(ends), &say!("figure-unpacked"), None)) }
+            @if let Some(ends) = fact.ends_at { (figure(&view.estimate_text(ends), &say!("figure-unpacked"), None)) }
         }
     }
 }

@@ -8,7 +8,7 @@ use ledger::{CommandKind, MachineStatus, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
 
 use crate::{
-    farm::load_placed_parts,
+    farm::{asked_text, load_placed_parts},
     settings::MachineProfile,
     tables::{
         BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, PART_COLUMNS, PART_PAGE_KEYS, fields, height_in_volume,
@@ -46,7 +46,7 @@ pub(crate) async fn show_preview(
     outside.retain(|part| !inside.iter().any(|counted| counted.part.id == part.id));
     let picture_html = machine_picture(&web, &status).await?;
     let placed: u32 = inside.iter().map(|counted| counted.copies).sum();
-    let later = status.waiting_copies.saturating_sub(placed);
+    let later = status.collecting_copies.saturating_sub(placed);
     let view = web.time_view();
     let content = html! {
         h1 { (say!("flush-machine", machine = &name)) }
@@ -54,6 +54,7 @@ pub(crate) async fn show_preview(
         @else {
             (preview_sentence(profile, &status, placed))
             @if later > 0 { p { (say!("in-no-layout", copies = later)) } }
+            @if let Some(asked) = asked_text(&status) { p { (asked) (say!("sign-stop")) } }
             div.buttons {
                 span.next-step { (command_button(&web, CommandKind::Flush, &say!("flush-now"), &say!("unseen-flush-now", machine = &name), &name, None)) }
                 a.button href="/" { (say!("not-now")) }

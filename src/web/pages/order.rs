@@ -248,7 +248,14 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
             }
             (phrase!("order-since", copies = copies_text(&order.copies), time = time_of(order.order.opened_at, view)))
             @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " " (phrase!("order-due", due = due_of(&due, view))) }
-            @if let Some(promise) = PromisedDate::of_order(&order.fact) { " " (phrase!("order-done", time = promise_of(&promise, view))) }
+            @if let Some(promise) = PromisedDate::of_order(&order.fact) {
+                @let time = promise_of(&promise, view);
+                " " @match promise.is_estimated {
+                    false => (phrase!("order-done", time = time)),
+                    true if view.now().is_some_and(|now| promise.done_at.0 <= now) => (phrase!("order-should-be-done", time = time)),
+                    true => (phrase!("order-expected", time = time)),
+                }
+            }
             @if let Some(closed) = closing_text(&order.order, view) { " " (say!("order-closed", how = closed)) }
         }
         @if order.fact.word == OrderWord::Short {

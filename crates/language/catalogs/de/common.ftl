@@ -13,6 +13,8 @@ date-tomorrow = morgen
 date-yesterday = gestern
 # $day is one of the above; $clock is 05:49.
 date-clock = { $day } { $clock }
+# A time that nobody told.
+about-time = etwa { $time }
 # On the axis of the board.
 date-today-alone = Heute
 # In a sentence to a customer: Freitag, 4. Dezember.
@@ -193,7 +195,7 @@ field-since = Seit
 field-print-times = Druckdauer
 field-fires = Auslösung
 field-begins = Beginn
-field-unpacked = Ausgepackt
+field-unpacking = Auspacken
 field-closed = Abgeschlossen
 field-to-send = Für den Kunden
 field-done = Fertig
@@ -231,7 +233,7 @@ state-on-time = pünktlich
 state-done = fertig
 state-runs = läuft
 state-printing = im Druck
-state-printed = gedruckt
+state-should-be-printed = wohl gedruckt
 state-cooling = kühlt ab
 state-nesting = wird gepackt
 state-being-made = wird erstellt
@@ -248,6 +250,7 @@ state-expecting = vorgemerkt
 state-in-a-build = in einem Baujob
 state-later = später
 state-free = frei
+state-closed-now = geschlossen
 state-withdrawn = zurückgenommen
 state-cancelled = storniert
 state-closed = abgeschlossen

@@ -2,6 +2,7 @@ machine-unavailable = nicht verfügbar: { $trouble }
 machine-paused = pausiert von { $by }
 free-now = jetzt frei
 build-is-proved = Baujob { $build } ist geprüft ({ $copies } Stück)
+build-awaits-yes = Baujob { $build } wartet auf Freigabe ({ $copies } Stück)
 build-is-searched = die Anordnung von Baujob { $build } wird gesucht ({ $copies } Stück)
 reading-files =
     liest { $files ->
@@ -13,6 +14,10 @@ copies-await-material = { $copies } Stück { $copies ->
         [one] wartet
        *[other] warten
     } auf { $material }
+copies-await-answer = { $copies } Stück { $copies ->
+        [one] wartet
+       *[other] warten
+    } auf eine Antwort
 print-times-set = { $per_mm } h je mm und { $hours } h, wie eingestellt
 print-times-learned =
     { $per_mm } h je mm und { $hours } h, aus { $prints ->
@@ -20,6 +25,7 @@ print-times-learned =
        *[other] { $prints } Drucken
     }
 printer-free-from = frei ab { $time }
+printer-closed = geschlossen bis { $time }
 printer-never-open = laut seinem Kalender nie wieder offen
 printer-ended = Baujob { $build } müsste seit etwa { $until } fertig sein: niemand hat das Ergebnis gemeldet
 printer-prints-estimated = druckt Baujob { $build } bis etwa { $until } (geschätzt)

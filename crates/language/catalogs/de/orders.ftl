@@ -42,6 +42,8 @@ order-for = Für { $customer }.
 order-since = { $copies }; seit { $time }.
 order-due = Fällig { $due }.
 order-done = Fertig { $time }
+order-expected = Erwartet { $time }
+order-should-be-done = Müsste fertig sein seit { $time }
 order-closed = Abgeschlossen { $how }.
 order-short-text = Nicht alles davon ist gut oder wird es: Abgelehntes erneut ablegen oder den Auftrag akzeptieren, wie er ist.
 a-state-of-part = kein Status eines Teils
@@ -98,7 +100,7 @@ in-build-state = { $copies } in Baujob { $build } ({ $state })
 none-in-build = keine in einem Baujob
 and-more = und { $count } weitere
 copies-good = { $count } gut
-copies-printed = { $count } gedruckt
+copies-printed = { $count } wohl gedruckt
 copies-printing = { $count } im Druck
 copies-queued = { $count } in der Warteschlange
 copies-in-build = { $count } in einem Baujob
@@ -116,6 +118,9 @@ note-one-not-printed = noch nicht gedruckt
 note-none-printed = noch keines der { $parts } Teile ist gedruckt
 note-one-printed = das Teil ist gedruckt
 note-all-printed = alle { $parts } Teile sind gedruckt
+note-one-should = es müsste inzwischen gedruckt sein
+note-all-should = alle { $parts } Teile müssten inzwischen gedruckt sein
+note-some-should = { $printed } von { $parts } Teilen müssten inzwischen gedruckt sein
 note-some-printed =
     { $printed ->
         [one] { $printed } von { $parts } Teilen ist gedruckt

@@ -13,6 +13,8 @@ date-tomorrow = tomorrow
 date-yesterday = yesterday
 # $day is one of the above; $clock is 05:49.
 date-clock = { $day } { $clock }
+# A time that nobody told.
+about-time = about { $time }
 # On the axis of the board.
 date-today-alone = Today
 # In a sentence to a customer: Friday 4 December.
@@ -197,7 +199,7 @@ field-since = Since
 field-print-times = Print times
 field-fires = Fires
 field-begins = Begins
-field-unpacked = Unpacked
+field-unpacking = Unpacking
 field-closed = Closed
 field-to-send = To send
 field-done = Done
@@ -235,7 +237,7 @@ state-on-time = on time
 state-done = done
 state-runs = runs
 state-printing = printing
-state-printed = printed
+state-should-be-printed = should be printed
 state-cooling = cooling
 state-nesting = nesting
 state-being-made = being made
@@ -252,6 +254,7 @@ state-expecting = expecting
 state-in-a-build = in a build
 state-later = later
 state-free = free
+state-closed-now = closed now
 state-withdrawn = withdrawn
 state-cancelled = cancelled
 state-closed = closed

@@ -6,6 +6,11 @@ build-is-proved =
         [one] { $copies } copy
        *[other] { $copies } copies
     })
+build-awaits-yes =
+    build { $build } waits for a yes ({ $copies ->
+        [one] { $copies } copy
+       *[other] { $copies } copies
+    })
 build-is-searched =
     build { $build } is being searched ({ $copies ->
         [one] { $copies } copy
@@ -26,6 +31,11 @@ copies-await-material =
         [one] { $copies } copy waits
        *[other] { $copies } copies wait
     } for { $material }
+copies-await-answer =
+    { $copies ->
+        [one] { $copies } copy waits
+       *[other] { $copies } copies wait
+    } for an answer
 print-times-set = { $per_mm } h per mm and { $hours } h, as set
 print-times-learned =
     { $per_mm } h per mm and { $hours } h, from { $prints ->
@@ -33,6 +43,7 @@ print-times-learned =
        *[other] { $prints } prints
     }
 printer-free-from = free from { $time }
+printer-closed = closed until { $time }
 printer-never-open = its calendar is not open again
 printer-ended = build { $build } should be done since about { $until }: nobody told how it printed
 printer-prints-estimated = printing build { $build } until about { $until } (estimated)
@@ -80,7 +91,7 @@ plan-paused = Nothing of { $machine } fires: it is paused.
 plan-unavailable = Nothing of { $machine } fires: it is unavailable.
 plan-no-printer = Nothing of { $machine } fires: none of its printers is in use.
 plan-nothing = Nothing waits for { $machine }, and nothing is printed.
-plan-done = If nothing more arrives, all of { $machine } is done at { $time }.
+plan-done = If nothing more arrives, all of { $machine } is done { $time }.
 plan-unknown = It is not known when the builds of { $machine } are done.
 plan-unplanned =
     { $parts ->

@@ -42,6 +42,8 @@ order-for = For { $customer }.
 order-since = { $copies }; since { $time }.
 order-due = Due { $due }.
 order-done = Done { $time }
+order-expected = Expected { $time }
+order-should-be-done = Should be done since { $time }
 order-closed = Closed { $how }.
 order-short-text = Not all of it is good, or will be: drop what was refused again, or accept the order as it is.
 a-state-of-part = a state of a part
@@ -105,7 +107,7 @@ in-build-state = { $copies } in build { $build } ({ $state })
 none-in-build = none in a build
 and-more = and { $count } more
 copies-good = { $count } good
-copies-printed = { $count } printed
+copies-printed = { $count } should be printed
 copies-printing = { $count } printing
 copies-queued = { $count } in the queue
 copies-in-build = { $count } in a build
@@ -123,6 +125,9 @@ note-one-not-printed = it is not printed yet
 note-none-printed = none of the { $parts } parts is printed yet
 note-one-printed = it is printed
 note-all-printed = all { $parts } parts are printed
+note-one-should = it should be printed by now
+note-all-should = all { $parts } parts should be printed by now
+note-some-should = { $printed } of { $parts } parts should be printed by now
 note-some-printed =
     { $printed ->
         [one] { $printed } of { $parts } parts is printed

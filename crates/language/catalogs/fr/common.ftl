@@ -21,6 +21,8 @@ date-tomorrow = demain
 date-yesterday = hier
 # $day is one of the above; $clock is 05:49.
 date-clock = { $day } { $clock }
+# A time that nobody told.
+about-time = vers { $time }
 # On the axis of the board.
 date-today-alone = Aujourd’hui
 # In a sentence to a customer: vendredi 4 décembre; the sentences have the article.
@@ -213,7 +215,7 @@ field-since = Depuis
 field-print-times = Temps d’impression
 field-fires = Départ
 field-begins = Début
-field-unpacked = Déballage
+field-unpacking = Déballage
 field-closed = Clôture
 field-to-send = À envoyer
 field-done = Fin
@@ -251,7 +253,7 @@ state-on-time = à temps
 state-done = terminée
 state-runs = en marche
 state-printing = en impression
-state-printed = imprimé
+state-should-be-printed = sans doute imprimé
 state-cooling = refroidit
 state-nesting = en placement
 state-being-made = en préparation
@@ -268,6 +270,7 @@ state-expecting = plateau prévu
 state-in-a-build = dans un plateau
 state-later = plus tard
 state-free = libre
+state-closed-now = fermé
 state-withdrawn = retiré
 state-cancelled = annulé
 state-closed = close

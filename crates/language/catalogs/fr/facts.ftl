@@ -6,6 +6,11 @@ build-is-proved =
         [one] { $copies } exemplaire
        *[other] { $copies } exemplaires
     })
+build-awaits-yes =
+    le plateau { $build } attend un accord ({ $copies ->
+        [one] { $copies } exemplaire
+       *[other] { $copies } exemplaires
+    })
 build-is-searched =
     recherche en cours pour le plateau { $build } ({ $copies ->
         [one] { $copies } exemplaire
@@ -26,6 +31,11 @@ copies-await-material =
         [one] { $copies } exemplaire attend
        *[other] { $copies } exemplaires attendent
     } { $material }
+copies-await-answer =
+    { $copies ->
+        [one] { $copies } exemplaire attend
+       *[other] { $copies } exemplaires attendent
+    } une réponse
 print-times-set = { $per_mm } h par mm et { $hours } h, d’après les réglages
 print-times-learned =
     { $per_mm } h par mm et { $hours } h, d’après { $prints ->
@@ -33,6 +43,7 @@ print-times-learned =
        *[other] { $prints } impressions
     }
 printer-free-from = libre dès { $time }
+printer-closed = fermé jusqu’à { $time }
 printer-never-open = son calendrier ne rouvre plus
 printer-ended = le plateau { $build } devrait être fini depuis { $until } environ : personne n’a signalé le résultat
 printer-prints-estimated = imprime le plateau { $build } jusque vers { $until } (estimation)
@@ -80,7 +91,7 @@ plan-paused = { $machine } : rien ne part, la machine est en pause.
 plan-unavailable = { $machine } : rien ne part, la machine est indisponible.
 plan-no-printer = { $machine } : rien ne part, aucune de ses imprimantes n’est en service.
 plan-nothing = { $machine } : rien n’attend et rien n’est en impression.
-plan-done = { $machine } : si plus rien n’arrive, tout est terminé { $time }.
+plan-done = { $machine } : si plus rien n’arrive, tout est terminé { $time }.
 plan-unknown = { $machine } : on ne sait pas quand les plateaux seront terminés.
 plan-unplanned =
     { $parts ->

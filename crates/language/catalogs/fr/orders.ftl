@@ -42,6 +42,8 @@ order-for = Pour { $customer }.
 order-since = { $copies } ; depuis { $time }.
 order-due = Échéance { $due }.
 order-done = Fin { $time }
+order-expected = Prévu { $time }
+order-should-be-done = Devrait être fini depuis { $time }
 order-closed = Close { $how }.
 order-short-text = Tout n’est pas bon, ou ne le sera pas : déposer à nouveau ce qui a été refusé, ou accepter la commande telle quelle.
 a-state-of-part = un état de pièce
@@ -111,8 +113,8 @@ copies-good =
     }
 copies-printed =
     { $count ->
-        [one] { $count } imprimé
-       *[other] { $count } imprimés
+        [one] { $count } sans doute imprimé
+       *[other] { $count } sans doute imprimés
     }
 copies-printing = { $count } en impression
 copies-queued = { $count } dans la file d’attente
@@ -143,6 +145,9 @@ note-one-not-printed = la pièce n’est pas encore imprimée
 note-none-printed = aucune des { $parts } pièces n’est encore imprimée
 note-one-printed = la pièce est imprimée
 note-all-printed = les { $parts } pièces sont toutes imprimées
+note-one-should = elle devrait être imprimée
+note-all-should = les { $parts } pièces devraient être imprimées
+note-some-should = { $printed } pièces sur { $parts } devraient être imprimées
 note-some-printed =
     { $printed ->
         [one] { $printed } pièce sur { $parts } est imprimée

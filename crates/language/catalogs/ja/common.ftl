@@ -13,6 +13,8 @@ date-tomorrow = 明日
 date-yesterday = 昨日
 # $day is one of the above; $clock is 05:49.
 date-clock = { $day } { $clock }
+# A time that nobody told.
+about-time = { $time } ごろ
 # On the axis of the board.
 date-today-alone = 今日
 # In a sentence to a customer: 12月4日(金曜日).
@@ -145,7 +147,7 @@ field-since = いつから
 field-print-times = 造形にかかる時間
 field-fires = 確定予定
 field-begins = 造形開始
-field-unpacked = 取り出し予定
+field-unpacking = 取り出し予定
 field-closed = 完了扱い
 field-to-send = 送る文面
 field-done = 完了
@@ -183,7 +185,7 @@ state-on-time = 納期内
 state-done = 完了
 state-runs = 動作中
 state-printing = 造形中
-state-printed = 造形済み
+state-should-be-printed = 造形済みの見込み
 state-cooling = 冷却中
 state-nesting = ネスティング中
 state-being-made = 作成中
@@ -200,6 +202,7 @@ state-expecting = ビルド待ち
 state-in-a-build = ビルド内
 state-later = 後続
 state-free = 空き
+state-closed-now = 稼働時間外
 state-withdrawn = 取り下げ済み
 state-cancelled = キャンセル済み
 state-closed = 完了扱い

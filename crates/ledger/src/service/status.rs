@@ -29,6 +29,10 @@ pub struct MachineStatus {
     pub waiting_parts: u32,
     /// Waiting copies.
     pub waiting_copies: u32,
+    /// Those of them that can be in the next build.
+    pub collecting_copies: u32,
+    /// Those of them that wait for an answer of a person: a yes, or their original once more.
+    pub asked_copies: u32,
     /// What is loaded there; "" = nothing, or nothing is said.
     pub material: String,
     /// The waiting parts whose material is not loaded there, by material; they are among those that wait.
@@ -74,11 +78,6 @@ impl MachineStatus {
     /// The status of a machine without any rows.
     pub fn nothing_of(machine: &str) -> Self {
         Self { machine: machine.to_owned(), ..Self::default() }
-    }
-
-    /// The waiting copies without those that wait for their material.
-    pub fn collecting_copies(&self) -> u32 {
-        self.waiting_copies.saturating_sub(self.awaiting.iter().map(|awaiting| awaiting.copies).sum())
     }
 
     /// The status of a machine among those of all machines.
@@ -200,12 +199,23 @@ struct PartCounts {
     claimed_parts: u32,
     waiting_parts: u32,
     waiting_copies: u32,
+    collecting_copies: u32,
+    asked_copies: u32,
     oldest_at: Option<UtcTimestamp>,
     waits_since: Option<UtcTimestamp>,
     newest_at: Option<UtcTimestamp>,
 }
 
-sql_row!(PartCounts { claimed_parts, waiting_parts, waiting_copies, oldest_at, waits_since, newest_at });
+sql_row!(PartCounts {
+    claimed_parts,
+    waiting_parts,
+    waiting_copies,
+    collecting_copies,
+    asked_copies,
+    oldest_at,
+    waits_since,
+    newest_at
+});
 
 /// The nearest due date.
 struct NearestDue {
@@ -226,13 +236,16 @@ sql_row!(DueDateRow { due_at, arrived_at, due_of });
 
 const COUNTS: &str = "SELECT p.machine, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
     count(*) FILTER (WHERE p.state = 'waiting') AS waiting_parts, \
-    CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
-    (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
+    CAST(coalesce(sum(p.owed), 0) AS BIGINT) AS waiting_copies, \
+    CAST(coalesce(sum(p.owed) FILTER (WHERE p.is_buildable), 0) AS BIGINT) AS collecting_copies, \
+    CAST(coalesce(sum(p.owed) FILTER (WHERE p.is_asked), 0) AS BIGINT) AS asked_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
-    min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.state = 'waiting' AND p.damaged_at IS NULL \
-    AND p.fetch_at IS NULL AND p.question = '' AND NOT p.awaits_material AND p.replaced_by IS NULL) AS waits_since, \
-    max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
-    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.machine";
+    min(coalesce(p.waits_since, p.claimed_at)) FILTER (WHERE p.is_buildable) AS waits_since, \
+    max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM (SELECT part.*, \
+    CASE state WHEN 'waiting' THEN copies - cancelled_copies - (SELECT count(*) FROM placement l WHERE l.part_id = part.id) ELSE 0 END \
+    AS owed, state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' AND NOT awaits_material \
+    AND replaced_by IS NULL AS is_buildable, state = 'waiting' AND NOT awaits_material AND (question <> '' OR damaged_at IS NOT NULL) \
+    AS is_asked FROM part WHERE state IN ('claimed', 'waiting')) AS p GROUP BY p.machine";
 
 /// Counts only refused parts of which copies are wanted, that can still be retried and were not cancelled; over the years, many parts
 /// are refused.
@@ -301,6 +314,8 @@ impl Ledger {
                 claimed_parts: row.claimed_parts,
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
+                collecting_copies: row.collecting_copies,
+                asked_copies: row.asked_copies,
                 oldest_at: row.oldest_at,
                 waits_since: row.waits_since,
                 newest_at: row.newest_at,

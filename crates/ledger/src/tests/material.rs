@@ -64,7 +64,7 @@ async fn a_part_goes_only_where_its_material_is_loaded_and_one_without_goes_anyw
     let status = MachineStatus::of_machine(&ledger.machine_statuses().await.unwrap(), MACHINE);
     let awaiting: Vec<_> = status.awaiting.iter().map(|of| (of.material.as_str(), of.parts, of.copies)).collect();
     assert_eq!(
-        (awaiting, status.waiting_copies, status.collecting_copies()),
+        (awaiting, status.waiting_copies, status.collecting_copies),
         (vec![("PA11", 1, 2), ("PA12", 1, 2)], 6, 2)
     );
     let kinds = ledger.parts_with_questions(9).await.unwrap();

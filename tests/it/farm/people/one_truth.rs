@@ -164,6 +164,34 @@ fn every_face_says_that_a_build_is_searched_and_a_folder_is_away() {
     farm.stop();
 }
 
+#[test]
+fn every_face_says_until_when_a_machine_is_closed_and_that_a_build_waits_for_a_yes() {
+    let today = jiff::Zoned::now().date();
+    let days = [jiff::Span::new().days(-2), jiff::Span::new().days(2)].map(|days| today.checked_add(days).unwrap());
+    let closed = format!("days_off = [\"{}..{}\"]\n", days[0], days[1]);
+    let mut farm = farm(&format!("{HOURS}{closed}approve = \"always\"\n"));
+    farm.start();
+    all_say(&farm, "closed now", "closed now", "null");
+    assert!(farm.nestd_ok(&["status", "--wide"]).contains("closed until "));
+    farm.drop_part("a DO NOT PRINT.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    all_say(&farm, "closed now", "closed now", "null");
+    let asked = "; 1 copy waits for an answer";
+    let status = || farm.nestd_ok(&["status", "--wide"]);
+    wait_until_or("it is asked about, and not collected", 20.0, status, || status().contains(asked));
+    assert!(!status().contains("collecting"), "{}", status());
+    farm.drop_part("b.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    all_say(&farm, "collecting", "closed now", "null");
+    assert!(status().contains("; collecting 1 copy; 1 copy waits for an answer"), "{}", status());
+    farm.flush();
+    let proved =
+        || !farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Verified).await.unwrap()).is_empty();
+    wait_until_or("the build is proved", 60.0, || farm.log(), proved);
+    all_say(&farm, "waits for a yes", "expecting", "1");
+    farm.stop();
+}
+
 /// What became of copies, from the fields of a JSON: `2 queued`.
 fn counted(copies: &Value) -> String {
     let keys = ["good", "printed", "printing", "queued", "in_builds", "waiting", "refused", "bad", "cancelled"];
@@ -235,6 +263,25 @@ fn all_count(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &st
     wait_until_or(&what, 30.0, || format!("{:#?}\n{}", others(), farm.log()), || others().is_empty());
 }
 
+/// Whether each face says when all of the order "kit", or its build 2, was done, and not about when that should be.
+fn faces_of_the_end(farm: &TestFarm) -> Vec<(&'static str, bool)> {
+    let order: Value = serde_json::from_str(&get(farm, "/api/v1/orders/kit")).unwrap_or_default();
+    let show = farm.nestd_ok(&["show", "order", "kit", "--wide"]);
+    let line = show.lines().find(|line| line.trim_start().starts_with("done ")).unwrap_or_default().to_owned();
+    let page = get(farm, "/orders/kit");
+    vec![
+        ("the JSON of the order", order["is_estimated"] == false && order["done_at"].is_string()),
+        ("nestd show order", line.contains(':') && !line.contains("about ")),
+        ("nestd orders", !farm.nestd_ok(&["orders", "--all", "--wide"]).contains("about ")),
+        ("the list of orders", !get(farm, "/orders").contains("about <time")),
+        ("the page of the order", page.contains("Done <time") && !page.contains("about <time")),
+        ("the page of the part", !get(farm, "/parts/1").contains("about <time")),
+        ("the page of the build", !get(farm, "/builds/2").contains("<b>about ")),
+        ("nestd show build", !farm.nestd_ok(&["show", "b2"]).contains("about ")),
+        ("the farm page", !get(farm, "/").contains("about <time")),
+    ]
+}
+
 fn take_queued(farm: &TestFarm) {
     for file in farm.wait_for_queued(1) {
         fs::remove_file(file).unwrap();
@@ -263,9 +310,11 @@ fn every_face_says_the_same_of_a_copy_in_each_of_its_states() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     take_queued(&farm);
-    all_count(&farm, "2 printed, 2 bad", "2 printed, 2 bad", Some((2, "cooling")));
+    all_count(&farm, "2 printed, 2 bad", "2 should be printed, 2 bad", Some((2, "cooling")));
+    assert_eq!(faces_of_the_end(&farm).into_iter().filter(|(_, is_told)| *is_told).collect::<Vec<_>>(), []);
     farm.nestd_ok(&["outcome", "2", "complete"]);
     all_count(&farm, "2 good, 2 bad", "2 good, 2 bad", Some((2, "complete")));
+    assert_eq!(faces_of_the_end(&farm).into_iter().filter(|(_, is_told)| !is_told).collect::<Vec<_>>(), []);
     farm.stop();
 }
 

@@ -163,6 +163,24 @@ async fn a_machine_is_paused_until_it_is_resumed() {
 }
 
 #[tokio::test]
+async fn status_does_not_count_what_is_asked_about_among_what_is_collected() {
+    let ledger = fresh().await;
+    let (_, lacks) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 5).await);
+    let asked = ledger.record_claim(&new_part("c", 2)).await.unwrap().id;
+    let question = "its name says that it is not to be printed".to_owned();
+    ledger.accept_solids(asked, &[SolidFacts { question, ..solid(0, 2) }]).await.unwrap();
+    let hash = ledger.find_part(lacks).await.unwrap().unwrap().file.content_hash;
+    ledger.mark_damaged(&hash, "its file is gone").await.unwrap();
+    let counts = async || {
+        let status = ledger.machine_statuses().await.unwrap().remove(0);
+        (status.waiting_copies, status.collecting_copies, status.asked_copies)
+    };
+    assert_eq!(counts().await, (10, 3, 7));
+    ledger.confirm_part(asked, "ann@farm").await.unwrap();
+    assert_eq!(counts().await, (10, 5, 5));
+}
+
+#[tokio::test]
 async fn status_counts_what_waits_and_shows_what_is_nested_and_published() {
     let ledger = fresh().await;
     let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 2).await);
@@ -175,7 +193,7 @@ async fn status_counts_what_waits_and_shows_what_is_nested_and_published() {
     assert_eq!(names, ["fuse-1", "paper-200"]);
     assert_eq!((status[0].claimed_parts, status[0].waiting_parts), (1, 0));
     let paper = &status[1];
-    assert_eq!((paper.waiting_parts, paper.waiting_copies), (1, 2));
+    assert_eq!((paper.waiting_parts, paper.waiting_copies, paper.collecting_copies), (1, 2, 2));
     assert_eq!(paper.oldest_at, Some(ledger.find_part(a).await.unwrap().unwrap().times.claimed_at));
     assert_eq!(paper.open.as_ref().unwrap().build, open);
     assert_eq!((paper.nesting.len(), paper.nesting[0].build, paper.nesting[0].copies), (1, second, 2));

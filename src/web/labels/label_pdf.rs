@@ -1,5 +1,5 @@
 //! Writes labels as a PDF. The font is embedded; letters that it lacks are drawn with the outlines of a font of the system. Such a text says
-//! what it is to whoever reads the file (`ActualText`).
+//! what it is to whoever reads the file (`ActualText`): a blank that nobody sees lies over it, for readers ask it only of text.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use flate2::{Compression, write::ZlibEncoder};
 use pdf_writer::{
     Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr,
-    types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap},
+    types::{CidFontType, FontFlags, SystemInfo, TextRenderingMode, UnicodeCmap},
 };
 use qrcode::{Color, EcLevel, QrCode};
 
@@ -173,6 +173,7 @@ fn draw_text(
         text.chars().all(|letter| font.glyph(letter).is_some_and(|glyph| letters.get(&glyph) == Some(&letter)));
     if !is_whole {
         content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(text));
+        lay_unseen_blank(content, font, [x, y], (size, size * font.text_width(text)));
     }
     let (mut x, mut run) = (x, (x, Vec::new()));
     for letter in text.chars() {
@@ -190,6 +191,16 @@ fn draw_text(
     if !is_whole {
         content.end_marked_content();
     }
+}
+
+/// Lays a blank that nobody sees over a place of this width.
+fn lay_unseen_blank(content: &mut Content, font: &LabelFont<'_>, [x, y]: [f64; 2], (size, width): (f64, f64)) {
+    let Some(blank) = font.glyph(' ') else { return };
+    let stretch = 100.0 * width / (size * font.letter_width(' '));
+    content.save_state().begin_text().set_font(FONT_NAME, size as f32);
+    content.set_text_rendering_mode(TextRenderingMode::Invisible).set_horizontal_scaling(stretch as f32);
+    content.set_text_matrix([1.0, 0.0, 0.0, 1.0, x as f32, y as f32]).show(Str(&blank.to_be_bytes()));
+    content.end_text().restore_state();
 }
 
 /// Shows glyphs of the embedded font that stand behind each other from a place on.
@@ -312,6 +323,30 @@ mod tests {
             assert!(drawn.contains(place), "{place}: {drawn}");
         }
         assert!((font.text_width("試作品") - 3.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_text_that_is_drawn_with_outlines_is_read_back_from_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let texts = ["試作品", "株式会社 1", "試作品-ロボット", "bracket.stl"];
+        let outlined: Vec<char> = "試作品株式会社".chars().collect();
+        std::fs::write(folder.path().join("gothic.ttf"), triangle_font(&outlined)).unwrap();
+        let lines = texts[1..].iter().map(|text| (*text).to_owned()).collect();
+        let label = Label { title: texts[0].to_owned(), lines, address: String::new() };
+        let labels = [label.clone(), label];
+        let (fonts, lacks) = fonts_for(&labels, &[folder.path().to_owned()]).unwrap();
+        assert!(lacks.is_empty(), "{lacks:?}");
+        let file = folder.path().join("labels.pdf");
+        std::fs::write(&file, write_labels("Labels", &labels, (LabelSheet::A4Wide, 0), &fonts).unwrap()).unwrap();
+        // Where poppler-utils are installed.
+        let Ok(read) = std::process::Command::new("pdftotext").args(["-enc", "UTF-8"]).arg(&file).arg("-").output()
+        else {
+            return;
+        };
+        let read = String::from_utf8(read.stdout).unwrap();
+        for text in texts {
+            assert_eq!(read.matches(text).count(), 2 + 2 * usize::from(text == texts[0]), "{text}: {read}");
+        }
     }
 
     #[test]

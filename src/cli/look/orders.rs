@@ -59,7 +59,7 @@ pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
     match sheets.is_empty() {
         true => print_text("No such orders.")?,
         false => {
-            let table = TextTable::of(ORDER_COLUMNS, &sheets, &view);
+            let table = TextTable::of(ORDER_COLUMNS, &sheets, &view).wrapping(&["name", "customer", "copies", "done"]);
             print_text(&table.fit_essentials(output_columns(args.wide), LEAST_ORDER_COLUMNS))?;
         }
     }

@@ -14,12 +14,16 @@ use crate::tables::{CellValue, FieldDefinition, TableColumn, TimeView, people_co
 
 /// A row that is shown as a list is not wrapped into fewer columns than this.
 const LEAST_WRAPPED: usize = 40;
+/// Widths to which long texts of a table are wrapped, the first that lets it fit.
+const TEXT_WIDTHS: [usize; 3] = [40, 32, 24];
 
 /// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
 pub struct TextTable {
     headings: Vec<TableHead>,
     rows: Vec<Vec<TableCell>>,
+    /// Longer texts of columns that are wrapped stand in several lines.
+    text_width: usize,
 }
 
 /// A cell: its text, and how it is shown.
@@ -42,11 +46,13 @@ struct TableHead {
     key: &'static str,
     text: String,
     is_right: bool,
+    /// Whether its texts are wrapped before other columns are left out.
+    is_wrapped: bool,
 }
 
 impl TableHead {
     fn of(key: &'static str, field: &FieldDefinition) -> Self {
-        Self { key, text: field.terminal_heading(), is_right: field.is_number() }
+        Self { key, text: field.terminal_heading(), is_right: field.is_number(), is_wrapped: false }
     }
 }
 
@@ -63,7 +69,20 @@ impl TextTable {
         Self {
             headings: columns.iter().map(|column| TableHead::of(column.key, &column.field)).collect(),
             rows: rows.iter().map(|row| columns.iter().map(|column| cell(column, row)).collect()).collect(),
+            text_width: usize::MAX,
         }
+    }
+
+    /// The table with columns of these keys whose long texts are wrapped before other columns are left out.
+    pub fn wrapping(mut self, keys: &[&str]) -> Self {
+        self.headings.iter_mut().for_each(|head| head.is_wrapped = keys.contains(&head.key));
+        self
+    }
+
+    /// The table in at most `columns` terminal columns, if texts need not be narrower for that than they may be.
+    fn fitted(&self, columns: usize) -> Option<Self> {
+        let widths = std::iter::once(usize::MAX).chain(TEXT_WIDTHS);
+        widths.map(|text_width| Self { text_width, ..self.clone() }).find(|table| table.fits_columns(columns))
     }
 
     /// Whether the table has no rows.
@@ -85,7 +104,7 @@ impl TextTable {
         let mut table = self.clone();
         let mut left_out: Vec<String> = Vec::new();
         for key in least {
-            if table.is_empty() || table.fits_columns(columns) {
+            if table.is_empty() || table.fitted(columns).is_some() {
                 break;
             }
             if let Some(at) = table.headings.iter().position(|head| head.key == *key) {
@@ -93,10 +112,8 @@ impl TextTable {
                 table.rows.iter_mut().for_each(|row| drop(row.remove(at)));
             }
         }
-        if !table.fits_columns(columns) {
-            return self.fit_columns(columns);
-        }
-        let text = table.to_string();
+        let Some(fitted) = table.fitted(columns) else { return self.fit_columns(columns) };
+        let text = fitted.to_string();
         match left_out.is_empty() {
             true => text,
             false => text + &wrap_words(&format!("(--wide: {})", left_out.join(", ")), columns, 1) + "\n",
@@ -123,14 +140,54 @@ impl TextTable {
     }
 
     fn column_width(&self, column: usize) -> usize {
-        let head = self.headings[column].text.chars().count();
-        self.rows.iter().map(|row| row[column].text.chars().count()).fold(head, usize::max)
+        let head = seen_width(&self.headings[column].text);
+        let lines = self.rows.iter().flat_map(|row| self.lines_of(column, &row[column]));
+        lines.map(|line| seen_width(&line.text)).fold(head, usize::max)
     }
+
+    /// The lines of a cell.
+    fn lines_of(&self, column: usize, cell: &TableCell) -> Vec<TableCell> {
+        let width = if self.headings[column].is_wrapped { self.text_width } else { usize::MAX };
+        wrap_cell(&cell.text, width).into_iter().map(|text| TableCell { text, paint: cell.paint }).collect()
+    }
+}
+
+/// A text in lines of at most `width` columns, broken at blanks where that is possible.
+fn wrap_cell(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_inclusive(' ') {
+        let fits = |line: &str, more: &str| seen_width(line) + seen_width(more.trim_end()) <= width;
+        if lines.last().is_some_and(|line| !line.is_empty() && !fits(line, word)) {
+            lines.push(String::new());
+        }
+        for letter in word.chars() {
+            if lines.last().is_some_and(|line| letter != ' ' && !fits(line, letter.encode_utf8(&mut [0; 4]))) {
+                lines.push(String::new());
+            }
+            lines.last_mut().into_iter().for_each(|line| line.push(letter));
+        }
+    }
+    lines.iter().map(|line| line.trim_end().to_owned()).collect()
 }
 
 /// Columns that a text takes.
 fn seen_width(text: &str) -> usize {
-    without_marks(text).chars().count()
+    without_marks(text).chars().map(letter_width).sum()
+}
+
+/// Columns that a letter takes: those of Chinese, Japanese and Korean take two (Unicode Standard Annex 11).
+fn letter_width(letter: char) -> usize {
+    match letter {
+        '\u{1100}'..='\u{115f}'
+        | '\u{2e80}'..='\u{a4cf}'
+        | '\u{ac00}'..='\u{d7a3}'
+        | '\u{f900}'..='\u{faff}'
+        | '\u{fe30}'..='\u{fe6f}'
+        | '\u{ff01}'..='\u{ff60}'
+        | '\u{ffe0}'..='\u{ffe6}'
+        | '\u{20000}'..='\u{3fffd}' => 2,
+        _ => 1,
+    }
 }
 
 impl fmt::Display for TextTable {
@@ -139,11 +196,16 @@ impl fmt::Display for TextTable {
         let head = |head: &TableHead| TableCell { text: head.text.clone(), paint: LinePaint::Plain };
         let heads: Vec<TableCell> = self.headings.iter().map(head).collect();
         for row in std::iter::once(&heads).chain(&self.rows) {
-            let cells = row.iter().zip(&widths).zip(&self.headings).map(|((cell, &width), head)| {
-                let blanks = " ".repeat(width - cell.text.chars().count());
-                if head.is_right { blanks + &cell.painted() } else { cell.painted() + &blanks }
-            });
-            writeln!(f, "{}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
+            let cells: Vec<Vec<TableCell>> =
+                row.iter().enumerate().map(|(column, cell)| self.lines_of(column, cell)).collect();
+            for line in 0..cells.iter().map(Vec::len).max().unwrap_or(0) {
+                let cells = cells.iter().zip(&widths).zip(&self.headings).map(|((lines, &width), head)| {
+                    let Some(cell) = lines.get(line) else { return " ".repeat(width) };
+                    let blanks = " ".repeat(width.saturating_sub(seen_width(&cell.text)));
+                    if head.is_right { blanks + &cell.painted() } else { cell.painted() + &blanks }
+                });
+                writeln!(f, "{}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
+            }
         }
         Ok(())
     }
@@ -225,6 +287,22 @@ mod tests {
         let essential = "NAME  COPIES  NOW\nmjf        3  collecting\nsls        0  idle\n(--wide: NEXT BUILD)\n";
         assert_eq!(table.fit_essentials(30, &["unknown", "next", "copies"]), essential);
         assert!(table.fit_essentials(6, &["next"]).contains("NAME: mjf"), "however narrow it is");
+    }
+
+    #[test]
+    fn long_texts_are_wrapped_before_a_column_is_left_out_and_wide_letters_take_two_columns() {
+        let name = "Sonderauftrag Getriebegehaeuse";
+        let rows = [(name, 3, "", "waiting"), ("試作品", 12, "", "-")];
+        let table = TextTable::of(COLUMNS, &rows, &TimeView::kept(&FarmZone::default())).wrapping(&["name"]);
+        let lines = [
+            "NAME              COPIES  NEXT BUILD  NOW",
+            "Sonderauftrag          3  -           waiting",
+            "Getriebegehaeuse",
+            "試作品                12  -           -",
+        ];
+        let shown = table.fit_essentials(50, &["next"]);
+        assert_eq!(shown.lines().collect::<Vec<_>>(), lines);
+        assert_eq!(wrap_cell("a-word-without-a-blank and more", 10), ["a-word-wit", "hout-a-bla", "nk and", "more"]);
     }
 
     #[test]

@@ -120,6 +120,28 @@ async fn the_farm_page_and_the_json_show_each_printer_of_a_machine_and_why_one_i
 }
 
 #[tokio::test]
+async fn a_printer_is_put_down_and_up_again_on_the_board() {
+    let dashboard = with_two_printers().await;
+    let down = async || dashboard.ledger.down_printers().await.unwrap();
+    let form = "action=\"/machines/paper-200/printer\"";
+    let board = dashboard.get("/").await.text;
+    assert!(board.contains(form) && board.contains("<option>left</option><option>right</option>"), "{board}");
+    let post = async |key: &str, fields: &[(&str, &str)]| {
+        dashboard.post_to("/machines/paper-200/printer", &[&[("key", key)], fields].concat()).await
+    };
+    let told = post("key", &[("printer", "left"), ("state", "down"), ("reason", " its laser ")]).await.text;
+    assert!(told.contains("The printer left is down") && told.contains("Undo"), "{told}");
+    assert_eq!((down().await[0].printer.as_str(), down().await[0].reason.as_str()), ("left", "its laser"));
+    let board = dashboard.get("/").await.text;
+    assert!(board.contains("Put it into use again") && !board.contains("<option>left"), "{board}");
+    let told = post("key", &[("printer", "left"), ("state", "up")]).await.text;
+    assert!(told.contains("takes builds again"), "{told}");
+    assert_eq!(down().await, []);
+    let nobody = post("key", &[("printer", "middle"), ("state", "down")]).await.status;
+    assert_eq!(nobody, axum::http::StatusCode::NOT_FOUND);
+}
+
+#[tokio::test]
 async fn what_is_loaded_is_said_on_the_board_and_by_programs_and_a_part_says_why_it_waits() {
     let dashboard = with_two_printers().await;
     let ledger = &dashboard.ledger;

@@ -24,7 +24,10 @@ use crate::{
     web::{
         base::listing::fact_list,
         core::{command::command_button, state::DashboardState},
-        forms::{drop_form::drop_form, machine_forms::load_form},
+        forms::{
+            drop_form::drop_form,
+            machine_forms::{down_form, load_form, up_form},
+        },
         look::{
             chip::chip,
             times::{due_of, estimate_of, time_of},
@@ -73,7 +76,7 @@ impl MachineRowOnBoard<'_> {
             section.machine id=(name) aria-label=(name) {
                 (self.head(web, view, now))
                 div.lanes {
-                    @for printer in &self.fact.printers { (self.lane(printer, &jobs, setting)) }
+                    @for printer in &self.fact.printers { (self.lane(web, printer, &jobs, setting)) }
                     (self.later(&jobs, setting))
                 }
                 div.machine-foot {
@@ -132,7 +135,7 @@ impl MachineRowOnBoard<'_> {
     }
 
     /// A printer and its builds in the order of time.
-    fn lane(&self, printer: &PrinterFact, jobs: &[Job<'_>], setting: &JobSetting<'_>) -> Markup {
+    fn lane(&self, web: &DashboardState, printer: &PrinterFact, jobs: &[Job<'_>], setting: &JobSetting<'_>) -> Markup {
         let is_only = self.fact.printers.len() == 1;
         let mut own: Vec<&Job<'_>> =
             jobs.iter().filter(|job| job.build.printer.as_ref() == Some(&printer.printer)).collect();
@@ -145,6 +148,7 @@ impl MachineRowOnBoard<'_> {
                     // That it is free, its state says.
                     @if is_only || printer.state != PrinterWord::Free { span.soft.doing { (doing) "." } }
                 }
+                @if let Some(down) = &printer.down { div.buttons { (up_form(web, down)) } }
                 div.track.down[printer.down.is_some()] {
                     (self.closed(printer, setting.axis))
                     (setting.axis.lines())
@@ -257,6 +261,7 @@ impl MachineRowOnBoard<'_> {
         html! {
             (fact_list(&more_facts(&machine, view), view))
             (load_form(web, self.status))
+            (down_form(web, &self.profile.name, &self.fact.printers))
             (self.last_outcome(view))
             @for note in plan_notes(self.plan, view) { p { (note) } }
         }

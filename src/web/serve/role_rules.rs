@@ -37,6 +37,7 @@ mod tests {
             (Method::PATCH, "/api/v1/uploads/00", Order),
             (Method::OPTIONS, "/api/v1/uploads", Read),
             (Method::POST, "/machines/p396/files", Order),
+            (Method::POST, "/machines/p396/printer", Operate),
             (Method::POST, "/orders/K/move", Order),
             (Method::POST, "/api/v1/builds/4/outcome", Operate),
             (Method::POST, "/api/v1/machines/p396/flush", Operate),

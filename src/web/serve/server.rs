@@ -149,6 +149,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/machines/{machine}/files", post(drop::post_files).layer(DefaultBodyLimit::disable()))
         .route("/machines/{machine}/dismiss", post(needs::post_dismiss))
         .route("/machines/{machine}/load", post(machine_forms::post_load))
+        .route("/machines/{machine}/printer", post(machine_forms::post_printer))
         .route("/history", get(history::show_history))
         .route("/history.csv", get(history::download_csv))
         .route("/history.json", get(history::download_json))

@@ -82,6 +82,8 @@ pub const COPIES_GOOD: FieldDefinition = FieldDefinition::whole("Good").unless_z
 pub const COPIES_REFUSED: FieldDefinition = FieldDefinition::whole("Refused").unless_zero();
 /// Copies that were printed badly.
 pub const COPIES_BAD: FieldDefinition = FieldDefinition::whole("Bad").unless_zero();
+/// The copies of a part that were printed badly in a build, by their numbers.
+pub const BAD_COPIES: FieldDefinition = FieldDefinition::text("Bad copies").unless_zero();
 /// Copies that are not wanted any more.
 pub const COPIES_CANCELLED: FieldDefinition = FieldDefinition::whole("Cancelled").unless_zero();
 /// Number of builds.

@@ -17,11 +17,12 @@ pub use lists::month::{MONTH_COLUMNS, MachineOutput};
 pub use lists::node_list::{FarmNode, NODE_COLUMNS, list_farm_nodes};
 pub use lists::order_list::{
     BUILD_PAGE_KEYS, BuiltCopies, LEAST_ORDER_COLUMNS, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS,
-    closing_text, copies_text,
+    closing_text, order_copies_text,
 };
 pub use lists::part_list::{
     BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CAKE_PART_COLUMNS, COPY_GROUP_COLUMNS, CopyGroup, CountedPart,
-    ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, WAITING_PART_COLUMNS, whereabouts,
+    ListedPart, ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, WAITING_PART_COLUMNS,
+    wanted_text, whereabouts,
 };
 pub use lists::pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down, removal_in_words};
 pub use lists::plan_list::{PLAN_COLUMNS, RISK_COLUMNS, plan_notes};

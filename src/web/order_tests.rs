@@ -1,6 +1,6 @@
 //! Tests of the order pages, and of the forms that tell outcomes, print again and change what was asked.
 
-use ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartId};
+use ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartEdit, PartId};
 
 use super::*;
 use crate::web::base::query::order_address;
@@ -261,6 +261,37 @@ async fn a_failed_print_stands_out_until_somebody_has_seen_to_it() {
     assert_eq!(dashboard.json("/api/v1/orders/bracket.stl").await["good"], 2);
 }
 
+/// The numbers of the bad copies of a build.
+fn json_of_bad(build: &serde_json::Value) -> Vec<u64> {
+    let bad = build["placements"].as_array().unwrap().iter().filter(|placed| placed["bad"] == true);
+    bad.map(|placed| placed["copy"].as_u64().unwrap()).collect()
+}
+
+#[tokio::test]
+async fn a_number_of_copies_that_is_asked_for_is_shown_as_not_known() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let asked = fixtures::asked(fixtures::new_part("a", 1), |terms| terms.order_name = "kit".to_owned());
+    let warnings = vec!["How many copies? Its name has two numbers.".to_owned()];
+    let part = NewPartRow { machine: "cube".to_owned(), warnings, ..asked };
+    let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
+    let order = dashboard.json("/api/v1/orders/kit").await;
+    assert_eq!((&order["lines_without_number"], &order["lines"][0]["is_number_known"]), (&1.into(), &false.into()));
+    assert_eq!(dashboard.json(&format!("/api/v1/parts/{id}")).await["part"]["is_number_known"], false);
+    for (path, words) in [
+        ("/orders".to_owned(), "1 waiting, how many of 1 line is not known"),
+        ("/orders/kit".to_owned(), "not known (1 waiting)"),
+        ("/parts".to_owned(), ">not known</td>"),
+        (format!("/parts/{id}"), "not known, taken as 1"),
+    ] {
+        let page = dashboard.get(&path).await.text;
+        assert!(page.contains(words), "{path}: {page}");
+    }
+    dashboard.ledger.edit_part(id, &PartEdit { copies: Some(1), ..PartEdit::default() }, "ann@farm").await.unwrap();
+    let order = dashboard.json("/api/v1/orders/kit").await;
+    assert_eq!((&order["lines_without_number"], &order["lines"][0]["is_number_known"]), (&0.into(), &true.into()));
+}
+
 #[tokio::test]
 async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
     let dashboard = with_a_build("bracket.stl").await;
@@ -272,6 +303,9 @@ async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
     dashboard.tell(&[("act", "complete"), ("bad_1", "1")]).await;
     assert_eq!((&order().await["good"], &order().await["waiting"]), (&1.into(), &1.into()));
     let page = dashboard.get("/builds/1").await.text;
+    let bad = json_of_bad(&dashboard.json("/api/v1/builds/1").await);
+    assert!(page.contains("<b>1</b>bad copy</a>") && page.contains(&format!("1 (no. {})", bad[0])), "{bad:?}: {page}");
+    assert_eq!(bad.len(), 1);
     let field = page.split("name=\"bad_1\"").nth(1).unwrap().split('>').next().unwrap();
     assert!(field.contains("value=\"1\""), "a correction starts from what was told: {field}");
     let part = dashboard.post_to("/parts/1/reprint", &[("key", "key"), ("copies", "1")]).await;

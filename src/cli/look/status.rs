@@ -21,8 +21,8 @@ use crate::{
     },
     settings::{FarmZone, Settings},
     tables::{
-        FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, PRINTER_COLUMNS, TimeView,
-        list_farm_nodes,
+        FarmNode, ListedPart, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS,
+        PRINTER_COLUMNS, TimeView, list_farm_nodes,
     },
 };
 
@@ -232,7 +232,9 @@ impl FarmStatus {
             );
         }
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_essentials(columns, LEAST_COLUMNS));
+            let listed: Vec<ListedPart> = parts.iter().cloned().map(ListedPart::unbuilt).collect();
+            text +=
+                &format!("\n{}", TextTable::of(PART_COLUMNS, &listed, &view).fit_essentials(columns, LEAST_COLUMNS));
         }
         text
     }

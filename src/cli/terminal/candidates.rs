@@ -5,11 +5,13 @@ use std::{ffi::OsStr, path::PathBuf};
 
 use clap::builder::StyledStr;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
+use jiff::Timestamp;
 use ledger::{HistoryQuery, OrderQuery, PartQuery, PartState};
 
 use super::farm_context::run_with_ledger;
 use crate::{
     cli::CommonArgs,
+    farm::{DatedBuild, said_state},
     settings::{self, Settings},
 };
 
@@ -75,32 +77,35 @@ fn typed_settings() -> Option<Settings> {
 }
 
 fn read_builds() -> Vec<(String, String)> {
-    let read = run_with_ledger_of(async |ledger| {
+    let read = run_with_ledger_of(async |settings, ledger| {
         let query = HistoryQuery { limit: Some(MAX_WORDS), ..HistoryQuery::default() };
-        Ok(ledger.read_history(&query).await?)
+        let rows = ledger.read_history(&query).await?;
+        DatedBuild::of_rows(ledger, settings.profiles.values(), rows, Timestamp::now()).await
     });
-    let meaning = |row: &ledger::HistoryRow| format!("{}, {}", row.machine, row.state_word());
-    read.unwrap_or_default().iter().map(|row| (format!("b{}", row.build), meaning(row))).collect()
+    let meaning = |dated: &DatedBuild| format!("{}, {}", dated.row.machine, said_state(&dated.fact.word));
+    read.unwrap_or_default().iter().map(|dated| (format!("b{}", dated.row.build), meaning(dated))).collect()
 }
 
 /// The newest parts in a state; without one those that are not built yet.
 fn read_parts(state: Option<PartState>) -> Vec<(String, String)> {
-    let read = run_with_ledger_of(async |ledger| {
+    let read = run_with_ledger_of(async |_, ledger| {
         Ok(ledger.list_parts(&PartQuery { state, limit: MAX_WORDS, ..PartQuery::default() }).await?)
     });
     let is_offered = |part: &&ledger::PartRow| state.is_some() || part.state != PartState::Refused;
-    let word = |part: &ledger::PartRow| (format!("p{}", part.id), format!("{}, {}", part.full_name(), part.state));
+    let word = |part: &ledger::PartRow| {
+        (format!("p{}", part.id), format!("{}, {}", part.full_name(), said_state(&part.state.to_string())))
+    };
     read.unwrap_or_default().iter().filter(is_offered).map(word).collect()
 }
 
 fn read_orders() -> Vec<(String, String)> {
-    let read = run_with_ledger_of(async |ledger| {
+    let read = run_with_ledger_of(async |_, ledger| {
         let query = OrderQuery { is_asking: true, limit: MAX_WORDS, ..OrderQuery::default() };
         Ok(ledger.list_orders(&query).await?)
     });
     read.unwrap_or_default().into_iter().map(|order| (order.name, "order".to_owned())).collect()
 }
 
-fn run_with_ledger_of<T>(work: impl AsyncFnOnce(&ledger::Ledger) -> anyhow::Result<T>) -> Option<T> {
-    run_with_ledger(typed_settings()?, async |_, ledger| work(ledger).await).ok()
+fn run_with_ledger_of<T>(work: impl AsyncFnOnce(&Settings, &ledger::Ledger) -> anyhow::Result<T>) -> Option<T> {
+    run_with_ledger(typed_settings()?, async |settings, ledger| work(settings, ledger).await).ok()
 }

@@ -197,7 +197,7 @@ async fn read_build_details(ledger: &Ledger, id: BuildId, plans: &[MachinePlan])
         file: None,
         machine: None,
         parts: ledger.parts_of_build(id).await?,
-        waiting: line.into_iter().map(|w| CountedPart { copies: w.copies.len() as u32, part: w.part }).collect(),
+        waiting: line.into_iter().map(|w| CountedPart::new(w.part, w.copies.len() as u32)).collect(),
         placements: ledger.placements_of_build(id).await?,
         outcomes: ledger.outcomes_of_build(id).await?,
         // Events of its parts are left out: the parts are listed.

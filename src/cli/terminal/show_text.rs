@@ -1,17 +1,18 @@
 //! The output of `nestd show` for people.
 
 use build_file::escape_invisible;
-use ledger::{BuildState, EventRow};
+use ledger::{BuildState, EventRow, PartRow};
 
 use super::{
     lookup::{BuildDetails, LookupResult, OrderDetails, PartDetails},
     table::TextTable,
     terminal::wrap_words,
 };
+use crate::farm::part_fact;
 use crate::tables::{
     BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, GivenDate, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart,
-    PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, copies_text,
-    fields, part_facts, whereabouts,
+    PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, fields,
+    order_copies_text, part_facts, wanted_text, whereabouts,
 };
 
 /// Columns that are left out on a narrow terminal, the first of them first.
@@ -41,7 +42,7 @@ fn order_text(sheet: &OrderDetails, view: &TimeView, columns: usize) -> String {
     let (order, fact) = (&sheet.dated.order, &sheet.dated.fact);
     let facts = [
         fields::CUSTOMER.fact(&order.order.customer),
-        Some(fields::COPIES.fact_of(copies_text(&order.copies))),
+        Some(fields::COPIES.fact_of(order_copies_text(order))),
         view.due_fact(fields::DUE, GivenDate::new(order.due_at, &order.due_text)),
         PromisedDate::of_order(fact).map(|promise| fields::DONE.fact_of(view.promise_text(&promise))),
         fields::RISK.fact(&fact.risk_reason),
@@ -62,8 +63,8 @@ fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let mut text =
         format!("Build {} of {}: {}\n{}", row.id, row.machine, sheet.fact.word, align_fields(&facts, columns));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
-    let parts: Vec<CountedPart> =
-        sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
+    let counted = |part: &PartRow| CountedPart::of_build(part.clone(), here(part.id), &sheet.placements);
+    let parts: Vec<CountedPart> = sheet.parts.iter().map(counted).collect();
     text += &table_below(BUILD_PART_COLUMNS, &parts, view, columns);
     text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting, view, columns);
     text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes, view, columns);
@@ -84,7 +85,7 @@ fn copies_in_build(sheet: &BuildDetails) -> String {
 
 fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
     let row = &sheet.part;
-    let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)), view);
+    let mut facts = part_facts(row, format!("{}, {}", wanted_text(row), whereabouts(&sheet.placements)), view);
     facts.extend(fields::REASON.fact(&row.refused.reason));
     facts.extend(
         sheet
@@ -97,7 +98,7 @@ fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
         "Part {}, {}: {}\n{}{}",
         row.id,
         row.full_name(),
-        row.state,
+        part_fact(row.state, &sheet.copies),
         align_fields(&facts, columns),
         events_text(&sheet.events, view, columns)
     )

@@ -91,7 +91,7 @@ pub fn build_of_copy(placed: &PlacementRow, plans: &[MachinePlan]) -> BuildFact 
 
 /// What is so of a build that a search found.
 pub fn build_of_search(build: &NamedBuildRow, plans: &[MachinePlan]) -> BuildFact {
-    fact_of((build.id, build.state), build.state.to_string(), plans)
+    fact_of((build.id, build.state), build.state_word(), plans)
 }
 
 /// Whether the plan of its machine says more of a build than the ledger.

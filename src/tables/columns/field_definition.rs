@@ -7,6 +7,7 @@ use super::{
     cell_value::CellValue,
     time_view::{GivenDate, TimeView},
 };
+use crate::farm::said_state;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,11 +146,10 @@ impl FieldDefinition {
             | CellValue::Due(_)
             | CellValue::Promise(_) => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
-            CellValue::Text(text)
-            | CellValue::State(text)
-            | CellValue::Prose(text)
-            | CellValue::Order(text)
-            | CellValue::NamedPart(_, text) => text.clone(),
+            CellValue::State(word) => said_state(word).to_owned(),
+            CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) | CellValue::NamedPart(_, text) => {
+                text.clone()
+            }
             CellValue::Whole(number) => number.to_string(),
             CellValue::Real(number) => self.real_text(*number),
             CellValue::Build(build) | CellValue::BuildWithPart(build, _) => build.to_string(),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use language::say;
-use ledger::{BuildId, BuildState, LineCopies, OrderLine, OrderRow, PartId, PlacementRow, UtcTimestamp};
+use ledger::{BuildId, BuildState, LineCopies, OrderLine, OrderRow, OrderSummary, PartId, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -26,6 +26,7 @@ pub const ORDER_COLUMNS: &[TableColumn<DatedOrder>] = &[
     TableColumn::for_people("standing", fields::STATE, |order| CellValue::State(order.fact.word.word().to_owned())),
     TableColumn::for_programs("state", fields::LEDGER_STATE, |order| order.order.order.state.into()),
     TableColumn::for_programs("lines", fields::LINES, |order| order.order.lines.into()),
+    TableColumn::for_programs("lines_without_number", fields::LINES, |order| order.order.lines_without_number.into()),
     TableColumn::for_programs("wanted", fields::COPIES_WANTED, |order| order.order.copies.wanted.into()),
     TableColumn::for_programs("waiting", fields::COPIES_WAITING, |order| order.order.copies.waiting.into()),
     TableColumn::for_programs("in_builds", fields::COPIES_IN_BUILDS, |order| order.order.copies.in_builds.into()),
@@ -36,7 +37,7 @@ pub const ORDER_COLUMNS: &[TableColumn<DatedOrder>] = &[
     TableColumn::for_programs("refused", fields::COPIES_REFUSED, |order| order.order.copies.refused.into()),
     TableColumn::for_programs("bad", fields::COPIES_BAD, |order| order.order.copies.bad.into()),
     TableColumn::for_programs("cancelled", fields::COPIES_CANCELLED, |order| order.order.copies.cancelled.into()),
-    TableColumn::for_people("copies", fields::COPIES_NOW, |order| copies_text(&order.order.copies).into()),
+    TableColumn::for_people("copies", fields::COPIES_NOW, |order| order_copies_text(&order.order).into()),
     TableColumn::new("due_at", fields::DUE, |order| GivenDate::new(order.order.due_at, &order.order.due_text).into()),
     TableColumn::for_people("done", fields::DONE, |order| PromisedDate::of_order(&order.fact).into()),
     TableColumn::for_programs("done_at", fields::UNPACKED, |order| order.fact.done_at.into()),
@@ -62,7 +63,9 @@ pub const ORDER_LINE_COLUMNS: &[TableColumn<OrderLine>] = &[
     TableColumn::for_programs("bad", fields::COPIES_BAD, |line| line.copies.bad.into()),
     TableColumn::for_programs("cancelled", fields::COPIES_CANCELLED, |line| line.copies.cancelled.into()),
     TableColumn::for_programs("refused", fields::COPIES_REFUSED, |line| line.copies.refused.into()),
-    TableColumn::for_people("copies", fields::COPIES_NOW, |line| copies_text(&line.copies).into()),
+    TableColumn::for_people("copies", fields::COPIES_NOW, |line| {
+        line_copies_text(line.is_number_known, &line.copies).into()
+    }),
     TableColumn::new("due_at", fields::DUE, |line| GivenDate::new(line.due_at, &line.due_text).into()),
 ];
 
@@ -152,4 +155,19 @@ pub fn copies_text(copies: &LineCopies) -> String {
         texts[0] = word.counted(say!("number-of", number = first, all = copies.wanted));
     }
     if texts.is_empty() { say!("no-copies") } else { language::join_names(texts) }
+}
+
+/// What became of the copies of a line; `not known (1 waiting)` where nobody said how many are wanted.
+pub fn line_copies_text(is_number_known: bool, copies: &LineCopies) -> String {
+    match is_number_known {
+        true => copies_text(copies),
+        false => say!("copies-not-known", copies = copies_text(copies)),
+    }
+}
+
+/// What became of the copies of an order, and of how many lines nobody said how many are wanted.
+pub fn order_copies_text(order: &OrderSummary) -> String {
+    let unknown =
+        (order.lines_without_number > 0).then(|| say!("lines-without-number", lines = order.lines_without_number));
+    language::join_names([Some(copies_text(&order.copies)), unknown].into_iter().flatten())
 }

@@ -2,18 +2,46 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Result;
 use language::say;
-use ledger::{BuildId, LineCopies, PartRow, PartState, PlacementRow, RefusalCause};
+use ledger::{BuildId, Ledger, LineCopies, PartRow, PlacementRow, RefusalCause};
 use serde::Serialize;
 
 use crate::{
-    farm::{BuildFact, CakePart, CopyWord, MachinePlan, build_of_copy, copy_fact},
+    farm::{BuildFact, CakePart, CopyWord, MachinePlan, build_of_copy, copy_fact, read_part_facts, said_state},
     tables::{
         columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
         fields,
-        lists::order_list::copies_text,
+        lists::order_list::line_copies_text,
     },
 };
+
+/// A part in a list of parts, and how far it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedPart {
+    /// The part.
+    pub part: PartRow,
+    /// How far it is.
+    pub word: String,
+}
+
+impl ListedPart {
+    /// Parts with how far each is according to the plans of the machines.
+    ///
+    /// # Errors
+    /// The ledger cannot be read.
+    pub async fn of_plans(ledger: &Ledger, parts: Vec<PartRow>, plans: &[MachinePlan]) -> Result<Vec<Self>> {
+        let states: Vec<_> = parts.iter().map(|part| (part.id, part.state)).collect();
+        let mut facts = read_part_facts(ledger, &states, plans).await?;
+        let listed = |part: PartRow| Self { word: facts.remove(&part.id).unwrap_or_default(), part };
+        Ok(parts.into_iter().map(listed).collect())
+    }
+
+    /// A part that is not built.
+    pub fn unbuilt(part: PartRow) -> Self {
+        Self { word: said_state(&part.state.to_string()).to_owned(), part }
+    }
+}
 
 /// A part in a list that counts some of its copies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +50,34 @@ pub struct CountedPart {
     pub part: PartRow,
     /// The number of its copies that the list counts.
     pub copies: u32,
+    /// The numbers of its copies, from 1, that were told bad in the shown build.
+    pub bad: Vec<u32>,
+}
+
+/// Numbers of bad copies that a cell names.
+const MAX_NUMBERS: usize = 12;
+
+impl CountedPart {
+    /// A part of which no copy was told bad.
+    pub fn new(part: PartRow, copies: u32) -> Self {
+        Self { part, copies, bad: Vec::new() }
+    }
+
+    /// A part with what was told of its copies in a build.
+    pub fn of_build(part: PartRow, copies: u32, placements: &[PlacementRow]) -> Self {
+        let bad = placements.iter().filter(|placed| placed.part_id == part.id && placed.is_bad);
+        let bad = bad.map(|placed| placed.copy + 1).collect();
+        Self { part, copies, bad }
+    }
+
+    /// `2: copies 3, 7`; `None` = none was told bad.
+    fn bad_text(&self) -> Option<String> {
+        let (shown, more) = self.bad.split_at(self.bad.len().min(MAX_NUMBERS));
+        let mut numbers: Vec<String> = shown.iter().map(u32::to_string).collect();
+        numbers.extend((!more.is_empty()).then(|| say!("and-more", count = more.len())));
+        let count = self.bad.len() as u32;
+        (count > 0).then(|| say!("bad-copies-of", count = count, numbers = language::join_names(numbers)))
+    }
 }
 
 /// A part with the builds that hold its copies.
@@ -58,15 +114,6 @@ impl PlacedCopy {
         };
         placements.into_iter().map(fact).collect()
     }
-
-    /// How far a part is whose copies are these: of one that is built, its copy that is least far; otherwise its state in the ledger.
-    pub fn part_word(part: &PartRow, placed: &[Self]) -> String {
-        let least = placed.iter().filter(|copy| !copy.placed.is_bad).map(|copy| copy.copy_state).max();
-        match least.filter(|_| part.state == PartState::Built) {
-            Some(word) => word.word().to_owned(),
-            None => part.state.to_string(),
-        }
-    }
 }
 
 /// Copies of a part that are together in a build and of which the same became: `16 in build 4, in the queue`.
@@ -96,16 +143,16 @@ impl CopyGroup {
 }
 
 /// Parts with a given state or name.
-pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
-    TableColumn::new("part", fields::PART, |part| part.id.into()),
-    TableColumn::new("machine", fields::MACHINE, |part| (&part.machine).into()),
-    TableColumn::new("state", fields::STATE, |part| part.state.into()),
-    TableColumn::new("copies", fields::COPIES, |part| part.owed.copies.into()),
-    TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
-    TableColumn::new("due_at", fields::DUE, |part| GivenDate::of_terms(&part.terms).into()),
-    TableColumn::new("order", fields::ORDER, |part| CellValue::Order(part.terms.order_name.clone())),
-    TableColumn::new("name", fields::NAME, |part| CellValue::NamedPart(part.id, part.full_name())),
-    TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
+pub const PART_COLUMNS: &[TableColumn<ListedPart>] = &[
+    TableColumn::new("part", fields::PART, |row| row.part.id.into()),
+    TableColumn::new("machine", fields::MACHINE, |row| (&row.part.machine).into()),
+    TableColumn::new("state", fields::STATE, |row| CellValue::State(row.word.clone())),
+    TableColumn::new("copies", fields::COPIES, |row| copies_cell(&row.part)),
+    TableColumn::new("priority", fields::PRIORITY, |row| row.part.terms.priority.into()),
+    TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
+    TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
+    TableColumn::new("name", fields::NAME, |row| CellValue::NamedPart(row.part.id, row.part.full_name())),
+    TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
 
 /// Parts of a build.
@@ -115,7 +162,8 @@ pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
-    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| copies_cell(&row.part)),
+    TableColumn::for_people("bad", fields::BAD_COPIES, |row| row.bad_text().into()),
     TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
@@ -126,7 +174,7 @@ pub const WAITING_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
     TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
     TableColumn::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
-    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| copies_cell(&row.part)),
 ];
 
 /// Parts of an order or a file name, with the builds that contain them.
@@ -134,7 +182,9 @@ pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
     TableColumn::new("machine", fields::MACHINE, |row| (&row.part.machine).into()),
-    TableColumn::for_people("copies", fields::COPIES_NOW, |row| copies_text(&row.copies).into()),
+    TableColumn::for_people("copies", fields::COPIES_NOW, |row| {
+        line_copies_text(row.part.is_number_known(), &row.copies).into()
+    }),
     TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
     TableColumn::for_people("where", fields::WHERE, where_or_why),
 ];
@@ -152,8 +202,8 @@ pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
 /// The columns of a page of parts, by their keys.
 pub const PART_PAGE_KEYS: [&str; 7] = ["name", "order", "state", "copies", "due_at", "machine", "reason_or_warning"];
 /// The columns of a page with the parts of a build, by their keys.
-pub const BUILD_PART_PAGE_KEYS: [&str; 7] =
-    ["name", "order", "copies_here", "copies", "due_at", "part", "reason_or_warning"];
+pub const BUILD_PART_PAGE_KEYS: [&str; 8] =
+    ["name", "order", "copies_here", "copies", "bad", "due_at", "part", "reason_or_warning"];
 
 /// The columns of copies that are together in a build and of which the same became.
 pub const COPY_GROUP_COLUMNS: &[TableColumn<CopyGroup>] = &[
@@ -166,6 +216,16 @@ pub const COPY_GROUP_COLUMNS: &[TableColumn<CopyGroup>] = &[
     }),
     TableColumn::new("ends_at", fields::UNPACKED, |row| CellValue::estimate(row.first.build.ends_at)),
 ];
+
+/// How many copies of a part are wanted, unless nobody said.
+fn copies_cell(part: &PartRow) -> CellValue {
+    if part.is_number_known() { part.owed.copies.into() } else { say!("not-known").into() }
+}
+
+/// How many copies of a part are wanted, for its own sheet.
+pub fn wanted_text(part: &PartRow) -> String {
+    if part.is_number_known() { part.wanted_copies().to_string() } else { say!("not-known-taken-as-one") }
+}
 
 /// Why a part was refused; otherwise what it waits for and its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {

@@ -4,6 +4,7 @@ use language::say;
 use ledger::{PartRow, PartState};
 
 use super::build_sheet::{content, joined};
+use crate::farm::said_state;
 use crate::tables::{
     columns::{
         field_definition::{FieldDefinition, SheetFact},
@@ -14,7 +15,7 @@ use crate::tables::{
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {
-    let state = language::say_word("ledger", &row.state.to_string());
+    let state = language::say_word("state", said_state(&row.state.to_string()));
     let state = say!("state-since", state = state, time = view.time_text(row.times.state_at));
     let size =
         row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.plain_text(&mm.into())), " x ") + " mm");

@@ -49,7 +49,9 @@ fn shown_table<Row>(
     view: &TimeView,
 ) -> Markup {
     let is_said = |column: &TableColumn<Row>| {
-        rows.is_empty() || rows.iter().any(|row| column.field.cell_text(&(column.value)(row), view).is_some())
+        let is_nothing = |value: &CellValue| column.field.is_hidden_where_zero && *value == CellValue::Whole(0);
+        let values = || rows.iter().map(|row| (column.value)(row)).filter(|value| !is_nothing(value));
+        rows.is_empty() || values().any(|value| column.field.cell_text(&value, view).is_some())
     };
     let columns: Vec<&&TableColumn<Row>> = columns.iter().filter(|column| is_said(column)).collect();
     html! {

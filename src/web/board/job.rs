@@ -154,6 +154,7 @@ fn when(build: &PlannedBuild, view: &TimeView) -> Markup {
             (PlanStage::Cooling, _, Some(ends), ..) => (phrase!("until-time", time = time(ends))),
             (PlanStage::Printing, Some(printed), ..) => (phrase!("until-time", time = time(printed))),
             (PlanStage::Open | PlanStage::Later, _, _, Some(fires), Some(begins)) => (phrase!("fires-begins", fires = time(fires), begins = time(begins))),
+            _ if build.awaits_release => {}
             (_, _, _, _, Some(begins)) => (phrase!("begins-time", time = time(begins))),
             _ => (say!("no-time-known")),
         }
@@ -178,6 +179,8 @@ fn sentence(build: &PlannedBuild, view: &TimeView) -> String {
     };
     let begins = match build.stage.has_begun() {
         true => build.begins_at.map(|at| say!("began-time", time = view.near_text(at))),
+        // It begins when somebody says yes.
+        false if build.awaits_release => None,
         false => time(build.begins_at).map(|time| say!("begins-time", time = time)),
     };
     let pieces = [

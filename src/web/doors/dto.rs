@@ -129,6 +129,8 @@ pub(crate) struct PartResource {
     warnings: Vec<String>,
     /// Total number of copies.
     copies: u32,
+    /// Whether it is known how many copies are wanted; otherwise they are taken as 1.
+    is_number_known: bool,
     #[serde(flatten)]
     terms: PartTermsFields,
     #[serde(flatten)]
@@ -201,6 +203,8 @@ pub(crate) struct PlacementResource {
     build_state: BuildState,
     /// When the build file was placed in the queue.
     published_at: Option<UtcTimestamp>,
+    /// Whether it was told to be printed badly.
+    bad: bool,
     /// Rotation from the mesh's frame to the machine's, a unit quaternion; `None` until the build is verified.
     rotation_xyzw: Option<[f64; 4]>,
     /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
@@ -289,7 +293,7 @@ impl BuildResource {
 
 impl From<PartRow> for PartResource {
     fn from(row: PartRow) -> Self {
-        let size_mm = row.size_mm();
+        let (size_mm, is_number_known) = (row.size_mm(), row.is_number_known());
         let (terms, measures) = (row.terms, row.measures);
         Self {
             part: row.id,
@@ -300,6 +304,7 @@ impl From<PartRow> for PartResource {
             reason: row.refused.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
             copies: row.owed.copies,
+            is_number_known,
             terms: PartTermsFields {
                 order: terms.order_name,
                 customer: terms.customer,
@@ -337,6 +342,7 @@ impl PlacementResource {
             build: build.id,
             build_state: build.state,
             published_at: build.times.published_at,
+            bad: false,
             rotation_xyzw: Some(standing.pose.rotation.to_array()),
             translation_mm: Some(standing.pose.translation.to_array()),
             removal_position: None,
@@ -354,6 +360,7 @@ impl From<PlacementRow> for PlacementResource {
             build: row.build_id,
             build_state: row.build_state,
             published_at: row.published_at,
+            bad: row.is_bad,
             rotation_xyzw: pose.map(|pose| pose.rotation.to_array()),
             translation_mm: pose.map(|pose| pose.translation.to_array()),
             removal_position: removal.map(|removal| removal.position),

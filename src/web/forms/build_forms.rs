@@ -225,7 +225,7 @@ fn bad_fields(build: &BuildRow, placements: &[PlacementRow], parts: &[CountedPar
     html! {
         details open[placements.iter().any(|placed| is_bad(&placed))] {
             summary { (say!("copies-that-are-bad")) }
-            @for CountedPart { part, copies } in parts {
+            @for CountedPart { part, copies, .. } in parts {
                 label { (part.full_name()) input type="number" inputmode="numeric" name=(format!("bad_{}", part.id)) min="0" max=(copies) value=(bad(part.id)); }
             }
         }

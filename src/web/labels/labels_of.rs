@@ -30,20 +30,21 @@ pub(super) struct Bag {
     order: String,
     customer: String,
     part: String,
-    copies: u32,
+    /// `None` = nobody said how many are wanted.
+    copies: Option<u32>,
 }
 
 impl Bag {
     /// The copies of a part that are in a build.
     pub(super) fn of_part(part: &PartRow, copies: u32) -> Self {
         let (order, customer) = (part.terms.order_name.clone(), part.terms.customer.clone());
-        Self { order, customer, part: part.full_name(), copies }
+        Self { order, customer, part: part.full_name(), copies: Some(copies) }
     }
 
     /// The copies of a line of an order.
     pub(super) fn of_line(order: &str, line: &OrderLine) -> Self {
         let (customer, part) = (line.customer.clone(), line.full_name());
-        Self { order: order.to_owned(), customer, part, copies: line.copies.wanted }
+        Self { order: order.to_owned(), customer, part, copies: line.is_number_known.then_some(line.copies.wanted) }
     }
 
     fn order_words(&self) -> String {
@@ -84,10 +85,11 @@ pub(super) fn bin_labels(bags: &[Bag], build: i64, root: &LinkRoot) -> Vec<Label
     bin_orders(bags.iter().map(|bag| bag.order.as_str())).into_iter().enumerate().map(label).collect()
 }
 
-fn copies_of_build(copies: u32, build: Option<i64>) -> String {
-    match build {
-        Some(build) => say!("copies-of-build", copies = copies, build = build.to_string()),
-        None => say!("count-copies", count = copies),
+fn copies_of_build(copies: Option<u32>, build: Option<i64>) -> String {
+    match (copies, build) {
+        (Some(copies), Some(build)) => say!("copies-of-build", copies = copies, build = build.to_string()),
+        (Some(copies), None) => say!("count-copies", count = copies),
+        (None, _) => say!("copies-number-not-known"),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use maud::{Markup, html};
 
+use crate::farm::said_state;
+
 /// What a state means for whoever looks: each tone has a colour and a shape of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tone {
@@ -89,21 +91,9 @@ impl Tone {
     }
 }
 
-/// The word of a state of the ledger as people say it; that of a fact is what people say.
-fn said(word: &str) -> &str {
-    match word {
-        "claimed" => "being read",
-        "batched" => "being made",
-        "built" => "in a build",
-        "verified" => "proved",
-        "published" => "in the queue",
-        word => word,
-    }
-}
-
 /// A state in words, in the language that is current.
 pub(crate) fn state_text(word: &str) -> String {
-    language::say_word("state", said(word))
+    language::say_word("state", said_state(word))
 }
 
 /// A state as people see it.
@@ -127,7 +117,7 @@ mod tests {
     fn every_word_of_a_state_is_in_the_catalogs() {
         for word in Tone::ALL.iter().flat_map(|tone| tone.words()) {
             let marked = language::Language::Marked.within(|| state_text(word));
-            assert_eq!(marked, format!("⟦{}⟧", said(word)));
+            assert_eq!(marked, format!("⟦{}⟧", said_state(word)));
         }
     }
 

@@ -32,7 +32,10 @@ use crate::{
         figures::chart::height_curve,
         forms::build_forms::{again_forms, outcome_forms, release_form, second_files, unseen_failure},
         labels::label_form::build_labels,
-        look::{chip::chip, pieces::figure},
+        look::{
+            chip::{Tone, chip},
+            pieces::{figure, figure_link},
+        },
     },
 };
 
@@ -45,10 +48,10 @@ pub(crate) async fn show_build(
     let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
     let copies: u32 = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
     // Counts only the copies in this build: the other copies are in other builds, or wait.
-    let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart { part, copies: copies.len() as u32 };
-    let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
     let outcomes = web.ledger.outcomes_of_build(build.id).await?;
     let placements = web.ledger.placements_of_build(build.id).await?;
+    let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart::of_build(part, copies.len() as u32, &placements);
+    let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
     let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
     let view = web.time_view();
     // What the machine asks for now counts, not what it asked for when the build was made.
@@ -61,7 +64,7 @@ pub(crate) async fn show_build(
     let fact = build_fact(&build, &plans);
     let content = html! {
         h1 { (say!("build-on", build = build.id.to_string(), printer = &build.machine)) " " (chip(&fact.word)) }
-        (figures(&build, &fact, copies, &profile, &view))
+        (figures(&build, &fact, &rows, &profile, &view))
         (second_files(&web, &build).await?)
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
@@ -83,7 +86,7 @@ pub(crate) async fn show_build(
         @if copies > 0 { (view_of_build(&build, &rows, &view).to_markup()) } @else { p { (say!("nothing-in-it")) } }
         (fact_sheet(build_facts(&build, Some(&profile), (copies.to_string(), None), &view), &[fields::HEIGHT, fields::DENSITY], &view))
         (outcome_list(&outcomes, &view))
-        h2 { (fields::PARTS.said()) }
+        h2 #parts { (fields::PARTS.said()) }
         (table_of_keys((&fields::PARTS.said(), None), BUILD_PART_COLUMNS, &BUILD_PART_PAGE_KEYS, &rows, &view))
         (height_curve(&build.height_curve()))
     };
@@ -96,12 +99,21 @@ fn act_group(label: &str, buttons: &Markup) -> Markup {
 }
 
 /// The build in numbers.
-fn figures(build: &BuildRow, fact: &BuildFact, copies: u32, profile: &MachineProfile, view: &TimeView) -> Markup {
+fn figures(
+    build: &BuildRow,
+    fact: &BuildFact,
+    rows: &[CountedPart],
+    profile: &MachineProfile,
+    view: &TimeView,
+) -> Markup {
+    let copies: u32 = rows.iter().map(|row| row.copies).sum();
+    let bad: usize = rows.iter().map(|row| row.bad.len()).sum();
     let volume = fields::VOLUME_Z.with_unit(profile.space.volume_mm.z).unwrap_or_default();
     html! {
         ul.figures {
             @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (figure(&height, &say!("figure-high", volume = volume), None)) }
             (figure(&copies.to_string(), &say!("figure-copies", count = copies), None))
+            @if bad > 0 { (figure_link(&bad.to_string(), &say!("figure-bad", count = bad), Some(Tone::Wrong), "#parts")) }
             @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, &say!("figure-dense"), None)) }
             @if let Some(ends) = fact.ends_at { (figure(&view.estimate_text(ends), &say!("figure-unpacked"), None)) }
         }

@@ -11,7 +11,8 @@ use crate::{
     farm::{asked_text, load_placed_parts},
     settings::MachineProfile,
     tables::{
-        BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, PART_COLUMNS, PART_PAGE_KEYS, fields, height_in_volume,
+        BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, ListedPart, PART_COLUMNS, PART_PAGE_KEYS, fields,
+        height_in_volume,
     },
     web::{
         base::{
@@ -44,6 +45,7 @@ pub(crate) async fn show_preview(
     };
     let mut outside: Vec<PartRow> = web.ledger.list_parts(&query).await?;
     outside.retain(|part| !inside.iter().any(|counted| counted.part.id == part.id));
+    let outside: Vec<ListedPart> = outside.into_iter().map(ListedPart::unbuilt).collect();
     let picture_html = machine_picture(&web, &status).await?;
     let placed: u32 = inside.iter().map(|counted| counted.copies).sum();
     let later = status.collecting_copies.saturating_sub(placed);
@@ -76,7 +78,7 @@ async fn placed_parts(
     let Some(open) = &status.open else { return Ok(Vec::new()) };
     let Some(build) = web.ledger.find_build(open.build).await? else { return Ok(Vec::new()) };
     let parts = load_placed_parts(&web.ledger, &build, profile).await?;
-    Ok(parts.into_iter().map(|(part, copies)| CountedPart { part, copies: copies.len() as u32 }).collect())
+    Ok(parts.into_iter().map(|(part, copies)| CountedPart::new(part, copies.len() as u32)).collect())
 }
 
 /// What would be built, and how high it stands.

@@ -19,7 +19,7 @@ use crate::{
     farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, RiskCause, copy_counts, customer_note},
     tables::{
         BUILD_PAGE_KEYS, BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS,
-        ORDER_LINE_COLUMNS, PromisedDate, TimeView, closing_text, copies_text, fields, gathered_events,
+        ORDER_LINE_COLUMNS, PromisedDate, TimeView, closing_text, fields, gathered_events, order_copies_text,
     },
     web::{
         base::{
@@ -73,9 +73,14 @@ pub(crate) struct OrderResponse {
     due_at: Option<UtcTimestamp>,
     /// That date as it was given, "" = none.
     due_text: String,
+    /// Number of its lines of which it is not known how many copies are wanted.
+    lines_without_number: u32,
     /// What became of its copies.
     #[serde(flatten)]
     copies: LineCopies,
+    /// The same in words.
+    #[serde(skip)]
+    copies_text: String,
     /// How it stands, when it is done, and whether that is late.
     #[serde(flatten)]
     fact: OrderFact,
@@ -128,13 +133,26 @@ async fn read_order(web: &DashboardState, name: &str) -> HandlerResult<OrderResp
     let (plans, now) = (web.read_plans().await?, Timestamp::now());
     let dated = DatedOrder::of_plans(OrderSummary::of_lines(order, &lines), &plans, now);
     let customer_note = customer_note(&dated, &web.current_settings().time_zone, now);
-    let DatedOrder { order: OrderSummary { order, lines: _, due_at, due_text, copies }, fact } = dated;
+    let DatedOrder { order: summary, fact } = dated;
+    let copies_text = order_copies_text(&summary);
+    let OrderSummary { order, lines_without_number, due_at, due_text, copies, .. } = summary;
     let mut with_builds = Vec::with_capacity(lines.len());
     for line in lines {
         let builds = BuiltCopies::of_line(&line, &web.ledger.placements_of_part(line.part).await?, &plans);
         with_builds.push(OrderLineResource { line: line_of_plans(line, &plans), builds });
     }
-    Ok(OrderResponse { order, due_at, due_text, copies, fact, customer_note, lines: with_builds, arriving })
+    Ok(OrderResponse {
+        order,
+        lines_without_number,
+        due_at,
+        due_text,
+        copies,
+        copies_text,
+        fact,
+        customer_note,
+        lines: with_builds,
+        arriving,
+    })
 }
 
 /// A line with what became of its copies according to the plans.
@@ -246,7 +264,7 @@ fn order_summary(order: &OrderResponse, view: &TimeView) -> Markup {
             @if !customer.is_empty() {
                 (phrase!("order-for", customer = html! { a href=(customer_address(customer)) { (customer) } })) " "
             }
-            (phrase!("order-since", copies = copies_text(&order.copies), time = time_of(order.order.opened_at, view)))
+            (phrase!("order-since", copies = &order.copies_text, time = time_of(order.order.opened_at, view)))
             @if let Some(due) = GivenDate::new(order.due_at, &order.due_text) { " " (phrase!("order-due", due = due_of(&due, view))) }
             @if let Some(promise) = PromisedDate::of_order(&order.fact) {
                 @let time = promise_of(&promise, view);

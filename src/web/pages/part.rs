@@ -10,10 +10,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{MaterialReading, PartQuestion, count_copies_in_layout},
+    farm::{MachinePlan, MaterialReading, PartQuestion, count_copies_in_layout, read_part_facts},
     tables::{
-        COPY_GROUP_COLUMNS, CopyGroup, EVENT_COLUMNS, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, TimeView, fields,
-        gathered_events, part_facts,
+        COPY_GROUP_COLUMNS, CopyGroup, EVENT_COLUMNS, ListedPart, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, TimeView,
+        fields, gathered_events, part_facts, wanted_text,
     },
     web::{
         base::{
@@ -77,6 +77,7 @@ pub(crate) async fn list_parts(
     let (parts, more) = read_page(&web, &filter).await?;
     let next = parts.last().filter(|_| more).map(|last| PartFilter { after: last.id.to_string(), ..filter.clone() });
     let next = next.map(|next| query_string(&next)).transpose()?;
+    let listed = ListedPart::of_plans(&web.ledger, parts, &web.read_plans().await?).await?;
     let settings = web.current_settings();
     let states = PartState::ALL.map(|s| s.to_string());
     let content = html! {
@@ -96,14 +97,14 @@ pub(crate) async fn list_parts(
         @if filter.name.is_empty() && filter.state.is_empty() {
             p { (say!("parts-text")) }
         }
-        (parts_table(&parts, more, &web.time_view()))
+        (parts_table(&listed, more, &web.time_view()))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { (say!("next-parts")) } } }
     };
     Ok(html_page(&fields::PARTS.said(), "/parts", None, &content))
 }
 
 /// Parts as a table, of which there are more or not.
-fn parts_table(parts: &[PartRow], more: bool, view: &TimeView) -> Markup {
+fn parts_table(parts: &[ListedPart], more: bool, view: &TimeView) -> Markup {
     let caption = match more {
         true => say!("newest-parts", count = parts.len()),
         false => say!("count-parts", count = parts.len()),
@@ -122,7 +123,9 @@ pub(crate) async fn show_part(
         .find_part(id)
         .await?
         .ok_or_else(|| HandlerError::NotFound(say!("part-named", part = number.to_string())))?;
-    let placed = PlacedCopy::of_plans(web.ledger.placements_of_part(id).await?, &web.read_plans().await?);
+    let plans = web.read_plans().await?;
+    let placed = PlacedCopy::of_plans(web.ledger.placements_of_part(id).await?, &plans);
+    let word = read_part_facts(&web.ledger, &[(id, part.state)], &plans).await?.remove(&id).unwrap_or_default();
     let is_published = |copy: &&PlacedCopy| copy.placed.published_at.is_some() && !copy.placed.is_bad;
     let published = placed.iter().filter(is_published).count() as u32;
     let events = web.ledger.events_of_part(id).await?;
@@ -135,7 +138,7 @@ pub(crate) async fn show_part(
     let materials = MaterialReading::read(&web.ledger, &web.current_settings().materials).await?;
     let elsewhere = [fields::STATE, fields::ORDER];
     let content = html! {
-        h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&PlacedCopy::part_word(&part, &placed))) }
+        h1 { (say!("part-title", part = number.to_string(), name = part.full_name())) " " (chip(&word)) }
         @if !part.refused.reason.is_empty() { p.bad role="status" { (prose_with_code(&RefusalCause::introduce(part.refused.refusal, &part.refused.reason))) } }
         @for warning in part.told_warnings().filter(|warning| !is_asked(&part, warning)) { p.warn { (prose_with_code(warning)) } }
         @for question in PartQuestion::of_part(&part, &materials) {
@@ -150,15 +153,15 @@ pub(crate) async fn show_part(
                 @if !part.terms.order_name.is_empty() {
                     p { (phrase!("part-of-order", order = html! { a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } })) }
                 }
-                (fact_sheet(part_facts(&part, part.wanted_copies().to_string(), &view), &elsewhere, &view))
+                (fact_sheet(part_facts(&part, wanted_text(&part), &view), &elsewhere, &view))
             }
         }
         h2 { (say!("where-its-copies-are")) }
         (copies_section(&part, &placed, open, &view))
         h2 { (say!("what-happened")) }
         (table_of(&say!("events"), None, EVENT_COLUMNS, &gathered_events(events), &view))
-        @if !same.is_empty() { h2 { (say!("same-file")) } (newest_table(same, &view)) }
-        @if !named.is_empty() { h2 { (say!("other-files")) } (newest_table(named, &view)) }
+        @if !same.is_empty() { h2 { (say!("same-file")) } (newest_table(&web, same, &plans).await?) }
+        @if !named.is_empty() { h2 { (say!("other-files")) } (newest_table(&web, named, &plans).await?) }
     };
     Ok(html_page(&say!("part-number", part = number.to_string()), "/parts", None, &content))
 }
@@ -183,11 +186,12 @@ fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup 
     }
 }
 
-fn newest_table(mut parts: Vec<PartRow>, view: &TimeView) -> Markup {
+async fn newest_table(web: &DashboardState, mut parts: Vec<PartRow>, plans: &[MachinePlan]) -> HandlerResult<Markup> {
     let more = parts.len() > MAX_PARTS as usize;
     parts.reverse();
     parts.truncate(MAX_PARTS as usize);
-    parts_table(&parts, more, view)
+    let listed = ListedPart::of_plans(&web.ledger, parts, plans).await?;
+    Ok(parts_table(&listed, more, &web.time_view()))
 }
 
 /// The open build whose current layout holds copies of a part, and how many copies it holds.

@@ -1,15 +1,15 @@
 //! The page that says what a search found: orders, parts, customers, builds and machines, each kind by itself.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use axum::extract::State;
 use language::{comma, say};
-use ledger::{NamedBuildRow, NamedPartRow};
+use ledger::{NamedBuildRow, NamedPartRow, PartId};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{FoundNames, FoundRows, MachinePlan, build_of_search, search_names},
+    farm::{FoundNames, FoundRows, MachinePlan, build_of_search, read_part_facts, search_names},
     tables::fields,
     web::{
         base::{
@@ -48,12 +48,17 @@ pub(crate) async fn show_found(
     let most = if asked.all.is_some() { MORE_ROWS } else { USUAL_ROWS };
     let found = search_names(&web.ledger, &machines, &asked.q, most).await?;
     let more = query_string(&SearchQuestion { all: Some("yes".to_owned()), ..asked.clone() })?;
+    let states: Vec<_> = found.parts.rows.iter().map(|part| (part.id, part.state)).collect();
     let text = asked.q.trim();
     let content = html! {
         h1 { @if text.is_empty() { (say!("search")) } @else { (say!("search-for-text", text = text)) } }
         @if text.is_empty() { (search_help()) }
         @else if found.is_empty() { p role="status" { (say!("nothing-found")) } (search_help()) }
-        @else { div.found { (found_kinds(&found, &web.read_plans().await?, &format!("/search?{more}"))) } }
+        @else {
+            @let plans = web.read_plans().await?;
+            @let words = read_part_facts(&web.ledger, &states, &plans).await?;
+            div.found { (found_kinds(&found, (&plans, &words), &format!("/search?{more}"))) }
+        }
     };
     Ok(html_page(&say!("search"), "/search", None, &content))
 }
@@ -65,7 +70,7 @@ fn search_help() -> Markup {
     }
 }
 
-fn found_kinds(found: &FoundNames, plans: &[MachinePlan], more: &str) -> Markup {
+fn found_kinds(found: &FoundNames, (plans, words): (&[MachinePlan], &BTreeMap<PartId, String>), more: &str) -> Markup {
     let FoundNames { machines, orders, customers, builds, parts } = found;
     html! {
         (found_kind(orders, FoundKind::Orders, more, |order| html! {
@@ -78,7 +83,7 @@ fn found_kinds(found: &FoundNames, plans: &[MachinePlan], more: &str) -> Markup 
         }))
         (found_kind(builds, FoundKind::Builds, more, |build| build_entry(build, plans)))
         (found_kind(machines, FoundKind::Machines, more, |name| html! { a href=(format!("/#{name}")) { (name) } }))
-        (found_kind(parts, FoundKind::Parts, more, part_entry))
+        (found_kind(parts, FoundKind::Parts, more, |part| part_entry(part, words)))
     }
 }
 
@@ -91,10 +96,11 @@ fn build_entry(build: &NamedBuildRow, plans: &[MachinePlan]) -> Markup {
     }
 }
 
-fn part_entry(part: &NamedPartRow) -> Markup {
+fn part_entry(part: &NamedPartRow, words: &BTreeMap<PartId, String>) -> Markup {
+    let word = words.get(&part.id).map(|word| state_text(word)).unwrap_or_default();
     html! {
         a href=(format!("/parts/{}", part.id)) { (thumbnail(part.id)) (part.full_name()) } " "
-        span.soft { (say!("found-part", part = part.id.to_string(), state = state_text(&part.state.to_string()), machine = &part.machine)) }
+        span.soft { (say!("found-part", part = part.id.to_string(), state = word, machine = &part.machine)) }
         @if !part.order_name.is_empty() { " " (phrase!("order-of", order = html! { a href=(order_address(&part.order_name)) { (part.order_name) } })) }
         @if !part.note.is_empty() { " " span.soft { (part.note) } }
     }

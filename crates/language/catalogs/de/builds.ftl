@@ -9,6 +9,11 @@ figure-copies =
     { $count ->
        *[other] Stück
     }
+figure-bad =
+    { $count ->
+        [one] schlechtes Stück
+       *[other] schlechte Stücke
+    }
 figure-dense = Packdichte
 figure-unpacked = auszupacken, soweit bekannt
 what-became = Was daraus wurde

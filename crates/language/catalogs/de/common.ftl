@@ -148,6 +148,7 @@ field-printed = Gedruckt
 field-good = Gut
 field-refused = Abgelehnt
 field-bad = Schlecht
+field-bad-copies = Schlechte Stücke
 field-cancelled = Storniert
 field-builds = Baujobs
 field-volume = Volumen

@@ -15,3 +15,4 @@ copies-of-build = { $copies } Stück aus Baujob { $build }
 labels-lack = Keine Schrift dieses Servers hat diese Zeichen der Etiketten: { $letters }.
 labels-lack-remedy = Auf dem Server eine Schrift installieren, die sie hat, unter Debian zum Beispiel fonts-noto-cjk oder fonts-ipafont-gothic; ein Neustart ist nicht nötig.
 labels-with-boxes = Statt ihrer Kästchen drucken
+copies-number-not-known = Stückzahl unbekannt

@@ -94,11 +94,20 @@ more-not-shown = { $link }: { $what }, { $count } weitere.
 show-more = Mehr anzeigen
 closed-by = { $time } von { $by }, mit { $accepted } von { $copies } Stück
 no-copies = keine
+not-known = unbekannt
+not-known-taken-as-one = unbekannt, als 1 genommen
+copies-not-known = unbekannt ({ $copies })
+lines-without-number =
+    { $lines ->
+        [one] Stückzahl von { $lines } Position unbekannt
+       *[other] Stückzahl von { $lines } Positionen unbekannt
+    }
 waits-for-yes-to = Wartet auf Freigabe: { $question }
 waits-for-material = Wartet, bis { $material } auf { $machine } geladen ist
 in-build-state = { $copies } in Baujob { $build } ({ $state })
 none-in-build = keine in einem Baujob
 and-more = und { $count } weitere
+bad-copies-of = { $count } (Nr. { $numbers })
 copies-good = { $count } gut
 copies-printed = { $count } wohl gedruckt
 copies-printing = { $count } im Druck

@@ -10,6 +10,11 @@ figure-copies =
         [one] copy
        *[other] copies
     }
+figure-bad =
+    { $count ->
+        [one] bad copy
+       *[other] bad copies
+    }
 figure-dense = dense
 figure-unpacked = to be unpacked, as far as is known
 what-became = What became of it

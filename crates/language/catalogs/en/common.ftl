@@ -152,6 +152,7 @@ field-printed = Printed
 field-good = Good
 field-refused = Refused
 field-bad = Bad
+field-bad-copies = Bad copies
 field-cancelled = Cancelled
 field-builds = Builds
 field-volume = Volume

@@ -19,3 +19,4 @@ copies-of-build =
 labels-lack = No font of this server has these letters of the labels: { $letters }.
 labels-lack-remedy = Install a font that has them on the server, such as fonts-noto-cjk or fonts-ipafont-gothic on Debian; nothing needs to be restarted.
 labels-with-boxes = Print boxes in their place
+copies-number-not-known = number of copies not known

@@ -101,11 +101,20 @@ closed-by =
        *[other] { $copies } copies
     }
 no-copies = none
+not-known = not known
+not-known-taken-as-one = not known, taken as 1
+copies-not-known = not known ({ $copies })
+lines-without-number =
+    { $lines ->
+        [one] how many of { $lines } line is not known
+       *[other] how many of { $lines } lines is not known
+    }
 waits-for-yes-to = Waits for a yes: { $question }
 waits-for-material = Waits until { $material } is loaded on { $machine }
 in-build-state = { $copies } in build { $build } ({ $state })
 none-in-build = none in a build
 and-more = and { $count } more
+bad-copies-of = { $count } (no. { $numbers })
 copies-good = { $count } good
 copies-printed = { $count } should be printed
 copies-printing = { $count } printing

@@ -10,6 +10,11 @@ figure-copies =
         [one] exemplaire
        *[other] exemplaires
     }
+figure-bad =
+    { $count ->
+        [one] mauvais exemplaire
+       *[other] mauvais exemplaires
+    }
 figure-dense = de densité
 figure-unpacked = déballage, d’après ce qu’on sait
 what-became = Ce qu’il est devenu

@@ -168,6 +168,7 @@ field-printed = Imprimés
 field-good = Bons
 field-refused = Refusés
 field-bad = Mauvais
+field-bad-copies = Mauvais exemplaires
 field-cancelled = Annulés
 field-builds = Plateaux
 field-volume = Volume

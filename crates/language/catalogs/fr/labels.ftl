@@ -20,3 +20,4 @@ copies-of-build =
 labels-lack = Aucune police de ce serveur n’a ces caractères des étiquettes : { $letters }.
 labels-lack-remedy = Installer sur le serveur une police qui les a, par exemple fonts-noto-cjk ou fonts-ipafont-gothic sous Debian ; rien n’est à redémarrer.
 labels-with-boxes = Imprimer des cases à leur place
+copies-number-not-known = quantité inconnue

@@ -101,11 +101,20 @@ closed-by =
        *[other] { $accepted } exemplaires
     } sur { $copies }
 no-copies = aucun exemplaire
+not-known = inconnu
+not-known-taken-as-one = inconnu, compté comme 1
+copies-not-known = inconnu ({ $copies })
+lines-without-number =
+    { $lines ->
+        [one] quantité inconnue pour { $lines } ligne
+       *[other] quantité inconnue pour { $lines } lignes
+    }
 waits-for-yes-to = Attend un accord : { $question }
 waits-for-material = Attend que { $material } soit chargé sur { $machine }
 in-build-state = { $copies } dans le plateau { $build } ({ $state })
 none-in-build = aucun dans un plateau
 and-more = et { $count } de plus
+bad-copies-of = { $count } (n° { $numbers })
 copies-good =
     { $count ->
         [one] { $count } bon

@@ -9,6 +9,10 @@ figure-copies =
     { $count ->
        *[other] 個
     }
+figure-bad =
+    { $count ->
+       *[other] 個の不良
+    }
 figure-dense = 充填率
 figure-unpacked = 取り出し予定(現時点の見込み)
 what-became = 造形の結果

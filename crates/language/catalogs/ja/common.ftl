@@ -100,6 +100,7 @@ field-printed = 造形済み
 field-good = 良品
 field-refused = 受付不可
 field-bad = 不良
+field-bad-copies = 不良の個体
 field-cancelled = キャンセル済み
 field-builds = ビルド
 field-volume = 体積

@@ -15,3 +15,4 @@ copies-of-build = ビルド { $build } の { $copies } 個
 labels-lack = このサーバーのどのフォントにも、ラベルの次の文字がありません: { $letters }
 labels-lack-remedy = これらの文字を含むフォントをサーバーにインストールしてください(Debian では fonts-noto-cjk や fonts-ipafont-gothic)。再起動は不要です。
 labels-with-boxes = 代わりに四角を印刷
+copies-number-not-known = 個数不明

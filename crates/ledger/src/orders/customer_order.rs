@@ -1,20 +1,19 @@
-//! Orders: what a customer wants, by name. The lines of an order are the parts that carry its name. For every line,
-//! copies wanted = waiting + in builds + queued + printing + printed + good, or, if the line was refused, + refused.
+//! Orders: what a customer wants, by name. The lines of an order are the parts that carry its name.
 
 use std::collections::BTreeSet;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::order_line::{LineCopies, OrderLine};
 use crate::{
-    EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp,
+    EventKind, Ledger, PartId, UtcTimestamp,
     base::{
         error::Result,
         name_pattern::NamePattern,
         sql::{self, sql_row},
         text_column::own_word,
     },
-    rows::part_row::name_with_solid,
     store::change::LedgerChange,
 };
 
@@ -31,6 +30,17 @@ pub enum OrderState {
 }
 
 own_word!(OrderState);
+
+impl OrderState {
+    /// That of an order with these copies.
+    pub fn of_copies(copies: &LineCopies) -> Self {
+        match copies {
+            _ if copies.under_way() > 0 => Self::Open,
+            _ if copies.good > 0 && copies.refused == 0 => Self::Complete,
+            _ => Self::Short,
+        }
+    }
+}
 
 /// An order with a name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
@@ -88,101 +98,6 @@ impl OrderRow {
     }
 }
 
-/// A line of an order: a part and what became of its copies.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct OrderLine {
-    /// Number of the part.
-    pub part: PartId,
-    /// Machine.
-    pub machine: String,
-    /// File name as dropped.
-    pub name: String,
-    /// Name of the solid inside a 3MF, "" otherwise.
-    pub object_name: String,
-    /// Who it is for, "" = not said.
-    pub customer: String,
-    /// State of the part.
-    pub state: PartState,
-    /// When it is due.
-    pub due_at: Option<UtcTimestamp>,
-    /// The due date as it was given, "" = none.
-    pub due_text: String,
-    /// What became of its copies.
-    #[serde(flatten)]
-    pub copies: LineCopies,
-}
-
-sql_row!(OrderLine { part, machine, name, object_name, customer, state, due_at, due_text; copies });
-
-/// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `queued` + `printing` + `printed` + `good` + `refused`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
-pub struct LineCopies {
-    /// Copies wanted.
-    pub wanted: u32,
-    /// Copies that wait for a build.
-    pub waiting: u32,
-    /// Copies in builds that are being made.
-    pub in_builds: u32,
-    /// Copies in builds whose file lies in a queue, as far as is known.
-    pub queued: u32,
-    /// Copies in builds that are printed, as far as is known.
-    pub printing: u32,
-    /// Copies in builds whose print is over, and of which nobody said that they are good.
-    pub printed: u32,
-    /// Copies in builds that were told complete.
-    pub good: u32,
-    /// Copies that are wanted and not made, because the part was refused or cancelled.
-    pub refused: u32,
-    /// Copies that were printed badly, each as often as that happened. They are not part of the sum.
-    pub bad: u32,
-    /// Copies that are not wanted any more. They are not part of the sum.
-    pub cancelled: u32,
-}
-
-sql_row!(LineCopies { wanted, waiting, in_builds, queued, printing, printed, good, refused, bad, cancelled });
-
-impl OrderLine {
-    /// Name of the part together with the name of its solid.
-    pub fn full_name(&self) -> String {
-        name_with_solid(&self.name, &self.object_name)
-    }
-}
-
-impl LineCopies {
-    /// Adds the copies of another line.
-    pub fn add(&mut self, other: &Self) {
-        self.wanted += other.wanted;
-        self.waiting += other.waiting;
-        self.in_builds += other.in_builds;
-        self.queued += other.queued;
-        self.printing += other.printing;
-        self.printed += other.printed;
-        self.good += other.good;
-        self.refused += other.refused;
-        self.bad += other.bad;
-        self.cancelled += other.cancelled;
-    }
-
-    /// Copies in published builds of which nobody said that they are good.
-    pub fn published(&self) -> u32 {
-        self.queued + self.printing + self.printed
-    }
-
-    /// Copies that wait, are in builds, or were printed and nobody said how.
-    pub fn under_way(&self) -> u32 {
-        self.waiting + self.in_builds + self.published()
-    }
-
-    /// The state of an order with these copies.
-    pub fn order_state(&self) -> OrderState {
-        match self {
-            _ if self.under_way() > 0 => OrderState::Open,
-            _ if self.good > 0 && self.refused == 0 => OrderState::Complete,
-            _ => OrderState::Short,
-        }
-    }
-}
-
 /// An order with the sums over its lines.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct OrderSummary {
@@ -191,6 +106,8 @@ pub struct OrderSummary {
     pub order: OrderRow,
     /// Number of its lines.
     pub lines: u32,
+    /// Number of those of which it is not known how many copies are wanted.
+    pub lines_without_number: u32,
     /// The earliest due date among the lines that are not good.
     pub due_at: Option<UtcTimestamp>,
     /// That date as it was given, "" = none.
@@ -208,7 +125,8 @@ impl OrderSummary {
         let open = lines.iter().filter(|line| line.copies.good < line.copies.wanted);
         let first_due = open.filter(|line| line.due_at.is_some()).min_by_key(|line| line.due_at);
         let (due_at, due_text) = first_due.map(|line| (line.due_at, line.due_text.clone())).unwrap_or_default();
-        Self { order, lines: lines.len() as u32, due_at, due_text, copies }
+        let lines_without_number = lines.iter().filter(|line| !line.is_number_known).count() as u32;
+        Self { order, lines: lines.len() as u32, lines_without_number, due_at, due_text, copies }
     }
 }
 
@@ -236,18 +154,6 @@ pub(crate) const ORDER_LIST: &str = "FROM (SELECT o.*, o.state = 'complete' OR o
     ORDER BY is_over, due_at IS NULL, due_at, CASE WHEN is_over THEN state_at END DESC, opened_at DESC, name";
 
 impl Ledger {
-    /// The lines of an order, oldest first.
-    pub async fn order_lines(&self, name: &str) -> Result<Vec<OrderLine>> {
-        let query = sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
-        Ok(query.bind(name).fetch_all(self.reader()?).await?)
-    }
-
-    /// The line of a part.
-    pub async fn line_of_part(&self, part: PartId) -> Result<OrderLine> {
-        let query = sql::select_as("FROM v_order_line WHERE part = $1").bind(part);
-        query.fetch_optional(self.reader()?).await?.ok_or(LedgerError::UnknownPart(part))
-    }
-
     /// Finds an order by its whole name.
     pub async fn find_order(&self, name: &str) -> Result<Option<OrderRow>> {
         let query = sql::select_as("FROM customer_order WHERE name = $1").bind(name);
@@ -328,12 +234,6 @@ impl LedgerChange {
         Ok(())
     }
 
-    /// The lines of an order, oldest first.
-    pub async fn lines_of_order(&mut self, name: &str) -> Result<Vec<OrderLine>> {
-        let query = sql::select_as("FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
-        Ok(query.bind(name).fetch_all(self.db()).await?)
-    }
-
     /// Writes for whom the lines of an order are.
     pub async fn update_customer(&mut self, name: &str) -> Result<()> {
         let query = sql::query_scalar(
@@ -353,7 +253,7 @@ impl LedgerChange {
         let lines = self.lines_of_order(name).await?;
         let mut sum = LineCopies::default();
         lines.iter().for_each(|line| sum.add(&line.copies));
-        let (state, now) = (sum.order_state(), self.now);
+        let (state, now) = (OrderState::of_copies(&sum), self.now);
         if sum.refused > 0 {
             self.forget_closing(name).await?;
         }

@@ -12,7 +12,7 @@ use crate::{
         name_pattern::NamePattern,
         sql::{self, sql_row},
     },
-    rows::part_row::name_with_solid,
+    rows::{build_row::state_word, part_row::name_with_solid},
 };
 
 /// A part with the texts by which people know it.
@@ -58,6 +58,8 @@ pub struct NamedBuildRow {
     pub state: BuildState,
     /// When it entered its state.
     pub state_at: UtcTimestamp,
+    /// When it was taken back out of the queue.
+    pub withdrawn_at: Option<UtcTimestamp>,
     /// Name of the build file; `None` = it has none yet.
     pub file_name: Option<String>,
     /// Build height, mm.
@@ -66,7 +68,14 @@ pub struct NamedBuildRow {
     pub copies: Option<u32>,
 }
 
-sql_row!(NamedBuildRow { id, machine, state, state_at, file_name, height_mm, copies });
+sql_row!(NamedBuildRow { id, machine, state, state_at, withdrawn_at, file_name, height_mm, copies });
+
+impl NamedBuildRow {
+    /// Its state for people, who call a build that was taken back out of the queue withdrawn, and not failed.
+    pub fn state_word(&self) -> String {
+        state_word(self.state, self.withdrawn_at)
+    }
+}
 
 impl Ledger {
     /// Hands the parts whose file, solid, order, customer, material or note can match to `take`, newest first, until that returns `false`. It looks at

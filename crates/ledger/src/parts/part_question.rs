@@ -79,6 +79,11 @@ impl Ledger {
 }
 
 impl PartRow {
+    /// Whether it is known how many copies are wanted. Otherwise they are taken as 1 until a person says, or it is dropped again.
+    pub fn is_number_known(&self) -> bool {
+        !self.has_unknown_copies() && !QuestionKind::of_part(self).contains(&QuestionKind::Copies)
+    }
+
     /// Its warnings as people are shown them: what nobody can answer any more is not asked.
     pub fn told_warnings(&self) -> impl Iterator<Item = &str> {
         let is_asked = QuestionKind::of_part(self).contains(&QuestionKind::Copies);

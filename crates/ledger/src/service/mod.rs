@@ -9,4 +9,5 @@ pub(super) mod node;
 pub(super) mod printer;
 pub(super) mod receiver;
 pub(super) mod status;
+pub(super) mod status_queries;
 pub(super) mod totals;

@@ -19,7 +19,7 @@ impl Ledger {
         let Some(last) = lines.last() else { return Err(CloseOrderError::Unknown(name.to_owned()).into()) };
         let mut sum = LineCopies::default();
         lines.iter().for_each(|line| sum.add(&line.copies));
-        let is_short = sum.order_state() == OrderState::Short && !change.is_order_closed(last.part).await?;
+        let is_short = OrderState::of_copies(&sum) == OrderState::Short && !change.is_order_closed(last.part).await?;
         if sum.waiting + sum.refused == 0 && !is_short {
             return Err(CloseOrderError::NothingToClose(name.to_owned()).into());
         }

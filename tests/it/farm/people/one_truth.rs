@@ -256,6 +256,21 @@ fn disagreeing(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &
     said.into_iter().filter(differs).map(|(face, said, _)| (face.to_owned(), said)).collect()
 }
 
+/// Waits until all faces say how far the part 1 is.
+fn all_say_of_the_part(farm: &TestFarm, word: &str) {
+    let others = || {
+        let heading = farm.nestd_ok(&["show", "p1"]).lines().next().unwrap_or_default().to_owned();
+        let faces = [
+            ("nestd show", heading.ends_with(&format!(": {word}"))),
+            ("the page of the part", get(farm, "/parts/1").contains(&format!("<i></i>{word}</span></h1>"))),
+            ("a search for the part", get(farm, "/search?q=p1").contains(&format!(", {word} on "))),
+            ("the list of parts", get(farm, "/parts?name=kit").contains(&format!("<i></i>{word}</span></td>"))),
+        ];
+        faces.into_iter().filter(|(_, said)| !said).map(|(face, _)| face).collect::<Vec<_>>()
+    };
+    wait_until_or(&format!("all faces say {word}"), 30.0, || format!("{:?}", others()), || others().is_empty());
+}
+
 /// Waits until all faces say the same of the copies of the order "kit".
 fn all_count(farm: &TestFarm, counts: &str, words: &str, build: Option<(u32, &str)>) {
     let others = || disagreeing(farm, counts, words, build);
@@ -299,6 +314,7 @@ fn every_face_says_the_same_of_a_copy_in_each_of_its_states() {
     farm.flush();
     farm.wait_for_queued(1);
     all_count(&farm, "2 queued", "2 in the queue", Some((1, "in the queue")));
+    all_say_of_the_part(&farm, "in the queue");
     take_queued(&farm);
     all_count(&farm, "2 printing", "2 printing", Some((1, "printing")));
     farm.nestd_ok(&["outcome", "1", "failed"]);
@@ -314,6 +330,7 @@ fn every_face_says_the_same_of_a_copy_in_each_of_its_states() {
     assert_eq!(faces_of_the_end(&farm).into_iter().filter(|(_, is_told)| *is_told).collect::<Vec<_>>(), []);
     farm.nestd_ok(&["outcome", "2", "complete"]);
     all_count(&farm, "2 good, 2 bad", "2 good, 2 bad", Some((2, "complete")));
+    all_say_of_the_part(&farm, "good");
     assert_eq!(faces_of_the_end(&farm).into_iter().filter(|(_, is_told)| !is_told).collect::<Vec<_>>(), []);
     farm.stop();
 }

@@ -236,7 +236,7 @@ impl<'a> OperationReplay<'a> {
 
     fn compare_order_states(&mut self, orders: &[OrderSummary]) {
         for order in orders {
-            let (state, by_lines): (OrderState, OrderState) = (order.order.state, order.copies.order_state());
+            let (state, by_lines): (OrderState, OrderState) = (order.order.state, OrderState::of_copies(&order.copies));
             if state != by_lines {
                 self.broken.push(format!("order {} is {state}, by its lines {by_lines}", order.order.name));
             }

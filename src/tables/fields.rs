@@ -159,7 +159,7 @@ pub const WHERE: FieldDefinition = FieldDefinition::text("Where");
 pub const COPY: FieldDefinition = FieldDefinition::whole("Copy");
 
 /// When something happened.
-pub const EVENT: FieldDefinition = FieldDefinition::time("Event");
+pub const EVENT: FieldDefinition = FieldDefinition::time("When");
 /// What happened.
 pub const KIND: FieldDefinition = FieldDefinition::text("Kind");
 /// Details of an event.

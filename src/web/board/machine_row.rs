@@ -17,7 +17,7 @@ use super::{
 use crate::{
     farm::{
         FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text,
-        forecast_fire, held_text, night_text,
+        build_fact, forecast_fire, held_text, night_text,
     },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
@@ -275,7 +275,7 @@ impl MachineRowOnBoard<'_> {
                     @if let Some(height) = fields::HEIGHT.with_unit(last.measures.height_mm) { (comma()) (height) }
                     @if let Some(density) = fields::DENSITY.with_unit(last.measures.density) { (comma()) (say!("so-dense", density = density)) }
                     @if let Some(at) = last.times.published_at { (comma()) (time_of(at, view)) }
-                    " " (chip(&last.state_word())) }
+                    " " (chip(&build_fact(last, std::slice::from_ref(self.plan)).word)) }
             }
         }
     }

@@ -6,7 +6,7 @@ use axum::{
     Form,
     extract::{Path, State},
 };
-use language::say;
+use language::{colon, say};
 use ledger::{DownPrinter, MachineStatus, OperatorWord};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -60,12 +60,15 @@ pub(crate) fn down_form(web: &DashboardState, machine: &str, printers: &[Printer
             form.tell method="post" action=(format!("/machines/{machine}/printer")) {
                 (key_field(web))
                 input type="hidden" name="state" value="down";
+                p { (say!("printer-down-text")) }
                 @match used[..] {
-                    [only] => { input type="hidden" name="printer" value=(only); }
+                    [only] => {
+                        input type="hidden" name="printer" value=(only);
+                        @if printers.len() > 1 { p { (fields::PRINTER.said()) (colon()) (only) } }
+                    }
                     _ => { label { (fields::PRINTER.said()) select name="printer" { @for name in &used { option { (name) } } } } }
                 }
                 label { (fields::REASON.said()) input name="reason" maxlength=(MAX_NOTE); }
-                p { (say!("printer-down-text")) }
                 button type="submit" { (say!("printer-down-do")) span.unseen { " " (say!("unseen-of", name = machine)) } }
             }
         }

@@ -29,7 +29,6 @@ use crate::farm::{
         material_fact::MaterialReading,
         read_facts::{FarmReading, dates_at_risk},
     },
-    leases::own_machines,
     nodes::machine_availability,
     open_build::due_dates,
     planning::DateRisk,
@@ -111,10 +110,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
         json["awaiting"] = materials.status_json(&row);
         machine.status = (text, json);
     }
-    let observed = &reading.rows.observed;
-    status_alerts::update_ledger_alerts(&mut desk.shared, desk.machines, rows, observed).await?;
-    let others = own_machines::profiles_of_others(desk.shared.settings, observed);
-    desk.shared.lifecycle.services.adopt_machines_of_others(desk.shared.settings, others);
+    status_alerts::update_ledger_alerts(&mut desk.shared, desk.machines, rows, &reading.rows.observed).await?;
     due_dates::check_due_dates(&desk.shared, desk.machines, &desk.display.dates.risks).await?;
     let line = farm_summary(desk.machines.len(), rows.iter());
     if line != desk.display.status_line {

@@ -11,6 +11,7 @@ use ledger::{BuildState, Ledger, MachineRow, MachineStatus, PauseCause};
 use crate::farm::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
     core::{desks::Shared, machine_state::MachineStates},
+    leases::own_machines,
     planning::awaits_release,
     printers::release_preview::preview_release,
 };
@@ -25,7 +26,11 @@ pub(super) async fn update_ledger_alerts(
     rows: &[MachineStatus],
     observed: &[MachineRow],
 ) -> Result<()> {
-    update_node_alerts(shared, observed).await?;
+    if shared.ledger.file().is_none() {
+        update_node_alerts(shared, observed).await?;
+        let others = own_machines::profiles_of_others(shared.settings, observed);
+        shared.lifecycle.services.adopt_machines_of_others(shared.settings, others);
+    }
     let (ledger, alerts) = (shared.ledger, &mut *shared.alerts);
     let names: Vec<String> = machines.keys().cloned().collect();
     for name in &names {
@@ -68,9 +73,6 @@ pub(super) async fn update_ledger_alerts(
 
 /// Raises an alert for each other node that does not run although nobody stopped it, and has the ledger say so of its machines.
 async fn update_node_alerts(shared: &mut Shared<'_>, observed: &[MachineRow]) -> Result<()> {
-    if shared.ledger.file().is_some() {
-        return Ok(());
-    }
     let own = &shared.settings.node.name;
     for node in shared.ledger.list_nodes().await?.into_iter().filter(|node| node.name != *own) {
         let its = observed.iter().filter(|row| row.node == node.name).map(|row| row.machine.as_str());

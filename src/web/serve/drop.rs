@@ -11,7 +11,7 @@ use axum::{
 };
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use language::say;
-use maud::{Markup, html};
+use maud::html;
 
 use super::sent_form::{carry_out_form, check_form_key};
 use crate::{

@@ -18,16 +18,9 @@ pub(super) async fn ask_about_doubts(
     now: Timestamp,
 ) -> Result<()> {
     part.warnings.lines().filter_map(intake::read_print_question).for_each(|doubt| add_question(solids, doubt));
-    let replaced = ledger.replaced_without_copies(part.id).await?;
-    if !replaced.is_empty() {
-        add_question(solids, &place_doubt(&replaced));
-    }
-    if let Some(moved) = ledger.moved_namesake(part).await? {
-        let doubt = format!(
-            "part {} of this name in its order was moved to {}, and it may be a newer one",
-            moved.id, moved.machine
-        );
-        add_question(solids, &doubt);
+    // Only in an order a part takes the place of others.
+    if !part.terms.order_name.is_empty() {
+        ask_about_places(ledger, part, solids).await?;
     }
     let copy = intake::read_copy_name(&part.name);
     let names = names_in_formats(copy.as_ref().map_or(&part.name, |copy| &copy.original));
@@ -50,6 +43,20 @@ pub(super) async fn ask_about_doubts(
 /// Adds a doubt to what is asked about the solids of a file.
 pub(super) fn add_question(solids: &mut [SolidFacts], doubt: &str) {
     solids.iter_mut().for_each(|solid| solid.ask(doubt));
+}
+
+/// Asks about a file that took the place of parts, or may be meant to.
+async fn ask_about_places(ledger: &Ledger, part: &PartRow, solids: &mut [SolidFacts]) -> Result<()> {
+    let replaced = ledger.replaced_without_copies(part.id).await?;
+    if !replaced.is_empty() {
+        add_question(solids, &place_doubt(&replaced));
+    }
+    if let Some(moved) = ledger.moved_namesake(part).await? {
+        let (id, machine) = (moved.id, moved.machine);
+        let doubt = format!("part {id} of this name in its order was moved to {machine}, and it may be a newer one");
+        add_question(solids, &doubt);
+    }
+    Ok(())
 }
 
 /// A file that took the place of parts, of which nobody knows how many copies are wanted of it.

@@ -70,6 +70,9 @@ pub(super) async fn decide_on_duplicate(
     solids: &[SolidFacts],
 ) -> Result<DuplicateDecision> {
     let Some(machine) = machines.get(&part.machine) else { return Ok(DuplicateDecision::None) };
+    if !ledger.has_earlier_content(part).await? {
+        return Ok(DuplicateDecision::None);
+    }
     let put_back = ledger.find_put_back_part(part.id).await?;
     let earlier = match put_back {
         None => ledger.find_earlier_part(&part.machine, &part.file.content_hash, part.id).await?,

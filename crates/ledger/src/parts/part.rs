@@ -161,6 +161,13 @@ impl Ledger {
         Ok(parts)
     }
 
+    /// Whether an earlier claim has the content of a part.
+    pub async fn has_earlier_content(&self, part: &PartRow) -> Result<bool> {
+        let query =
+            sql::query_scalar("SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = $1 AND id < $2 AND claim <> $3)");
+        Ok(query.bind(&part.file.content_hash).bind(part.id).bind(&part.file.claim).fetch_one(self.reader()?).await?)
+    }
+
     /// The latest part of an earlier claim, not refused, with the same content for the same machine.
     pub async fn find_earlier_part(&self, machine: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
         let query = sql::query_scalar(

@@ -93,14 +93,14 @@ impl LedgerChange {
     /// same file before needs no order. A file that was put back takes no place: the newer one is there. Returns whether anything was taken
     /// over.
     pub(super) async fn replace_earlier_parts(&mut self, new: PartId, row: &NewPartRow) -> Result<bool> {
-        if self.find_put_back(new).await?.is_some() {
+        let (refused, revised) = match (&row.dropped.rewrites, row.terms.order_name.is_empty()) {
+            (None, true) => return Ok(false),
+            (Some(claim), true) => (Vec::new(), self.parts_of_same_file(claim, new).await?),
+            (_, false) => self.namesakes_before(new, &row.content_hash).await?,
+        };
+        if refused.is_empty() && revised.is_empty() || self.find_put_back(new).await?.is_some() {
             return Ok(false);
         }
-        let refused = self.refused_namesakes(new).await?;
-        let revised = match &row.dropped.rewrites {
-            Some(claim) if row.terms.order_name.is_empty() => self.parts_of_same_file(claim, new).await?,
-            _ => self.waiting_namesakes(new).await?,
-        };
         let wanted: Vec<&PartRow> = refused.iter().filter(|part| part.wanted_copies() > 0).chain(&revised).collect();
         let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), wanted.len());
         for old in wanted {
@@ -116,28 +116,23 @@ impl LedgerChange {
                 .execute(self.db())
                 .await?;
         }
-        Ok(takes_over != TakenOver::Nothing && !(refused.is_empty() && revised.is_empty()))
+        Ok(takes_over != TakenOver::Nothing)
     }
 
-    /// The parts that still wait of which a part that was just claimed is a revision.
-    async fn waiting_namesakes(&mut self, new: PartId) -> Result<Vec<PartRow>> {
+    /// The parts of the same name in the same named order before one that was just claimed: the refused ones, and those that still wait with
+    /// other content and no copy in a build.
+    async fn namesakes_before(&mut self, new: PartId, content_hash: &str) -> Result<(Vec<PartRow>, Vec<PartRow>)> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
-             AND p.id < n.id AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
-             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id)) ORDER BY id",
+             WHERE n.id = $1 AND n.state = 'claimed' AND p.name = n.name AND p.machine = n.machine AND p.id < n.id AND p.claim <> n.claim \
+             AND (p.state = 'refused' AND p.replaced_by IS NULL OR p.state IN ('claimed', 'waiting') \
+             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id))) ORDER BY id",
         );
-        Ok(query.bind(new).fetch_all(self.db()).await?)
-    }
-
-    /// The refused parts whose place a part that was just claimed takes.
-    async fn refused_namesakes(&mut self, new: PartId) -> Result<Vec<PartRow>> {
-        let query = sql::select_as(
-            "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = $1 AND n.state = 'claimed' AND n.order_name <> '' AND p.name = n.name AND p.machine = n.machine \
-             AND p.id < n.id AND p.claim <> n.claim AND p.state = 'refused' AND p.replaced_by IS NULL) ORDER BY id",
-        );
-        Ok(query.bind(new).fetch_all(self.db()).await?)
+        let found: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
+        let (refused, mut waiting): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|part| part.state == PartState::Refused);
+        waiting.retain(|part| part.file.content_hash != content_hash);
+        Ok((refused, waiting))
     }
 
     /// What waits of a file that was taken by this claim, and then once more.

@@ -84,3 +84,18 @@ async fn copies_of_a_withdrawn_build_do_not_go_before_what_is_more_urgent() {
     let parts = ledger.parts_in_state(PartState::Waiting).await.unwrap();
     assert_eq!((parts.len(), parts[0].owed.put_back_at), (1, None));
 }
+
+#[tokio::test]
+async fn a_part_that_is_read_in_another_size_keeps_its_row_and_is_asked_about() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 1).await;
+    let size = row(&ledger, part).await.size_mm();
+    ledger.cancel_part(part, RefusalCause::Cancelled, "later").await.unwrap();
+    ledger.retry_part(part).await.unwrap();
+    let facts = solid(0, 1);
+    let inches = SolidFacts { size_mm: facts.size_mm.map(|mm| 25.4 * mm), ..facts };
+    ledger.accept_solids(part, &[inches]).await.unwrap();
+    let part = row(&ledger, part).await;
+    assert_eq!((part.size_mm(), part.owed.size_differs), (size, true));
+    assert!(!part.owed.question.is_empty());
+}

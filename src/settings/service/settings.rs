@@ -88,9 +88,10 @@ pub struct InterfaceSettings {
 }
 
 impl Settings {
-    /// Every folder of the farm: those of all machines, and the state directory.
+    /// Every folder of the farm on this server: those of its machines, and the state directory.
     pub fn all_folders(&self) -> Vec<PathBuf> {
-        let of_machines = self.profiles.values().flat_map(|profile| {
+        let own = self.profiles.values().filter(|profile| profile.of_node.is_empty());
+        let of_machines = own.flat_map(|profile| {
             let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
             [inbox, error, archive].map(PathBuf::as_path).into_iter().chain(profile.queue_folders())
         });

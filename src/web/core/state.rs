@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, PoisonError};
 
-use axum::body::Bytes;
+use axum::{body::Bytes, response::Redirect};
 use jiff::Timestamp;
 use ledger::Ledger;
 use tokio::sync::{Notify, Semaphore, watch};
@@ -11,7 +11,7 @@ use super::{form_keys::FormKeys, order_keys::OrderDoor, shown_copies::ShownCopie
 use crate::{
     farm::{self, FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
     metrics::MetricsExporter,
-    settings::{Settings, SharedSettings},
+    settings::{MachineProfile, Settings, SharedSettings},
     tables::TimeView,
     web::{
         base::{
@@ -80,6 +80,16 @@ impl DashboardState {
     /// How the pages show times.
     pub(crate) fn time_view(&self) -> TimeView {
         TimeView::current(&self.current_settings().time_zone)
+    }
+
+    /// The same page at the node that serves a machine, whose folders are there; `None` = that is this node, or it cannot be reached.
+    pub(crate) async fn at_its_node(&self, machine: &MachineProfile, path: &str) -> HandlerResult<Option<Redirect>> {
+        if machine.of_node.is_empty() {
+            return Ok(None);
+        }
+        let node = self.ledger.find_node(&machine.of_node).await?;
+        let address = node.filter(|node| node.alive && !node.address.is_empty()).map(|node| node.address);
+        Ok(address.map(|address| Redirect::temporary(&format!("{address}{path}"))))
     }
 
     /// The plans of all machines, as of now.

@@ -33,19 +33,23 @@ const SEARCH_REPORT: &str = ".report.json";
 /// The files of a build that can be had now, behind a button.
 pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Markup> {
     let files = DownloadableFiles::look(build, profile).await?;
+    // What lies at another node is asked for there.
+    let is_elsewhere = !profile.of_node.is_empty() && build.staged.file_name.is_some();
+    let (has_file, has_search) =
+        (is_elsewhere || files.proved.is_some(), is_elsewhere || files.search_report.is_some());
     let number = build.id;
     let file = |address: String, name: &str, what: &str| html! { li { a.row href=(address) download { span.row-name { (name) } span.row-more { (what) } } } };
     let content = html! {
         ul.rows {
-            @if files.proved.is_some() { (file(format!("/builds/{number}/file"), &say!("file-build"), &say!("file-build-for"))) }
+            @if has_file { (file(format!("/builds/{number}/file"), &say!("file-build"), &say!("file-build-for"))) }
             (file(format!("/builds/{number}/report.html"), &say!("file-report"), &say!("file-report-for")))
             (file(format!("/builds/{number}/picture"), &say!("file-picture"), ""))
             (file(format!("/builds/{number}/pick.csv"), &say!("file-pick-csv"), &say!("file-pick-csv-for")))
             (file(format!("/api/v1/builds/{number}/pick"), &say!("file-pick-json"), ""))
             (file(format!("/api/v1/builds/{number}"), &say!("file-json"), &say!("file-json-for")))
-            @if files.search_report.is_some() { (file(format!("/builds/{number}/search.json"), &say!("file-search"), "")) }
+            @if has_search { (file(format!("/builds/{number}/search.json"), &say!("file-search"), "")) }
         }
-        @if files.proved.is_none() { p.soft { (say!("file-not-kept")) } }
+        @if !has_file { p.soft { (say!("file-not-kept")) } }
     };
     Ok(sheet("files", &say!("files"), false, &content))
 }
@@ -85,6 +89,9 @@ pub(crate) async fn get_build_file(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
+    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/file")).await? {
+        return Ok(there.into_response());
+    }
     let missing = || HandlerError::NotFound(say!("build-file-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
     let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
@@ -97,6 +104,9 @@ pub(crate) async fn get_search_report(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
+    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/search.json")).await? {
+        return Ok(there.into_response());
+    }
     let missing = || HandlerError::NotFound(say!("search-report-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
     stream_file(&file, saved_as(&format!("build-{number}{SEARCH_REPORT}"), "application/json"))
@@ -108,6 +118,9 @@ pub(crate) async fn get_report(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
+    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/report.html")).await? {
+        return Ok(there.into_response());
+    }
     let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
     let (settings, turn) = (web.current_settings(), web.render_slot.clone().acquire_owned().await);
     let language = language::current();

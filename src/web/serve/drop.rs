@@ -7,7 +7,7 @@ use anyhow::Context;
 use axum::{
     extract::{Multipart, Path, State, multipart::Field},
     http::StatusCode,
-    response::{IntoResponse, Redirect, Response},
+    response::{IntoResponse, Response},
 };
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use language::say;
@@ -49,11 +49,8 @@ pub(super) async fn show_form(
     Path(name): Path<String>,
 ) -> HandlerResult<Response> {
     let profile = find_machine(&web, &name)?;
-    if let Some(node) = web.ledger.find_node(&profile.of_node).await?.filter(|_| !profile.of_node.is_empty())
-        && node.alive
-        && !node.address.is_empty()
-    {
-        return Ok(Redirect::temporary(&format!("{}/machines/{name}/drop", node.address)).into_response());
+    if let Some(there) = web.at_its_node(&profile, &format!("/machines/{name}/drop")).await? {
+        return Ok(there.into_response());
     }
     let profile = require_own(profile)?;
     let content = html! {

@@ -73,6 +73,11 @@ fn any_node_shows_plans_and_takes_orders_for_the_machines_of_all() {
     }
     let queued: Vec<_> = nodes.iter().flat_map(|node| node.farm.wait_for_queued(1)).collect();
     assert_each_copy_once(&queued, 10);
+    // The build file is had from any node.
+    let (_, builds) = ask(&nodes[0], "GET", "/api/v1/builds?machine=machine-2", "", b"");
+    let number = &builds[0]["build"];
+    let (status, file) = ask(&nodes[0], "GET", &format!("/builds/{number}/search.json"), "", b"");
+    assert!(status == 200 && file["height_mm"].is_number(), "{builds}\n{file}");
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub use alerts::alert::{AlertKind, FarmAlert};
 pub use alerts::alert_registry::read_stored_alerts;
 pub use alerts::alert_summary::AlertSummary;
 pub use alerts::service_bridge::{ServiceBridge, ServicePhase};
-pub use decisions::fire_forecast::{FireForecast, forecast_fire};
+pub use decisions::fire_forecast::FireForecast;
 pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;
 pub use decisions::queue_depth::held_text;

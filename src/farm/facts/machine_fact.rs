@@ -1,13 +1,20 @@
 //! What a machine does and when it is free: a function of its printers, of what waits for it, and of what the daemon saw of it. Trouble
 //! goes first, then what its printers do, then what is made for them; it is free where nothing of all that is so.
 
+use jiff::Timestamp;
 use language::say;
 use ledger::{BuildId, BuildState, MachineRow, MachineStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::printer_fact::{PrinterFact, PrinterWord};
-use crate::farm::planning::PlanStage;
+use crate::{
+    farm::{
+        decisions::fire_forecast::{FireForecast, forecast_fire},
+        planning::PlanStage,
+    },
+    settings::MachineProfile,
+};
 
 /// What a machine does, in one word: the first of these that is so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -185,6 +192,16 @@ pub fn asked_text(status: &MachineStatus) -> Option<String> {
 }
 
 impl MachineFact {
+    /// When its next build fires. While it is unavailable, nobody knows.
+    pub fn forecast_fire(
+        &self,
+        profile: &MachineProfile,
+        status: &MachineStatus,
+        now: Timestamp,
+    ) -> Option<FireForecast> {
+        if self.state == MachineWord::Unavailable { None } else { forecast_fire(profile, status, now) }
+    }
+
     /// Its printers, unless it has only one, which is in use.
     pub fn shown_printers(&self) -> &[PrinterFact] {
         match self.printers.as_slice() {

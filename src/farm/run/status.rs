@@ -23,7 +23,7 @@ use crate::farm::{
         farm::{Farm, TICK_INTERVAL},
         machine_state::MachineState,
     },
-    decisions::{fire_forecast::forecast_fire, layout::BatchLayout, night_text::night_text, queue_depth::held_text},
+    decisions::{layout::BatchLayout, night_text::night_text, queue_depth::held_text},
     facts::{
         machine_fact::MachineFact,
         material_fact::MaterialReading,
@@ -274,7 +274,7 @@ fn status_text(
             lines.push(say!("status-while-waiting", night = night));
         }
     }
-    if let Some(fires) = forecast_fire(profile, row, now) {
+    if let Some(fires) = fact.forecast_fire(profile, row, now) {
         lines.push(say!("status-fires", when = fires.fire_text(profile, row)));
     }
     lines.extend(held_text(profile, row).map(|held| say!("status-held", why = held)));
@@ -321,7 +321,7 @@ fn status_json(
     (fact, risks): (&MachineFact, &[&DateRisk]),
     now: Timestamp,
 ) -> serde_json::Value {
-    let fires = forecast_fire(&machine.profile, row, now);
+    let fires = fact.forecast_fire(&machine.profile, row, now);
     let nothing = BatchLayout::default();
     let open = if is_layout_current(machine, row) { &machine.open.layout } else { &nothing };
     json!({

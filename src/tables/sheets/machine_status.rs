@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::build_sheet::joined;
 use crate::{
-    farm::{FireTrigger, MachineFact, forecast_fire, held_text, night_gain_text},
+    farm::{FireTrigger, MachineFact, held_text, night_gain_text},
     settings::MachineProfile,
     tables::{
         columns::{
@@ -75,7 +75,7 @@ pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
 impl MachineForecast {
     /// Creates the forecast. `profile` is the machine's configuration, if it has one, and `fact` what is so of it.
     pub fn new(status: MachineStatus, profile: Option<&MachineProfile>, fact: MachineFact, now: Timestamp) -> Self {
-        let fires = profile.and_then(|profile| forecast_fire(profile, &status, now));
+        let fires = profile.and_then(|profile| fact.forecast_fire(profile, &status, now));
         Self {
             fires_at: fires.map(|fires| fires.at),
             fires_at_latest: fires.map(|fires| fires.latest),

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     farm::{
         FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text,
-        build_fact, forecast_fire, held_text, night_text,
+        build_fact, held_text, night_text,
     },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
@@ -187,7 +187,7 @@ impl MachineRowOnBoard<'_> {
     fn waiting(&self, view: &TimeView, now: Timestamp) -> Markup {
         let status = self.status;
         let machine = MachineForecast::new(status.clone(), Some(self.profile), self.fact.clone(), now);
-        let fires = forecast_fire(self.profile, status, now);
+        let fires = self.fact.forecast_fire(self.profile, status, now);
         html! {
             p.waiting {
                 @if status.waiting_parts == 0 { span.soft { (say!("nothing-waits")) } }

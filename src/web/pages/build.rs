@@ -10,7 +10,7 @@ use maud::{Markup, html};
 
 use super::downloads::downloads_sheet;
 use crate::{
-    farm::{BuildFact, CakeCopy, build_fact, forecast_fire, load_placed_parts, read_plans},
+    farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans},
     settings::MachineProfile,
     tables::{
         BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts,
@@ -138,8 +138,10 @@ async fn fire_forecast(
         return Ok(None);
     }
     let now = Timestamp::now();
-    let status = MachineStatus::of_machine(&web.ledger.machine_statuses().await?, &build.machine);
-    Ok(forecast_fire(profile, &status, now).map(|fires| fire_time(&fires, (profile, &status), view)))
+    let reading = FarmReading::read(&web.ledger, [profile], now).await?;
+    let (facts, status) = (reading.facts(), MachineStatus::of_machine(&reading.rows.statuses, &build.machine));
+    let fires = facts.first().and_then(|fact| fact.forecast_fire(profile, &status, now));
+    Ok(fires.map(|fires| fire_time(&fires, (profile, &status), view)))
 }
 
 /// A text that changes when the layout of the build changes. A proved build does not change any more.

@@ -86,12 +86,15 @@ fn a_node_that_does_not_run_is_told_by_the_others_until_it_runs_again() {
     let url = new_database(&server);
     let mut nodes = [1, 2].map(|number| TestNode::started(number, &url));
     wait_for(&nodes[0], "it knows the other", || machine_at(&nodes[0], "machine-2")["available"] == true);
+    nodes[1].farm.drop_part("a.stl", &block(20.0, 15.0, 10.0));
+    wait_for(&nodes[0], "its build is foretold", || machine_at(&nodes[0], "machine-2")["fires_at"].is_string());
     nodes[1].farm.kill();
     let needs = |node: &TestNode| ask(node, "GET", "/api/v1/farm", "", b"").1["needs_a_person"].to_string();
     let why = "its node print2 does not run";
     wait_for(&nodes[0], "it is told", || machine_at(&nodes[0], "machine-2")["trouble"] == why);
     wait_for(&nodes[0], "a person is asked", || needs(&nodes[0]).contains("node-gone"));
     assert_eq!(machine_at(&nodes[0], "machine-2")["state"], "unavailable");
+    assert!(machine_at(&nodes[0], "machine-2")["fires_at"].is_null(), "nobody knows when its build fires");
     let told = nodes[0].farm.nestd_ok(&["status"]);
     assert!(told.contains("A node of the farm does not run") && told.contains("print2 on"), "{told}");
     let kinds = [EventKind::Unavailable];

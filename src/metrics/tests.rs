@@ -69,6 +69,7 @@ async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
     let heartbeat = NodeHeartbeat {
         pid: std::process::id(),
         machines: vec![seen("cube", trouble), seen("idle", "")],
+        configured: Vec::new(),
         ..fixtures::heartbeat()
     };
     ledger.write_heartbeat(&heartbeat).await.unwrap();

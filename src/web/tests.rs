@@ -341,6 +341,7 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
     let heartbeat = |trouble: &str| ledger::NodeHeartbeat {
         pid: std::process::id(),
         machines: vec![seen(trouble)],
+        configured: Vec::new(),
         ..fixtures::heartbeat()
     };
     let machine = async || {

@@ -66,6 +66,7 @@ pub fn heartbeat() -> NodeHeartbeat {
         started_at: Timestamp::now(),
         status: "idle".to_owned(),
         machines: Vec::new(),
+        configured: Vec::new(),
     }
 }
 

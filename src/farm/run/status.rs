@@ -7,7 +7,6 @@ use std::{
 };
 
 use anyhow::Result;
-
 use jiff::Timestamp;
 use jobs::BackgroundJob;
 use language::say;
@@ -233,6 +232,7 @@ pub(super) fn describe_node(desk: &Showing<'_>) -> NodeHeartbeat {
         started_at: desk.shared.lifecycle.started_at,
         status: desk.display.status_line.clone(),
         machines: machine_availability::observed_machines(desk),
+        configured: desk.shared.settings.profiles.keys().cloned().collect(),
     }
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use sqlx::AssertSqlSafe;
 
 use crate::{
-    EventKind, Ledger, PartId, ServerError, UtcTimestamp,
+    EventKind, Ledger, NodeHeartbeat, PartId, ServerError, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -198,10 +198,15 @@ async fn fetch_files_of(change: &mut LedgerChange, machine: &str) -> Result<()> 
 }
 
 /// Records the machines that a node observed. Removes those that it does not serve any more, so that another node can take them.
-pub(super) async fn record_machines(change: &mut LedgerChange, node: &str, seen: &[ObservedMachine]) -> Result<()> {
+pub(super) async fn record_machines(change: &mut LedgerChange, heartbeat: &NodeHeartbeat) -> Result<()> {
+    let NodeHeartbeat { name: node, machines: seen, configured, .. } = heartbeat;
     let known = sql::select_as("FROM station WHERE node IN ('', $1)").bind(node);
     let known: Vec<MachineRow> = known.fetch_all(change.db()).await?;
-    for gone in known.iter().filter(|row| !seen.iter().any(|s| s.machine == row.machine)) {
+    let is_left = |row: &&MachineRow| {
+        let is_to_be_taken = row.node == *node && configured.contains(&row.machine);
+        !is_to_be_taken && !seen.iter().any(|s| s.machine == row.machine)
+    };
+    for gone in known.iter().filter(is_left) {
         sql::query("DELETE FROM station WHERE machine = $1").bind(&gone.machine).execute(change.db()).await?;
     }
     let mut rows = Vec::with_capacity(seen.len());

@@ -54,6 +54,8 @@ pub struct NodeHeartbeat {
     pub status: String,
     /// The machines that the daemon serves.
     pub machines: Vec<ObservedMachine>,
+    /// The machines that it has files of. One that was given to it stays its own until it has taken it.
+    pub configured: Vec<String>,
 }
 
 /// A node that serves this ledger, or that ended without an orderly shutdown.
@@ -119,7 +121,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         change.tell_nobody();
         self.record_node(&mut change, heartbeat).await?;
-        machine::record_machines(&mut change, &heartbeat.name, &heartbeat.machines).await?;
+        machine::record_machines(&mut change, heartbeat).await?;
         change.commit().await
     }
 

@@ -3,19 +3,22 @@
 use std::{
     os::unix::fs::MetadataExt,
     sync::{Arc, Mutex, PoisonError},
-    time::{Duration, SystemTime},
+    time::{Duration, Instant, SystemTime},
 };
 
 use sqlx::{
     ConnectOptions, Connection, PgConnection, PgPool, Postgres, pool::PoolConnection, postgres::PgConnectOptions,
     postgres::PgPoolOptions,
 };
+use tokio::sync::Notify;
 
 use super::time_limits::{self, ConnectionUser};
 use crate::{LedgerError, ServerAddress, ServerError, base::error::Result};
 
 /// How long a statement waits for a connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// A connection that gives no sign of life within this time gives its place to a new one.
+const SIGN_OF_LIFE: Duration = Duration::from_secs(2);
 /// How long it may take to find out why no connection was made.
 const EXPLAIN_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -24,6 +27,7 @@ const EXPLAIN_TIMEOUT: Duration = Duration::from_secs(2);
 pub struct ServerConnections {
     pool: PgPool,
     login: Arc<Login>,
+    doubt: Doubt,
 }
 
 /// What a new connection is made with.
@@ -37,6 +41,32 @@ struct Login {
 
 /// Tells a file from the one that stood there before.
 type FileState = (u64, u64, Option<SystemTime>);
+
+/// When a connection last gave no sign of life. Those that were made before are taken for dead with it: to ask each of them would cost the
+/// time of one again.
+#[derive(Debug, Clone, Default)]
+struct Doubt {
+    since: Arc<Mutex<Option<Instant>>>,
+    /// Wakes whoever has a connection of its own.
+    is_new: Arc<Notify>,
+}
+
+impl Doubt {
+    /// Whether a connection of this age was made after the last doubt.
+    fn clears(&self, age: Duration) -> bool {
+        let since = *self.since.lock().unwrap_or_else(PoisonError::into_inner);
+        since.is_none_or(|since| age < since.elapsed())
+    }
+
+    async fn is_alive(&self, db: &mut PgConnection) -> bool {
+        let is_alive = matches!(tokio::time::timeout(SIGN_OF_LIFE, db.ping()).await, Ok(Ok(())));
+        if !is_alive {
+            *self.since.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+            self.is_new.notify_one();
+        }
+        is_alive
+    }
+}
 
 impl Login {
     /// The state of the file of the password; `None` = there is none, or it cannot be looked at.
@@ -59,11 +89,17 @@ impl ServerConnections {
         *login.read.lock().unwrap_or_else(PoisonError::into_inner) = login.file_state();
         let options = login.connect_options()?;
         let pool = PgPoolOptions::new().max_connections(user.most_connections(server)).acquire_timeout(CONNECT_TIMEOUT);
-        // One that gives no sign of life gives its place to a new one, and is not waited for.
-        let pool = pool.after_release(|db, _| {
-            Box::pin(async { Ok(matches!(tokio::time::timeout(CONNECT_TIMEOUT, db.ping()).await, Ok(Ok(())))) })
+        let doubt = Doubt::default();
+        let (taken, released) = (doubt.clone(), doubt.clone());
+        let pool = pool.test_before_acquire(false).before_acquire(move |db, known| {
+            let doubt = taken.clone();
+            Box::pin(async move { Ok(doubt.clears(known.age) && doubt.is_alive(db).await) })
         });
-        let opened = Self { pool: pool.connect_lazy_with(options), login: Arc::new(login) };
+        let pool = pool.after_release(move |db, _| {
+            let doubt = released.clone();
+            Box::pin(async move { Ok(doubt.is_alive(db).await) })
+        });
+        let opened = Self { pool: pool.connect_lazy_with(options), login: Arc::new(login), doubt };
         let mut first = opened.acquire().await?;
         time_limits::ensure_kept(&mut first, user).await?;
         Ok(opened)
@@ -82,6 +118,11 @@ impl ServerConnections {
             *read = now;
         }
         &self.pool
+    }
+
+    /// Waits until one of them gives no sign of life.
+    pub async fn in_doubt(&self) {
+        self.doubt.is_new.notified().await;
     }
 
     /// One more connection beside these.

@@ -20,9 +20,9 @@ use crate::{ServerError, base::error::Result};
 const CHANNEL: &str = "nestd_changes";
 /// The most bytes of names in a notice, below the limit of PostgreSQL. Longer ones concern all machines.
 const MAX_BYTES: usize = 7000;
-/// Without a notice for this long, the connection is asked whether it lives; it answers within the other time.
+/// Without a notice for this long, or when another connection gives no sign of life, the connection is asked whether it lives; it answers within the other time.
 const ASK_AFTER: Duration = Duration::from_secs(4);
-const ANSWERED_WITHIN: Duration = Duration::from_secs(3);
+const ANSWERED_WITHIN: Duration = Duration::from_secs(2);
 /// Between two attempts to listen.
 const RETRY: Duration = Duration::from_secs(1);
 
@@ -89,13 +89,17 @@ impl ChangeNotices {
             counts.is_listening = true;
         });
         loop {
-            match tokio::time::timeout(ASK_AFTER, listener.try_recv()).await {
-                Ok(notice) => match notice? {
+            let told = tokio::select! {
+                told = tokio::time::timeout(ASK_AFTER, listener.try_recv()) => told.ok(),
+                () = connections.in_doubt() => None,
+            };
+            match told {
+                Some(notice) => match notice? {
                     Some(notice) => self.take(&notice),
                     None => return Ok(()),
                 },
                 // It may have fallen silent.
-                Err(_) => {
+                None => {
                     let ask = async { listener.acquire().await?.ping().await };
                     if tokio::time::timeout(ANSWERED_WITHIN, ask).await.is_err() {
                         return Ok(());

@@ -7,7 +7,7 @@ use serde::Serialize;
 use sqlx::AssertSqlSafe;
 
 use crate::{
-    EventKind, Ledger, NodeHeartbeat, PartId, ServerError, UtcTimestamp,
+    EventKind, Ledger, PartId, ServerError, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -197,13 +197,17 @@ async fn fetch_files_of(change: &mut LedgerChange, machine: &str) -> Result<()> 
     Ok(())
 }
 
-/// Records the machines that a node observed. Removes those that it does not serve any more, so that another node can take them.
-pub(super) async fn record_machines(change: &mut LedgerChange, heartbeat: &NodeHeartbeat) -> Result<()> {
-    let NodeHeartbeat { name: node, machines: seen, configured, .. } = heartbeat;
+/// Records the machines that a node observed. Removes those that it does not serve any more, so that another node can take them; not those
+/// that were given to it and that it has files of: it takes them yet.
+pub(super) async fn record_machines(
+    change: &mut LedgerChange,
+    node: &str,
+    (seen, configured): (&[ObservedMachine], &[String]),
+) -> Result<()> {
     let known = sql::select_as("FROM station WHERE node IN ('', $1)").bind(node);
     let known: Vec<MachineRow> = known.fetch_all(change.db()).await?;
     let is_left = |row: &&MachineRow| {
-        let is_to_be_taken = row.node == *node && configured.contains(&row.machine);
+        let is_to_be_taken = row.node == node && configured.contains(&row.machine);
         !is_to_be_taken && !seen.iter().any(|s| s.machine == row.machine)
     };
     for gone in known.iter().filter(is_left) {

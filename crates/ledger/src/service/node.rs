@@ -121,7 +121,8 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         change.tell_nobody();
         self.record_node(&mut change, heartbeat).await?;
-        machine::record_machines(&mut change, heartbeat).await?;
+        let machines = (&heartbeat.machines[..], &heartbeat.configured[..]);
+        machine::record_machines(&mut change, &heartbeat.name, machines).await?;
         change.commit().await
     }
 

@@ -226,6 +226,8 @@ async fn replace_rows(served: &Ledger, base: &Path) -> Result<PathBuf> {
 
 /// Copies the backup beside the ledger, after checking that it is intact; the copy is on disk when this returns.
 async fn copy_verified_backup(backup: &Path, copy: &Path) -> Result<()> {
+    let found = fs::metadata(backup).with_context(|| format!("reading the backup {}", backup.display()))?;
+    ensure!(found.is_file(), "{} is no file: name the file that `nestd backup` has written", backup.display());
     let mut log = backup.as_os_str().to_owned();
     log.push("-wal");
     ensure!(

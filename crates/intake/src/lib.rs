@@ -34,7 +34,7 @@ pub use claim::scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inb
 pub use claim::settle::{SettleRules, SettleTracker};
 pub use claim::settled_entry::SettledEntry;
 pub use claim::unpack::{UnpackOutcome, is_order_archive, unpack_archive};
-pub use folder::claim_folder::{claim_dir, claim_id};
+pub use folder::claim_folder::{claim_dir, claim_id, remove_emptied_claims};
 pub use folder::claim_notes::StoredContent;
 pub use folder::claimed_part::{ClaimError, ClaimedPart};
 pub use folder::control_file::{ControlFile, ControlKind, finish_control_file};

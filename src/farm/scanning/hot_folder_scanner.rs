@@ -159,6 +159,9 @@ impl HotFolderScanner {
                 scan.unavailable = Some(UnavailableInbox { reason: error.to_string(), is_lease_refused: false })
             }
         }
+        if claims.is_empty() {
+            intake::remove_emptied_claims(self.inbox.path());
+        }
         if has_placed {
             // There may be more lines than one scan takes.
             scan.next_secs = Some(0.0);

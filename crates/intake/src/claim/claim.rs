@@ -18,7 +18,9 @@ use super::{
 use crate::{
     ClaimError, ClaimedPart, InboxEntry, ListLookup, SettledEntry,
     folder::{
-        claim_folder::{CLAIMED_DIR, UNFINISHED_PREFIX, claim_folder_name, lock_claims, takeover_trace_path},
+        claim_folder::{
+            CLAIMED_DIR, EmptiedClaims, UNFINISHED_PREFIX, claim_folder_name, lock_claims, takeover_trace_path,
+        },
         claimed_part::io_error,
         disk,
         file_role::LIST_LOOKUP_NAME,
@@ -65,8 +67,8 @@ pub(super) fn claim_stepwise(
             return Err(ClaimError::Gone(seen.path.clone()));
         }
     };
-    let _only_one = lock_claims(inbox);
-    let (name, new) = create_claim_dir(inbox, farm)?;
+    let mut only_one = lock_claims(inbox);
+    let (name, new) = create_claim_dir(&mut only_one, inbox, farm)?;
     let whole =
         move_files_in(inbox, &new, part, tickets, listed, step).and_then(|()| finish_claim(inbox, &new, &name, step));
     if let Err(error) = whole {
@@ -79,13 +81,17 @@ pub(super) fn claim_stepwise(
     claim.ok_or_else(|| ClaimError::Gone(part.path.clone()))
 }
 
-pub(super) fn create_claim_dir(inbox: &Path, farm: &str) -> Result<(String, PathBuf), ClaimError> {
+pub(super) fn create_claim_dir(
+    emptied: &mut EmptiedClaims,
+    inbox: &Path,
+    farm: &str,
+) -> Result<(String, PathBuf), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
     disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
     let name = claim_folder_name(&new_claim_id(), farm);
     let new = claimed.join(format!("{UNFINISHED_PREFIX}{name}"));
     // The folder name is on disk before any file is moved into it. Otherwise a power loss could lose the moved files.
-    disk::create_dirs(&new).map_err(|e| io_error("create", &new, e))?;
+    emptied.make_folder(&new).map_err(|e| io_error("create", &new, e))?;
     Ok((name, new))
 }
 
@@ -202,9 +208,9 @@ pub(super) fn release_stepwise(
         Ok(_) => {}
     }
     step();
-    let _only_one = lock_claims(&claim.inbox);
+    let mut only_one = lock_claims(&claim.inbox);
     // The single rename inside this call decides whether this farm or a farm that takes the claim over wins.
-    if remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
+    if remove_claim_dir(&mut only_one, &claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
         return Ok(ReleaseOutcome::Removed);
     }
     let trace = takeover_trace_path(&claim.dir);

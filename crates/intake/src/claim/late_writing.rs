@@ -125,8 +125,8 @@ impl KeptOriginal {
 
     /// Writes what the file holds now into the hot folder, as a claim that is given back.
     fn give_back(&mut self) -> io::Result<()> {
-        let _only_one = lock_claims(&self.inbox);
-        let (_, dir) = create_claim_dir(&self.inbox, &self.farm).map_err(io::Error::other)?;
+        let mut only_one = lock_claims(&self.inbox);
+        let (_, dir) = create_claim_dir(&mut only_one, &self.inbox, &self.farm).map_err(io::Error::other)?;
         let folder = dir.join(&self.order_path);
         disk::create_dirs(&folder)?;
         let copy = folder.join(&self.name);

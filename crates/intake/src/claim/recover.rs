@@ -15,7 +15,8 @@ use crate::{
     ClaimError, ClaimedPart, ListLookup,
     folder::{
         claim_folder::{
-            CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, is_ordered_claim, lock_claims,
+            CLAIMED_DIR, EmptiedClaims, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, is_ordered_claim,
+            lock_claims,
         },
         claimed_part::io_error,
         disk,
@@ -222,7 +223,7 @@ pub(super) fn ticket_file_name(part: &OsStr, ticket: &Path) -> OsString {
 /// Removes a claim atomically: it exists completely or not at all.
 ///
 /// Returns whether this call did the rename that removes the claim.
-pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result<bool> {
+pub(super) fn remove_claim_dir(emptied: &mut EmptiedClaims, dir: &Path, step: &mut dyn FnMut()) -> io::Result<bool> {
     let id = dir.file_name().unwrap_or_default().to_string_lossy();
     let done = dir.with_file_name(format!("{REMOVED_PREFIX}{}", id.trim_start_matches(UNFINISHED_PREFIX)));
     let renamed = fs::rename(dir, &done);
@@ -230,7 +231,7 @@ pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result
         Err(error) if error.kind() != io::ErrorKind::NotFound => return renamed.map(|()| true),
         _ => step(),
     }
-    disk::remove_folder(&done)?;
+    emptied.remove_folder(&done)?;
     step();
     dir.parent().map_or(Ok(()), disk::fsync_dir)?;
     Ok(renamed.is_ok())

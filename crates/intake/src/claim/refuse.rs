@@ -54,7 +54,7 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
-    let _only_one = lock_claims(&claim.inbox);
+    let mut only_one = lock_claims(&claim.inbox);
     let folder = open_error_folder(error_dir, &claim.order_path)?;
     let refusal =
         PendingRefusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
@@ -74,7 +74,7 @@ pub(super) fn refuse_stepwise(
         }
         step();
     }
-    remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
+    remove_claim_dir(&mut only_one, &claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
     Ok(to)
 }
 

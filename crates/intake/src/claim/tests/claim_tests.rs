@@ -8,7 +8,7 @@ use std::{
 
 use super::*;
 use crate::{
-    SpecSource, recover_claims,
+    SpecSource, list_claims, recover_claims, remove_emptied_claims,
     test_inbox::{TestInbox, stops_at},
 };
 
@@ -40,6 +40,36 @@ fn a_claim_takes_the_part_with_its_ticket_and_a_copy_of_the_list() {
     assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::Removed);
     assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::Removed);
     assert!(farm.claimed().is_empty() && recover_claims(&farm.inbox, "").unwrap().0.is_empty());
+}
+
+#[test]
+fn many_claims_use_the_folders_of_removed_ones_again_and_none_stays() {
+    let farm = TestInbox::new();
+    let inode = |dir: &Path| std::os::unix::fs::MetadataExt::ino(&fs::metadata(dir).unwrap());
+    let folders = || fs::read_dir(farm.inbox.join(".claimed")).unwrap().map(|entry| entry.unwrap().path());
+    let mut inodes = std::collections::BTreeSet::new();
+    for n in 0..60 {
+        farm.drop_file(&format!("part-{n}.stl"), "solid");
+        let claim = farm.claim();
+        inodes.insert(inode(&claim.dir));
+        assert_eq!(list_claims(&farm.inbox).unwrap().claims, std::slice::from_ref(&claim));
+        release_claim(&claim, "").unwrap();
+        if n == 40 {
+            let kept = folders().find(|path| path.to_string_lossy().contains(".done-")).unwrap();
+            fs::write(kept.join("theirs.stl"), "put there by somebody").unwrap();
+        }
+    }
+    assert!(inodes.len() <= 20, "{} folders for 60 claims", inodes.len());
+    assert!(recover_claims(&farm.inbox, "").unwrap().0.is_empty(), "a kept folder is no claim");
+    farm.drop_file("last.stl", "solid");
+    let last = farm.claim();
+    assert_eq!(fs::read_dir(&last.dir).unwrap().count(), 1, "a folder that recovery removed is not used");
+    release_claim(&last, "").unwrap();
+    remove_emptied_claims(&farm.inbox);
+    assert_eq!(
+        folders().filter(|path| path.to_string_lossy().contains("Z-0")).collect::<Vec<_>>(),
+        Vec::<PathBuf>::new()
+    );
 }
 
 #[test]

@@ -20,8 +20,8 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use build_file::{
-    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, InstanceSharing,
-    LengthUnit, OrderWords, PlacedMesh, ReadLimits,
+    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, DeliveryKind, LengthUnit,
+    OrderWords, PlacedMesh, ReadLimits,
 };
 use clap::Parser;
 use glam::{DQuat, DVec3};
@@ -205,7 +205,7 @@ fn build_of(mesh: &Arc<Mesh>, solution: &NestingSolution, copies: u32) -> BuildF
         density: 0.1,
         objects: vec![object],
         items: (0..copies).map(item).collect(),
-        instances: InstanceSharing::Shared,
+        delivery: DeliveryKind::Shared,
         arrangement: Arrangement::Items,
         thumbnail_png: None,
     }

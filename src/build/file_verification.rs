@@ -59,7 +59,7 @@ impl BuildFileVerification {
     }
 }
 
-/// The second reader is asked only for files of nestd: it does not support everything that other packers write.
+/// The second reader is asked only for models of nestd: it does not support everything that other packers write.
 fn second_reader_error(
     file: &Path,
     info: &BuildMetadata,
@@ -67,6 +67,7 @@ fn second_reader_error(
     limits: &ReadLimits,
 ) -> Option<String> {
     info.heading.application.as_ref().filter(|application| application.starts_with("nestd"))?;
+    build_file::is_model_package(file, limits).then_some(())?;
     build_file::cross_check(file, placed, limits).err().map(|error| error.to_string())
 }
 

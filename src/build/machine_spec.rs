@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use build_file::{Arrangement, InstanceSharing};
+use build_file::{Arrangement, DeliveryKind};
 use nester::{
     BuildVolume, InstanceError, InterlockRule, LayerAreaCap, NestingInstance, NestingItem, PlacedSolid, VolumeMargins,
 };
 use solids::{Bounds, Mesh, Pose};
+
+/// Share of the cap of a layer that is filled where rounding may add to a layer.
+const ROUNDED_LAYER: f64 = 0.9999;
 
 /// A machine as a build sees it.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,21 +32,36 @@ pub struct MachineSpec {
     pub layer_cap: LayerAreaCap,
     /// Whether parts may be locked into each other.
     pub interlock: InterlockRule,
-    /// Whether all copies of a mesh share one object in the build file.
-    pub instances: InstanceSharing,
-    /// Whether the build file has build items or one object with components.
+    /// What builds are delivered as.
+    pub delivery: DeliveryKind,
+    /// Whether a 3MF has build items or one object with components.
     pub arrangement: Arrangement,
 }
 
 impl MachineSpec {
-    /// The box that may be filled: the printable box minus the margins.
+    /// The box that may be filled: the printable box minus the margins, and minus what rounding may move a part.
     pub fn build_volume(&self) -> BuildVolume {
-        self.margins.usable_volume(self.volume_mm)
+        self.effective_margins().usable_volume(self.volume_mm)
+    }
+
+    /// What a layout needs beside the distances that are proved, so that it keeps them as it is written, mm.
+    fn rounding_mm(&self) -> f64 {
+        self.delivery.rounding_mm(self.volume_mm)
+    }
+
+    /// The same machine with exactly the distances that are proved of a written build.
+    pub(super) fn as_proved(&self) -> Self {
+        Self { delivery: DeliveryKind::default(), ..self.clone() }
+    }
+
+    fn effective_margins(&self) -> VolumeMargins {
+        let (VolumeMargins { wall_mm, floor_mm, lid_mm }, rounding_mm) = (self.margins, self.rounding_mm());
+        VolumeMargins { wall_mm: wall_mm + rounding_mm, floor_mm: floor_mm + rounding_mm, lid_mm: lid_mm + rounding_mm }
     }
 
     /// The lower front left corner of [`MachineSpec::build_volume`] in the machine's frame, mm.
     pub fn origin_mm(&self) -> DVec3 {
-        self.margins.origin_mm()
+        self.effective_margins().origin_mm()
     }
 
     /// [`MachineSpec::keep_out`] in the frame of [`MachineSpec::build_volume`], mm.
@@ -56,6 +74,9 @@ impl MachineSpec {
     /// Why a build that was proved for `was`, and whose top is at `top_mm` above the machine's floor, is not proved for this machine: its
     /// space is smaller, or its rules are stricter. `None` = the proof holds.
     pub fn find_stricter_than(&self, was: &Self, top_mm: Option<f64>) -> Option<String> {
+        if self.rounding_mm() > was.rounding_mm() {
+            return Some(format!("{:.4} mm more are kept free for the rounding of an STL", self.rounding_mm()));
+        }
         let ends_at = |machine: &Self| machine.origin_mm() + machine.build_volume().size_mm;
         let (begins, ends, mut ended) = (self.origin_mm(), ends_at(self), ends_at(was));
         // What lies below the ceiling does not depend on it.
@@ -91,11 +112,19 @@ impl MachineSpec {
     ///
     /// # Errors
     /// The nester refuses the values.
-    pub fn create_instance(&self, items: Vec<NestingItem>) -> Result<NestingInstance, InstanceError> {
-        NestingInstance::new(self.build_volume(), self.clearance_mm, items)?
+    pub fn create_instance(&self, mut items: Vec<NestingItem>) -> Result<NestingInstance, InstanceError> {
+        let rounding_mm = self.rounding_mm();
+        items.iter_mut().for_each(|item| item.clearance_mm = item.clearance_mm.map(|own_mm| own_mm + rounding_mm));
+        let grown = |zone: Bounds| Bounds { min: zone.min - rounding_mm, max: zone.max + rounding_mm };
+        let keep_out: Vec<Bounds> = self.keep_out_in_volume().into_iter().map(grown).collect();
+        let mut layer_cap = self.layer_cap;
+        if rounding_mm > 0.0 {
+            layer_cap.area_mm2 *= ROUNDED_LAYER;
+        }
+        NestingInstance::new(self.build_volume(), self.clearance_mm + rounding_mm, items)?
             .with_clearance_z_extra(self.clearance_z_extra_mm)?
-            .with_keep_out(&self.keep_out_in_volume())?
-            .with_layer_cap(self.layer_cap)
+            .with_keep_out(&keep_out)?
+            .with_layer_cap(layer_cap)
     }
 
     /// Converts a pose from the build volume's frame to the machine's frame.

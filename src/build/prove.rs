@@ -48,12 +48,21 @@ impl SolvedBuild {
     /// containment, keep-out boxes and layers are correct; and the parts can be taken apart.
     ///
     /// # Errors
-    /// The file cannot be read, the second reader reads it differently, or it is not proved.
-    pub fn prove_written_file(&self, written: &Path, limits: &ReadLimits) -> Result<ProvedBuild, BuildProofError> {
-        let read = build_file::read_build(written, limits).map_err(BuildProofError::ReadBack)?;
+    /// The file cannot be read, the second reader reads it differently, or it is not proved. `table` is that of a whole build as STL.
+    pub fn prove_written_file(
+        &self,
+        written: &Path,
+        table: Option<&Path>,
+        limits: &ReadLimits,
+    ) -> Result<ProvedBuild, BuildProofError> {
+        let read = build_file::read_build_with_table(written, table, limits).map_err(BuildProofError::ReadBack)?.1;
         let (copies, bodies) = self.match_placed_copies(&read)?;
-        build_file::cross_check(written, &read, limits).map_err(BuildProofError::SecondReader)?;
-        let verification = self.machine.verify_placements(&bodies);
+        let second = match self.machine.delivery.is_rounded() {
+            true => build_file::cross_check_stl(written, &self.describe(), limits),
+            false => build_file::cross_check(written, &read, limits),
+        };
+        second.map_err(BuildProofError::SecondReader)?;
+        let verification = self.machine.as_proved().verify_placements(&bodies);
         if !verification.proof.is_proved() {
             let mut faults = verification.placement_faults(|i| bodies[i].name.clone());
             faults.truncate(NAMED_FAULTS);
@@ -105,13 +114,16 @@ impl SolvedBuild {
         let Some(copy) = item.copy.and_then(|copy| copy.checked_sub(1)) else {
             return not_proved(format!("holds {} without the number of its copy", part.name));
         };
-        if !is_same_mesh(&item.mesh, &part.mesh) {
+        let rounding_mm = self.machine.delivery.rounding_mm(self.machine.volume_mm);
+        // Each corner of an STL is compared by the second reader.
+        if !is_same_mesh(&item.mesh, &part.mesh, rounding_mm) {
             return not_proved(format!("holds part {number} ({}) with another mesh", part.name));
         }
         if !nester::obeys_orientation(&part.orientation, &item.pose) {
             return not_proved(format!("holds part {number} ({}) turned against its orientation rule", part.name));
         }
-        let body = self.machine.placed_body(part.name.clone(), item.mesh.clone(), &item.pose, part.clearance_mm);
+        let body =
+            self.machine.as_proved().placed_body(part.name.clone(), item.mesh.clone(), &item.pose, part.clearance_mm);
         Ok(((at, copy), body))
     }
 }
@@ -120,8 +132,16 @@ fn not_proved<T>(how: String) -> Result<T, BuildProofError> {
     Err(BuildProofError::NotProved(how))
 }
 
-fn is_same_mesh(read: &Mesh, nested: &Mesh) -> bool {
-    let is_close = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= SAME_MESH * (1.0 + b.abs().max_element());
+/// Whether a mesh that was read is the nested one, of which rounding has moved no corner farther than `rounding_mm`. Where corners that are so
+/// near are one, triangles between them are gone.
+fn is_same_mesh(read: &Mesh, nested: &Mesh, rounding_mm: f64) -> bool {
+    let is_close =
+        |a: DVec3, b: DVec3| (a - b).abs().max_element() <= rounding_mm + SAME_MESH * (1.0 + b.abs().max_element());
+    if rounding_mm > 0.0 {
+        return read.triangles().len() <= nested.triangles().len()
+            && is_close(read.bounds().min, nested.bounds().min)
+            && is_close(read.bounds().max, nested.bounds().max);
+    }
     read.triangles().len() == nested.triangles().len()
         && (read.volume_mm3() - nested.volume_mm3()).abs() <= SAME_MESH * (1.0 + nested.volume_mm3())
         && is_close(read.bounds().min, nested.bounds().min)
@@ -135,7 +155,7 @@ mod tests {
     #[test]
     fn a_mesh_of_the_same_shape_with_another_number_of_triangles_is_another_one() {
         let block = sample_parts::fixtures::block(10.0, 8.0, 6.0);
-        assert!(is_same_mesh(&block, &block));
+        assert!(is_same_mesh(&block, &block, 0.0));
         let mut triangles = block.triangles().to_vec();
         let Some([a, b, c]) = triangles.pop() else { panic!("a block has triangles") };
         let mut corners = block.vertices().to_vec();
@@ -144,6 +164,6 @@ mod tests {
         triangles.extend([[a, middle, c], [middle, b, c]]);
         let divided = Mesh::new(corners, triangles).unwrap();
         assert_eq!((divided.volume_mm3().round(), divided.bounds()), (480.0, block.bounds()));
-        assert!(!is_same_mesh(&divided, &block));
+        assert!(!is_same_mesh(&divided, &block, 0.0));
     }
 }

@@ -44,12 +44,18 @@ impl SolvedBuild {
         self.height_mm + self.machine.origin_mm().z
     }
 
-    /// The contents of the build file: one object per part, one item per copy.
+    /// The contents of the build file: one object per part, one item per copy, and a picture.
     pub fn to_build_file(&self, thumbnail_size: (u32, u32)) -> BuildFile {
+        let build = self.describe();
+        BuildFile { thumbnail_png: Some(render_picture(&build, thumbnail_size)), ..build }
+    }
+
+    /// The same without a picture.
+    pub(super) fn describe(&self) -> BuildFile {
         let machine = &self.machine;
         let used: BTreeSet<usize> = self.placed.iter().map(|p| p.part).collect();
         let used: Vec<usize> = used.into_iter().collect();
-        let mut build = BuildFile {
+        BuildFile {
             heading: BuildFileHeading {
                 title: self.heading.title.clone(),
                 application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
@@ -76,12 +82,10 @@ impl SolvedBuild {
                 .iter()
                 .map(|p| self.to_build_item(p, used.partition_point(|&part| part < p.part)))
                 .collect(),
-            instances: machine.instances,
+            delivery: machine.delivery,
             arrangement: machine.arrangement,
             thumbnail_png: None,
-        };
-        build.thumbnail_png = Some(render_picture(&build, thumbnail_size));
-        build
+        }
     }
 
     fn to_build_item(&self, placed: &PartPlacement, object: usize) -> BuildFileItem {

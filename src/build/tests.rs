@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use build_file::{Arrangement, InstanceSharing, ReadLimits};
+use build_file::{Arrangement, DeliveryKind, ReadLimits};
 use glam::{DQuat, DVec3};
 use nester::{InterlockRule, LayerAreaCap, OrientationLimits, OrientationRule, VolumeMargins};
 use solids::Pose;
@@ -24,7 +24,7 @@ pub fn one_cube() -> SolvedBuild {
         clearance_z_extra_mm: 0.0,
         layer_cap: LayerAreaCap::default(),
         interlock: InterlockRule::Forbid,
-        instances: InstanceSharing::default(),
+        delivery: DeliveryKind::default(),
         arrangement: Arrangement::default(),
     };
     let part = BuildPart {
@@ -79,10 +79,12 @@ pub fn with_an_item_more(package: &[u8]) -> Vec<u8> {
 
 /// Proves `asked` against a file that contains `written`.
 fn proved(asked: &SolvedBuild, written: &SolvedBuild) -> Result<ProvedBuild, String> {
-    let mut file = tempfile::NamedTempFile::new().unwrap();
-    build_file::write_build(&written.to_build_file((16, 16)), file.as_file_mut()).unwrap();
+    let (mut file, mut table) = (tempfile::NamedTempFile::new().unwrap(), tempfile::NamedTempFile::new().unwrap());
+    let description = written.to_build_file((16, 16));
+    build_file::write_build(&description, file.as_file_mut()).unwrap();
+    build_file::write_placement_table(&description, table.as_file_mut()).unwrap();
     asked
-        .prove_written_file(file.path(), &ReadLimits::for_testing())
+        .prove_written_file(file.path(), Some(table.path()), &ReadLimits::for_testing())
         .map_err(|error| format!("{:#}", anyhow::Error::from(error)))
 }
 
@@ -102,7 +104,7 @@ fn a_build_that_a_second_reader_reads_differently_is_not_proved() {
     build_file::write_build(&build.to_build_file((16, 16)), &mut written).unwrap();
     let mut file = tempfile::NamedTempFile::new().unwrap();
     file.write_all(&with_an_item_more(written.get_ref())).unwrap();
-    let error = build.prove_written_file(file.path(), &ReadLimits::for_testing()).unwrap_err();
+    let error = build.prove_written_file(file.path(), None, &ReadLimits::for_testing()).unwrap_err();
     assert!(matches!(error, BuildProofError::SecondReader(_)), "{error:?}");
 }
 
@@ -175,6 +177,53 @@ fn copies_that_are_too_close_or_there_twice_or_fill_a_layer_are_not_proved() {
     assert!(refused.contains("fills a layer beyond its cap"), "{refused}");
     asked.machine.layer_cap.area_mm2 = 250.0;
     assert!(proved(&asked, &asked).is_ok());
+}
+
+#[test]
+fn a_fault_in_a_file_of_any_kind_is_found() {
+    let faults: [WriteFault; 7] = [
+        ("which was not asked for", |build| build.parts[0].part_number = "8".to_owned()),
+        ("turned against its orientation rule", |build| build.placed[0].pose.rotation = DQuat::from_rotation_x(0.3)),
+        ("mesh", |build| build.parts[0].mesh = Arc::new(sample_parts::cuboid(DVec3::new(10.0, 10.0, 10.001)))),
+        ("out of the volume", |build| build.placed[0].pose.translation.x = 95.0),
+        ("mm apart instead of 3 mm", |build| build.placed[1].pose.translation.x -= 28.5),
+        ("copy 5 of cube.stl twice", |build| build.placed[1].copy = 4),
+        ("1 placements instead of 2", |build| build.placed.truncate(1)),
+    ];
+    for delivery in DeliveryKind::ALL {
+        let mut asked = two_cubes(40.0, 5);
+        asked.machine.delivery = delivery;
+        assert!(proved(&asked, &asked).is_ok(), "{delivery:?}");
+        for (expected, change) in faults {
+            let mut written = asked.clone();
+            change(&mut written);
+            // Where the layout itself is wrong, its file is what was asked for.
+            let is_layout = expected.contains("volume") || expected.contains("apart");
+            let refused = proved(if is_layout { &written } else { &asked }, &written).unwrap_err();
+            assert!(refused.contains(expected), "{delivery:?}: {refused}");
+        }
+        // A file of which one copy stands elsewhere than it was nested.
+        let mut moved = asked.clone();
+        moved.placed[1].pose.translation.y += 0.01;
+        assert_eq!(proved(&asked, &moved).is_err(), delivery.is_rounded(), "{delivery:?}");
+    }
+}
+
+#[test]
+fn a_layout_for_rounded_coordinates_keeps_what_rounding_may_take() {
+    let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+    let item = || vec![nester::NestingItem::new("cube", cube.clone(), 2).with_clearance(4.0)];
+    for delivery in DeliveryKind::ALL {
+        let machine = MachineSpec { delivery, ..one_cube().machine };
+        let instance = machine.create_instance(item()).unwrap();
+        let spare_mm = instance.clearance_between_mm(0, 0) - 4.0;
+        let is_spared = 1e-6 < spare_mm && spare_mm < 1e-3;
+        assert_eq!(is_spared, delivery.is_rounded(), "{delivery:?}: {spare_mm}");
+        assert_eq!(machine.build_volume().size_mm.x < 96.0, delivery.is_rounded());
+        let shared = one_cube().machine;
+        assert_eq!(machine.find_stricter_than(&shared, None).is_some(), delivery.is_rounded());
+        assert_eq!(shared.find_stricter_than(&machine, None), None);
+    }
 }
 
 /// Two copies of the cube, one above the other.

@@ -40,7 +40,7 @@ impl QueueAddress {
             // nestd gives only names in UTF-8.
             names.extend(entry?.file_name().into_string().ok());
         }
-        names.retain(|name| !name.starts_with('.') && name.ends_with(file_names::BUILD));
+        names.retain(|name| !name.starts_with('.') && file_names::build_stem(name).is_ok());
         Ok(names)
     }
 

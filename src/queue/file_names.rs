@@ -1,11 +1,11 @@
 //! File names in the queue: a build and its sidecars share a stem. Files with dot-names are not published yet.
 
+use build_file::{DeliveryKind, PLACEMENT_TABLE_ENDING, build_file_stem};
+
 use super::QueueError;
 
-/// Suffix of a build file.
-pub(super) const BUILD: &str = ".build.3mf";
 /// Suffixes of the sidecars.
-pub(super) const SIDECARS: [&str; 4] = [".report.json", ".parts.csv", ".png", ".stl"];
+pub(super) const SIDECARS: [&str; 5] = [".report.json", ".parts.csv", ".png", ".stl", PLACEMENT_TABLE_ENDING];
 /// End of the dot-name of a file that is complete and fsynced.
 pub(super) const STAGED: &str = ".part";
 /// End of the dot-name of a file that is still being written.
@@ -18,7 +18,7 @@ const MAX_NAME_BYTES: usize = 100;
 /// The stem of the name of a build or sidecar: `<utc>_<machine>_<build-id>`, ASCII, no spaces. `None` = not such a
 /// name.
 pub(super) fn queue_file_stem(name: &str) -> Option<&str> {
-    let stem = name.strip_suffix(BUILD).or_else(|| SIDECARS.iter().find_map(|s| name.strip_suffix(s)))?;
+    let stem = build_file_stem(name).or_else(|| SIDECARS.iter().find_map(|s| name.strip_suffix(s)))?;
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let is_name = !stem.is_empty() && !stem.starts_with('.') && stem.chars().all(is_plain);
     (is_name && name.len() <= MAX_NAME_BYTES).then_some(stem)
@@ -26,7 +26,22 @@ pub(super) fn queue_file_stem(name: &str) -> Option<&str> {
 
 /// The stem of a build's name.
 pub(super) fn build_stem(name: &str) -> Result<&str, QueueError> {
-    queue_file_stem(name).filter(|_| name.ends_with(BUILD)).ok_or_else(|| QueueError::InvalidName(name.to_owned()))
+    queue_file_stem(name)
+        .filter(|_| build_file_stem(name).is_some())
+        .ok_or_else(|| QueueError::InvalidName(name.to_owned()))
+}
+
+/// The names that a build with this stem may have, by the kind that it is delivered as.
+pub(super) fn builds_of_stem(stem: &str) -> impl Iterator<Item = String> {
+    DeliveryKind::ALL.into_iter().map(move |kind| format!("{stem}{}", kind.ending()))
+}
+
+/// The name of the build of which a dot-name holds the build or a sidecar. `None` = a file of another program, which nestd must not remove.
+pub(super) fn staged_build_name(dot_name: &str) -> Option<String> {
+    let stem = staged_file_stem(dot_name)?;
+    let inner = dot_name.strip_prefix('.')?;
+    let build = builds_of_stem(stem).find(|build| inner.starts_with(build.as_str()));
+    Some(build.unwrap_or_else(|| format!("{stem}{}", DeliveryKind::default().ending())))
 }
 
 /// The names of the sidecars of a build, and its own last: the order in which they become visible.
@@ -60,7 +75,7 @@ mod tests {
         let expected = Some("20261120T044900Z_mjf-5200_000042");
         assert_eq!(queue_file_stem(BUILD_NAME), expected);
         for suffix in SIDECARS {
-            assert_eq!(queue_file_stem(&BUILD_NAME.replace(BUILD, suffix)), expected);
+            assert_eq!(queue_file_stem(&BUILD_NAME.replace(".build.3mf", suffix)), expected);
         }
     }
 

@@ -5,7 +5,10 @@
 //! file once. After a crash [`PrinterQueue::state`] shows what happened: if the dot-file is still there, the build is not published; if
 //! it is gone, the build was published, even if the printer has removed it since.
 //!
-//! Another kind is a file beside `queue_folder` with its `impl PrinterQueue`, a variant of [`QueueAddress`], and an option of `[[printer]]`
+//! What a build is delivered as (`build_file::DeliveryKind`) shows in the ending of its name only (`file_names`): it is one file whatever it
+//! holds, so that one rename and one hash say what became of it.
+//!
+//! Another kind of queue is a file beside `queue_folder` with its `impl PrinterQueue`, a variant of [`QueueAddress`], and an option of `[[printer]]`
 //! that makes one. It keeps what is staged and what was taken back on this machine, where it is read back and proved.
 
 mod address;

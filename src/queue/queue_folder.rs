@@ -162,7 +162,7 @@ impl PrinterQueue for QueueFolder {
 
     fn names(&self, state: FileState) -> Result<Vec<String>, QueueError> {
         let entries = self.entries()?;
-        let staged = |name: String| Some(format!("{}{}", file_names::staged_file_stem(&name)?, file_names::BUILD));
+        let staged = |name: String| file_names::staged_build_name(&name);
         let taken_back = |name: String| {
             let build = name.strip_prefix('.')?.strip_suffix(MOVING)?;
             file_names::build_stem(build).is_ok().then(|| build.to_owned())
@@ -225,6 +225,10 @@ impl PrinterQueue for QueueFolder {
     fn discard(&self, build_name: &str) -> Result<bool, QueueError> {
         let stem = file_names::build_stem(build_name)?;
         let was_staged = self.state(build_name)? == FileState::Staged;
+        // What an earlier attempt staged while builds were delivered as another kind goes, too.
+        for other in file_names::builds_of_stem(stem).filter(|other| other != build_name) {
+            remove_if_exists(&self.staged_path(&other))?;
+        }
         for suffix in file_names::SIDECARS {
             let sidecar = format!("{stem}{suffix}");
             remove_if_exists(&self.staged_path(&sidecar))?;
@@ -246,7 +250,7 @@ impl PrinterQueue for QueueFolder {
             let entry = entry.map_err(io_error("list", &self.dir))?;
             let Ok(name) = entry.file_name().into_string() else { continue };
             let Some(stem) = file_names::staged_file_stem(&name) else { continue };
-            if !keep.iter().any(|k| k.strip_suffix(file_names::BUILD) == Some(stem)) {
+            if !keep.iter().any(|kept| file_names::build_stem(kept).is_ok_and(|kept| kept == stem)) {
                 remove_if_exists(&entry.path())?;
                 swept.push(name);
             }

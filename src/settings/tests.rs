@@ -244,6 +244,8 @@ fn values_out_of_range_are_refused_each_by_itself() {
         ("[folders]\ninbox = \"\"", "folders.inbox"),
         ("[folders]\ninbox = \"~/in\"", "folders.inbox"),
         ("trigger = 5", "trigger"),
+        ("[delivery]\nkind = \"step\"", "use one of \"shared\", \"expanded\", \"stl\", \"parts\""),
+        ("instances = \"expanded\"", "say kind = \"shared\" or \"expanded\" in the section [delivery]"),
     ] {
         let problems = TestConfig::new("", &[("a.toml", &format!("{CUBE}{text}\n"))]).problems();
         assert_eq!(problems.len(), 1, "{text}: {problems:?}");

@@ -40,7 +40,7 @@ pub fn list_build_files(queue: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
     files.retain(|f| {
         let name = f.file_name().unwrap().to_string_lossy();
-        name.ends_with(".build.3mf") && !name.starts_with('.')
+        build_file::build_file_stem(&name).is_some() && !name.starts_with('.')
     });
     files.sort();
     files

@@ -257,7 +257,7 @@ async fn show_results(farm: &DemoFarm, watch: &DemoWatcher<'_>) -> Result<()> {
         bail!("{TORN_FILE} was refused without a reason file");
     }
     let name = build.file_name.context("the build has no file")?;
-    let stem = name.trim_end_matches(".build.3mf").to_owned();
+    let stem = build_file::build_file_stem(&name).unwrap_or(&name).to_owned();
     let made = matching_files(&farm.machine_folder("queue"), |file| file.starts_with(&stem))?;
     if !made.iter().any(|file| file.ends_with(&name)) {
         bail!("{name} is not in {}", farm.machine_folder("queue").display());

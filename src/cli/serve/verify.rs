@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::Result;
-use build_file::{Arrangement, BuildMetadata, InstanceSharing, ReadLimits};
+use build_file::{Arrangement, BuildMetadata, DeliveryKind, ReadLimits};
 use glam::DVec3;
 use nester::{DEFAULT_LAYER_MM, InterlockRule, LayerAreaCap, VolumeMargins};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Exit code 0 proved, 1 not proved, 2 wrong use or not readable.")]
 pub struct VerifyArgs {
-    /// The build file
+    /// The build file; of one STL, the table of places lies beside it
     #[arg(value_name = "BUILD.3mf")]
     build: PathBuf,
     /// Build volume in mm, e.g. 380x284x380 [default: what the file says]
@@ -121,7 +121,7 @@ fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpe
         clearance_z_extra_mm: args.clearance_z_extra.or(info.rules.clearance_z_extra_mm).unwrap_or(0.0),
         layer_cap: LayerAreaCap { layer_mm, area_mm2: info.rules.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
         interlock: args.interlock.or_else(stored).unwrap_or(InterlockRule::Warn),
-        instances: InstanceSharing::default(),
+        delivery: DeliveryKind::default(),
         arrangement: Arrangement::default(),
     })
 }

@@ -55,7 +55,7 @@ impl BuildSource {
             Self::Ledger(build, _) => format!("build-{}", build.id),
             Self::File(file, _) => {
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let stem = name.strip_suffix(".3mf").unwrap_or(&name);
+                let stem = BUILD_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(&name);
                 stem.strip_suffix(".build").unwrap_or(stem).to_owned()
             }
         }
@@ -69,11 +69,18 @@ pub fn find_build(common: &CommonArgs, args: &BuildLookupArgs) -> Result<FoundBu
         if file.is_file() {
             return load_from_file(file, args.volume);
         }
-        if word.contains('/') || (word.ends_with(".3mf") && number_in_name(word).is_none()) {
+        if word.contains('/') || (is_build_ending(word) && number_in_name(word).is_none()) {
             return Err(UsageError(format!("there is no file {}", file.display())).into());
         }
     }
     load_from_ledger(common, &args.what)
+}
+
+/// How files of builds end, also those of other programs.
+const BUILD_ENDINGS: [&str; 3] = [".3mf", ".stl", ".zip"];
+
+fn is_build_ending(word: &str) -> bool {
+    BUILD_ENDINGS.iter().any(|ending| word.ends_with(ending))
 }
 
 fn load_from_file(file: &Path, volume_mm: Option<DVec3>) -> Result<FoundBuild> {

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
+use build_file::DeliveryKind;
 use ledger::{BuildId, Ledger, NightSearchRow, PartId, PartRow};
 use nester::LayerAreaCap;
 
@@ -34,8 +35,9 @@ pub(crate) fn keeps_layouts(before: &MachineProfile, after: &MachineProfile) -> 
 fn describe_machine(profile: &MachineProfile) -> String {
     let machine = profile.to_machine();
     let layer_cap = machine.layer_cap.cap_mm2().map(|_| machine.layer_cap);
-    let (instances, arrangement) = Default::default();
-    let machine = MachineSpec { layer_cap: LayerAreaCap::default(), instances, arrangement, ..machine };
+    let delivery = if machine.delivery.is_rounded() { DeliveryKind::Stl } else { DeliveryKind::default() };
+    let arrangement = Default::default();
+    let machine = MachineSpec { layer_cap: LayerAreaCap::default(), delivery, arrangement, ..machine };
     format!("{machine:?} {layer_cap:?}")
 }
 

@@ -1,10 +1,16 @@
 //! The step "verified": writes a layout as a build file under its dot-name, reads it back, and proves it on the
 //! triangles in the file. Runs on a job's thread.
 
-use std::{collections::HashMap, fs::File, io::BufWriter, path::Path, sync::Arc};
+use std::{
+    collections::HashMap,
+    fs::File,
+    io::BufWriter,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use anyhow::{Context, Result};
-use build_file::{BuildFile, ReadLimits};
+use build_file::{BuildFile, DeliveryKind, ReadLimits};
 use jiff::Timestamp;
 use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
 use nester::{SearchSummary, Separability};
@@ -55,29 +61,38 @@ pub struct BuildWriteRequest {
     pub limits: ReadLimits,
 }
 
-/// The name of a build's file. It is the same at every attempt, so that a crash leaves at most one dot-file.
-pub fn queue_file_name(machine: &str, build: &BuildRow) -> String {
+/// The name of a build's file. Its stem is the same at every attempt, so that a crash leaves at most one dot-file.
+pub fn queue_file_name(machine: &str, build: &BuildRow, kind: DeliveryKind) -> String {
     let created: Timestamp = build.times.nesting_at.unwrap_or(build.times.opened_at).0;
-    build_file::build_file_name(created, machine, build.id.0.unsigned_abs())
+    build_file::build_file_name(created, machine, build.id.0.unsigned_abs(), kind)
+}
+
+/// The stem of that name, whatever the build is delivered as.
+pub fn queue_file_stem(machine: &str, build: &BuildRow) -> String {
+    let name = queue_file_name(machine, build, DeliveryKind::default());
+    build_file::build_file_stem(&name).unwrap_or(&name).to_owned()
 }
 
 /// Writes the build, reads it back, proves it, and writes the sidecars. Publishes nothing.
 pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> Result<WrittenBuild> {
-    let name = queue_file_name(&request.profile.name, &request.build);
+    let name = queue_file_name(&request.profile.name, &request.build, request.profile.output.delivery);
     let build = create_solved_build(request, nested);
     let description = build.to_build_file(THUMBNAIL_SIZE);
     // Removes an earlier attempt: its visible sidecars would be taken for files of another build.
     request.queue.discard(&name).context("removing what was staged before")?;
     let staged = request.queue.stage(&name, Box::new(|file| Ok(build_file::write_build(&description, file)?)))?;
-    let proved = match build.prove_written_file(&staged, &request.limits) {
-        Ok(proved) => proved,
-        Err(error) => {
-            request.queue.discard(&name).context("taking back a build that could not be proved")?;
-            return Err(anyhow::Error::from(error).context(UnprovedBuildError));
-        }
-    };
+    let table = stage_placement_table(request, &description, &name)?;
+    let proved =
+        match build.prove_written_file(&staged, table.as_ref().map(|table| table.staged.as_path()), &request.limits) {
+            Ok(proved) => proved,
+            Err(error) => {
+                request.queue.discard(&name).context("taking back a build that could not be proved")?;
+                return Err(anyhow::Error::from(error).context(UnprovedBuildError));
+            }
+        };
     let locked = proved.separability.as_ref().map(Separability::locked_text).unwrap_or_default();
-    let sidecars = write_sidecars(request, nested, &build, &description, &proved, &name)?;
+    let mut sidecars = write_sidecars(request, nested, &build, &description, &proved, &name)?;
+    sidecars.extend(table.map(|table| (table.name, table.hash)));
     let (file_hash, file_bytes) = hash_and_size(&staged)?;
     let height_mm = build.machine_height_mm();
     let (id, bound_mm, ended) = (request.build.id, lower_bound_mm(request, nested), why_ended(request, nested));
@@ -190,7 +205,7 @@ fn write_sidecars(
     proved: &ProvedBuild,
     name: &str,
 ) -> Result<Vec<(String, String)>> {
-    let stem = name.strip_suffix(".build.3mf").unwrap_or(name);
+    let stem = build_file::build_file_stem(name).unwrap_or(name);
     let mut written = Vec::new();
     let mut stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
@@ -204,7 +219,7 @@ fn write_sidecars(
     build_file::write_pick_map(build_file::pick_rows(description), &mut pick_map)?;
     stage(".parts.csv", &pick_map)?;
     stage(".png", &build::render_picture(description, PICTURE_SIZE))?;
-    if request.profile.output.stl_output {
+    if request.profile.output.stl_output && request.profile.output.delivery != DeliveryKind::Stl {
         let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
         let name = format!("{stem}.stl");
         let write = |file: &mut File| Ok(build_file::write_stl(placed, BufWriter::new(file))?);
@@ -212,6 +227,27 @@ fn write_sidecars(
         written.push((name, hash_and_size(&staged)?.0));
     }
     Ok(written)
+}
+
+/// The table of places beside a whole build as STL, which is proved and kept with it.
+struct StagedTable {
+    name: String,
+    hash: String,
+    staged: PathBuf,
+}
+
+fn stage_placement_table(
+    request: &BuildWriteRequest,
+    description: &BuildFile,
+    build_name: &str,
+) -> Result<Option<StagedTable>> {
+    if description.delivery != DeliveryKind::Stl {
+        return Ok(None);
+    }
+    let name = build_file::placement_table_name(build_file::build_file_stem(build_name).unwrap_or(build_name));
+    let write = |file: &mut File| Ok(build_file::write_placement_table(description, BufWriter::new(file))?);
+    let staged = request.queue.stage(&name, Box::new(write))?;
+    Ok(Some(StagedTable { hash: hash_and_size(&staged)?.0, name, staged }))
 }
 
 fn report_json(

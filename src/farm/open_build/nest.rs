@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
-use build_file::format_count;
+use build_file::{PLACEMENT_TABLE_ENDING, format_count};
 use jobs::BackgroundJob;
 use ledger::{
     BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
@@ -33,7 +33,7 @@ use crate::{
                 give_up_reason,
             },
             search_policy::SearchPolicy,
-            write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
+            write_build::{BuildWriteRequest, WrittenBuild, queue_file_stem, write_and_prove},
         },
         printers::{
             printers,
@@ -361,6 +361,10 @@ fn nest_write_and_prove(
     demand_staged(&write.queue, &file.file_name)?;
     let staged = write.queue.file(&file.file_name, FileState::Staged)?;
     kept_build::keep_staged_file(&write.profile, &staged, &file.file_name, &file.file_hash);
+    let tables = file.sidecars.iter().filter(|(name, _)| name.ends_with(PLACEMENT_TABLE_ENDING));
+    for (name, hash) in tables {
+        kept_build::keep_staged_file(&write.profile, &write.queue.file(name, FileState::Staged)?, name, hash);
+    }
     Ok(written)
 }
 
@@ -372,8 +376,7 @@ fn archive_originals(
     nested: &NestingResult,
     meshes: &MeshSource,
 ) -> Result<()> {
-    let name = queue_file_name(&profile.name, build);
-    let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
+    let stem = &queue_file_stem(&profile.name, build);
     for part in &nested.batch.parts {
         let is_placed = nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id);
         // A build that is issued once more from its kept file may have parts whose originals nobody has any more.

@@ -5,6 +5,7 @@
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
+use build_file::DeliveryKind;
 use jobs::{BackgroundJob, JobRunner};
 use ledger::{BuildId, BuildRow, BuildState, Ledger, Verified};
 use tracing::{info, warn};
@@ -19,7 +20,7 @@ use crate::{
             printer_state::{PrinterState, alert_subject},
         },
         leases::folder_lease::FolderLease,
-        nesting::write_build::queue_file_name,
+        nesting::write_build::{queue_file_name, queue_file_stem},
         records::build_record,
     },
     queue::{FileState, OpenQueue, QueueAddress, QueueError, is_build_name},
@@ -126,7 +127,12 @@ fn may_lie_at(build: &BuildRow, printer: &str, names: &[String]) -> bool {
 }
 
 fn staged_name(build: &BuildRow) -> String {
-    build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.machine, build))
+    build.staged.file_name.clone().unwrap_or_else(|| any_file_name(build))
+}
+
+/// A name that the file of a build may have. What is staged is kept and removed by its stem.
+fn any_file_name(build: &BuildRow) -> String {
+    queue_file_name(&build.machine, build, DeliveryKind::default())
 }
 
 fn on_queue_opened(
@@ -174,7 +180,7 @@ pub(crate) async fn demand_same_queue(
 pub(crate) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm>, build: &BuildRow) {
     let printer = machines.get(&build.machine).and_then(|machine| machine.printers.of_build(build));
     let Some(queue) = printer.and_then(|printer| printer.opened.clone()) else { return };
-    let name = queue_file_name(&build.machine, build);
+    let name = any_file_name(build);
     jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
 }
 
@@ -225,7 +231,9 @@ impl QueueOpening {
 async fn is_own_build(ledger: &Ledger, machine: &str, file: &str) -> Result<bool> {
     let Some((_, number)) = build_record::parse_build_file_name(file) else { return Ok(false) };
     let build = ledger.find_build(BuildId(number)).await?;
-    Ok(build.is_some_and(|build| build.state != BuildState::Open && queue_file_name(machine, &build) == file))
+    Ok(build.is_some_and(|build| {
+        build.state != BuildState::Open && build_file::build_file_stem(file) == Some(&*queue_file_stem(machine, &build))
+    }))
 }
 
 /// Checks that a written build is in the queue folder under its dot-name, and that nothing has removed it.

@@ -7,13 +7,18 @@ use std::{
 };
 
 use anyhow::{Context, Result, ensure};
+use build_file::{DeliveryKind, build_file_stem};
 use ledger::{BuildRow, UtcTimestamp};
 use serde_json::Value;
 
-/// Name of the record in the build's folder; a dot-file, so that people do not see it.
-const NAME: &str = ".nestd-build.json";
-/// End of the name of a build file.
-const BUILD: &str = ".build.3mf";
+/// Name of the record in the build's folder, after what the build was delivered as; a dot-file, so that people do not see it.
+fn record_name(kind: DeliveryKind) -> &'static str {
+    match kind {
+        DeliveryKind::Shared | DeliveryKind::Expanded => ".nestd-build.json",
+        DeliveryKind::Stl => ".nestd-build.stl.json",
+        DeliveryKind::Parts => ".nestd-build.zip.json",
+    }
+}
 
 /// Writes the record of a build that is about to be published; repeating this changes nothing.
 pub fn write_record(archive: &Path, build: &BuildRow, record: &str) -> Result<()> {
@@ -74,12 +79,12 @@ pub fn remove_record(archive: &Path, name: &str) -> Result<()> {
 }
 
 fn record_path(archive: &Path, name: &str) -> PathBuf {
-    archive_folder(archive, name).join(NAME)
+    archive_folder(archive, name).join(record_name(DeliveryKind::of_name(name).unwrap_or_default()))
 }
 
 /// The folder of a build in an archive: its originals and its record. `name` = that of its build file.
 pub fn archive_folder(archive: &Path, name: &str) -> PathBuf {
-    archive.join(name.strip_suffix(BUILD).unwrap_or(name))
+    archive.join(build_file_stem(name).unwrap_or(name))
 }
 
 /// The builds with a record in an archive: name of the build file, and path of the record; oldest first.
@@ -90,13 +95,18 @@ pub fn list_records(archive: &Path) -> io::Result<Vec<(String, PathBuf)>> {
     let mut found = Vec::new();
     for entry in fs::read_dir(archive)? {
         let entry = entry?;
-        let (name, record) = (entry.file_name(), entry.path().join(NAME));
+        let name = entry.file_name();
         let Some(name) = name.to_str() else { continue };
-        match fs::symlink_metadata(&record) {
-            Ok(meta) if meta.is_file() => found.push((format!("{name}{BUILD}"), record)),
-            Ok(_) => {}
-            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {}
-            Err(error) => return Err(error),
+        // `shared` and `expanded` have one ending.
+        for kind in [DeliveryKind::Shared, DeliveryKind::Stl, DeliveryKind::Parts] {
+            let record = entry.path().join(record_name(kind));
+            match fs::symlink_metadata(&record) {
+                Ok(meta) if meta.is_file() => found.push((format!("{name}{}", kind.ending()), record)),
+                Ok(_) => {}
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) if error.kind() == io::ErrorKind::NotADirectory => break,
+                Err(error) => return Err(error),
+            }
         }
     }
     found.sort();
@@ -112,7 +122,7 @@ pub fn set_record_aside(record: &Path) -> io::Result<PathBuf> {
 
 /// When a build fired, and its number, from the name of its file.
 pub fn parse_build_file_name(name: &str) -> Option<(&str, i64)> {
-    let stem = name.strip_suffix(BUILD)?;
+    let stem = build_file_stem(name)?;
     let (fired, rest) = stem.split_once('_')?;
     Some((fired, rest.rsplit_once('_')?.1.parse().ok()?))
 }

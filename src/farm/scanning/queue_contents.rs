@@ -10,13 +10,16 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use build_file::{HeadingMetadata, ReadLimits};
+use build_file::ReadLimits;
 use ledger::{BuildRow, StagedFile};
 
-use crate::queue::{FileStamp, FileState, OpenQueue, PrinterQueue, QueueAddress};
+use crate::queue::{FileStamp, FileState, OpenQueue, PrinterQueue, QueueAddress, is_build_name};
 
 /// How a ZIP package begins, as a 3MF file is one.
 const PACKAGE: &[u8] = b"PK";
+
+/// Bytes of the title of an STL.
+const STL_TITLE_BYTES: u64 = 80;
 
 /// What was read of a file.
 #[derive(Debug, Clone)]
@@ -81,9 +84,9 @@ impl ContentReader {
         let mut known = FileContent::known(&place, stamp);
         if known.own_name.is_none() {
             let file = queue.file(name, FileState::Visible).ok()?;
-            let own = if starts_as_package(&file).ok()? {
+            let own = if may_be_build(&file, stamp).ok()? {
                 self.left = self.left.checked_sub(1)?;
-                read_own_name(&file)
+                build_file::read_own_name(&file, &ReadLimits::default()).ok().flatten()
             } else {
                 None
             };
@@ -210,14 +213,11 @@ pub(crate) fn is_proved(
     }
 }
 
-fn starts_as_package(file: &Path) -> io::Result<bool> {
+/// Whether a file may be a build, as its beginning tells: of an STL, the title.
+fn may_be_build(file: &Path, stamp: FileStamp) -> io::Result<bool> {
     let mut start = Vec::new();
-    File::open(file)?.take(PACKAGE.len() as u64).read_to_end(&mut start)?;
-    Ok(start == PACKAGE)
-}
-
-fn read_own_name(file: &Path) -> Option<String> {
-    let HeadingMetadata { created, machine, build_id, .. } =
-        build_file::read_build_heading(file, &ReadLimits::default()).ok()?;
-    Some(build_file::build_file_name(created?.parse().ok()?, &machine?, build_id?.parse().ok()?))
+    File::open(file)?.take(STL_TITLE_BYTES).read_to_end(&mut start)?;
+    let title = String::from_utf8_lossy(&start);
+    let is_titled = stamp.bytes > STL_TITLE_BYTES && is_build_name(title.trim_end_matches('\0'));
+    Ok(start.starts_with(PACKAGE) || is_titled)
 }

@@ -98,7 +98,7 @@ impl QueueFileLook<'_> {
         found: &mut QueueFileFindings,
     ) -> Result<Option<String>> {
         let LookedAt { queue, name, .. } = *file;
-        let row = if name.ends_with(".build.3mf") { (self.find_build)(name)? } else { None };
+        let row = if build_file::build_file_stem(name).is_some() { (self.find_build)(name)? } else { None };
         // After the row was read: what lies there now was not taken back before that.
         let Some(stamp) = queue.stamp(name) else { return Ok(None) };
         Ok(match row {

@@ -191,9 +191,9 @@ pub struct SearchRules {
 /// Which files are written for a build, and how long the originals are kept.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputRules {
-    /// Whether all copies of a mesh share one object, or each copy has its own.
-    pub instances: build_file::InstanceSharing,
-    /// Whether copies are separate build items or components of one object.
+    /// What builds are delivered as.
+    pub delivery: build_file::DeliveryKind,
+    /// Whether copies in a 3MF are separate build items or components of one object.
     pub arrangement: build_file::Arrangement,
     /// Whether to write the whole build also as one binary STL.
     pub stl_output: bool,
@@ -206,7 +206,7 @@ pub struct OutputRules {
 impl MachineProfile {
     /// The box that may be filled: the printable box minus the margins.
     pub fn build_volume(&self) -> nester::BuildVolume {
-        self.margins().usable_volume(self.space.volume_mm)
+        self.to_machine().build_volume()
     }
 
     /// The margins of the printable box.
@@ -230,17 +230,17 @@ impl MachineProfile {
             layer_cap: nester::LayerAreaCap::from_share(
                 self.space.layer_mm,
                 self.space.layer_area_cap,
-                &self.build_volume(),
+                &self.margins().usable_volume(self.space.volume_mm),
             ),
             interlock: self.search.nest.effective_interlock(),
-            instances: self.output.instances,
+            delivery: self.output.delivery,
             arrangement: self.output.arrangement,
         }
     }
 
     /// Position of the lower front left corner of [`MachineProfile::build_volume`] in the machine's frame, mm.
     pub fn origin_mm(&self) -> DVec3 {
-        self.margins().origin_mm()
+        self.to_machine().origin_mm()
     }
 }
 

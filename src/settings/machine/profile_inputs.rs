@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use build_file::{Arrangement, InstanceSharing, LengthUnit};
+use build_file::{Arrangement, DeliveryKind, LengthUnit};
 use intake::UnlistedPolicy;
 use nester::{FaceNotDown, NestingConfig, OrientationRule, TiltLimit};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -36,13 +36,14 @@ pub(crate) struct ProfileInputs {
     pub printing: PrintingInputs,
     pub folders: ProfileFolders,
     pub trigger: TriggerInputs,
+    pub delivery: DeliveryInputs,
     /// Only in the file of a machine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub printer: Vec<PrinterInputs>,
 }
 
 read_options!(
-    ProfileInputs: folders trigger printer,
+    ProfileInputs: folders trigger delivery printer,
     groups space: SpaceInputs turning: TurningInputs intake: IntakeInputs search: SearchInputs output: OutputInputs
     printing: PrintingInputs
 );
@@ -108,7 +109,6 @@ option_group! {
 option_group! {
     /// Which files are written for a build, and how long the originals are kept.
     OutputInputs {
-        instances: InstanceSharing = InstanceSharing::default(),
         arrangement: Arrangement = Arrangement::default(),
         stl_output: bool = false,
         archive_days: u32 = 90,
@@ -142,6 +142,14 @@ pub(crate) struct ProfileFolders {
     pub error: Option<PathBuf>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub archive: Option<PathBuf>,
+}
+
+/// `[delivery]` of a profile. It is of the machine and not of a printer: its printers are alike, and a build that was made for one may go to
+/// another one as it is.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct DeliveryInputs {
+    pub kind: DeliveryKind,
 }
 
 /// `[trigger]` of a profile.

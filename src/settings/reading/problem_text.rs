@@ -42,6 +42,9 @@ fn describe_kind(expected: &str) -> &str {
 }
 
 fn suggest_option(unknown: &str, known: &[&str]) -> String {
+    if unknown == "instances" && known.contains(&"delivery") {
+        return "say kind = \"shared\" or \"expanded\" in the section [delivery]".to_owned();
+    }
     let near = known.iter().map(|name| (edit_distance(unknown, name), *name)).min();
     match near {
         Some((edits, name)) if edits <= 1 + unknown.chars().count() / 3 => format!("did you mean \"{name}\"?"),

@@ -27,6 +27,7 @@ struct ProfileSnapshot {
     clearance_z_extra_mm: Option<f64>,
     layer_mm: Option<f64>,
     layer_area_cap: Option<Option<f64>>,
+    delivery: Option<build_file::DeliveryKind>,
     nest: NestingSnapshot,
 }
 
@@ -58,6 +59,7 @@ impl MachineProfile {
         space.clearance_z_extra_mm = stored.clearance_z_extra_mm.unwrap_or(space.clearance_z_extra_mm);
         space.layer_mm = stored.layer_mm.unwrap_or(space.layer_mm);
         space.layer_area_cap = stored.layer_area_cap.unwrap_or(space.layer_area_cap);
+        profile.output.delivery = stored.delivery.unwrap_or(profile.output.delivery);
         nest.method = stored.nest.method.unwrap_or(nest.method);
         nest.interlock = stored.nest.interlock.unwrap_or(nest.interlock);
         profile

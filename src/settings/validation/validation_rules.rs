@@ -136,7 +136,8 @@ pub(super) fn validate_profile(
     }
     validate_values(&inputs, validator);
     let volume_mm = validate_volume(&inputs.space, validator);
-    let ProfileInputs { space, turning, intake, search, output, printing, folders: _, trigger, printer: _ } = inputs;
+    let ProfileInputs { space, turning, intake, search, output, printing, folders: _, trigger, delivery, printer: _ } =
+        inputs;
     MachineProfile {
         name: name.to_owned(),
         folders,
@@ -182,7 +183,7 @@ pub(super) fn validate_profile(
             max_attempts: search.max_attempts,
         },
         output: OutputRules {
-            instances: output.instances,
+            delivery: delivery.kind,
             arrangement: output.arrangement,
             stl_output: output.stl_output,
             archive_days: output.archive_days,

@@ -24,7 +24,7 @@ impl ReportExcerpt {
     /// Reads the report in the folder of a build file; empty when there is none.
     pub(crate) fn read_beside(file: &Path) -> Self {
         let read = || -> Option<serde_json::Value> {
-            let stem = file.file_name()?.to_str()?.strip_suffix(".build.3mf")?;
+            let stem = build_file::build_file_stem(file.file_name()?.to_str()?)?;
             let folder = file.parent().unwrap_or(Path::new("."));
             // Other users may write into this folder, so the read is limited.
             let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;

@@ -26,6 +26,7 @@ use crate::{
         look::pieces::sheet,
     },
 };
+use build_file::DeliveryKind;
 
 /// What the name of the report of the search ends in, as it is written beside the build file.
 const SEARCH_REPORT: &str = ".report.json";
@@ -38,10 +39,12 @@ pub(super) async fn downloads_sheet(build: &BuildRow, profile: &MachineProfile) 
     let (has_file, has_search) =
         (is_elsewhere || files.proved.is_some(), is_elsewhere || files.search_report.is_some());
     let number = build.id;
+    let kind = build.staged.file_name.as_deref().and_then(DeliveryKind::of_name).unwrap_or_default();
+    let format = kind.format().0;
     let file = |address: String, name: &str, what: &str| html! { li { a.row href=(address) download { span.row-name { (name) } span.row-more { (what) } } } };
     let content = html! {
         ul.rows {
-            @if has_file { (file(format!("/builds/{number}/file"), &say!("file-build"), &say!("file-build-for"))) }
+            @if has_file { (file(format!("/builds/{number}/file"), &say!("file-build", format = format), &say!("file-build-for"))) }
             (file(format!("/builds/{number}/report.html"), &say!("file-report"), &say!("file-report-for")))
             (file(format!("/builds/{number}/picture"), &say!("file-picture"), ""))
             (file(format!("/builds/{number}/pick.csv"), &say!("file-pick-csv"), &say!("file-pick-csv-for")))
@@ -95,7 +98,7 @@ pub(crate) async fn get_build_file(
     let missing = || HandlerError::NotFound(say!("build-file-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
     let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
-    stream_file(&file, saved_as(&name, "model/3mf"))
+    stream_file(&file, saved_as(&name, DeliveryKind::of_name(&name).unwrap_or_default().format().1))
 }
 
 /// The report of the search for a build, while it lies beside the build file.

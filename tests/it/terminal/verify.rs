@@ -4,7 +4,7 @@ use std::{fs::File, path::PathBuf, sync::Arc};
 
 use assert_cmd::Command;
 use build_file::{
-    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, InstanceSharing,
+    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, DeliveryKind,
     write_build, write_stl,
 };
 use glam::{DQuat, DVec3};
@@ -85,7 +85,7 @@ fn written(
         density: 0.02,
         objects: vec![object],
         items: vec![item(1), item(2)],
-        instances: InstanceSharing::Shared,
+        delivery: DeliveryKind::Shared,
         arrangement: Arrangement::Items,
         thumbnail_png: None,
     };
@@ -258,7 +258,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
         density: 0.02,
         objects: vec![object],
         items: vec![item(1, 0.0, DVec3::new(20.0, 20.0, 18.5)), item(2, upright, DVec3::new(35.0, 21.5, 20.0))],
-        instances: InstanceSharing::Shared,
+        delivery: DeliveryKind::Shared,
         arrangement: Arrangement::Items,
         thumbnail_png: None,
     };

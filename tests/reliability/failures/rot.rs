@@ -125,7 +125,12 @@ impl DamageCase {
         let in_state = |state| farm.query_ledger(async |ledger| ledger.builds_in_state(state).await.unwrap()).pop();
         wait_until_or("a build is nested", 30.0, || farm.log(), || in_state(BuildState::Nesting).is_some());
         let build = in_state(BuildState::Nesting)?;
-        let name = build_file::build_file_name(build.times.nesting_at?.0, MACHINE, build.id.0.unsigned_abs());
+        let name = build_file::build_file_name(
+            build.times.nesting_at?.0,
+            MACHINE,
+            build.id.0.unsigned_abs(),
+            Default::default(),
+        );
         let record = farm.folder("archive").join(name.strip_suffix(".build.3mf")?).join(".nestd-build.json");
         fs::create_dir_all(&record).unwrap();
         wait_until_or("it is proved", 30.0, || farm.log(), || in_state(BuildState::Verified).is_some());

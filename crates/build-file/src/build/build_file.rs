@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
-use crate::{Arrangement, InstanceSharing};
+use crate::{Arrangement, DeliveryKind};
 
 /// A build, ready to be written.
 #[derive(Debug, Clone)]
@@ -23,9 +23,9 @@ pub struct BuildFile {
     pub objects: Vec<BuildFileObject>,
     /// One per placed copy.
     pub items: Vec<BuildFileItem>,
-    /// How copies of one mesh are written.
-    pub instances: InstanceSharing,
-    /// Whether a consumer may re-arrange the placements.
+    /// What it is written as.
+    pub delivery: DeliveryKind,
+    /// Whether a consumer of a 3MF may re-arrange the placements.
     pub arrangement: Arrangement,
     /// A PNG picture, shown by file browsers.
     pub thumbnail_png: Option<Vec<u8>>,

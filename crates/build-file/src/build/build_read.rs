@@ -1,25 +1,33 @@
-//! Reads `.build.3mf` files into meshes and poses, to prove the written file.
+//! Reads build files of every kind into meshes and poses, to prove the written file.
 
 use std::{collections::HashMap, path::Path, sync::Arc};
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
-use solids::{Bounds, Mesh, Pose};
+use glam::{DAffine3, DMat3, DQuat};
+use solids::{Mesh, Pose};
+
+use super::{
+    build_metadata::{build_metadata, heading_metadata, parse_pose},
+    parts_build::{is_parts_build, read_parts_build, read_parts_metadata},
+    stl_build::{is_stl, moved_back, read_stl_build, titled_name},
+};
 
 use crate::{
-    BuildMetadata, FileReadError, HeadingMetadata, OrderWords, PlacedMesh, ReadLimits, RulesMetadata,
+    BuildMetadata, DeliveryKind, FileReadError, HeadingMetadata, OrderWords, PlacedMesh, ReadLimits, build_file_name,
     common::solid::checked_mesh,
     threemf::{
         document::{ModelDocument, ObjectKey, read_leading_metadata},
         flatten::ComponentFlattener,
         model::{ModelItem, ModelMetadata, ObjectBody, ObjectReference},
+        package::PackageReader,
     },
 };
 
 /// Greatest deviation of a written rotation matrix from a true rotation: files print 6 digits and more.
 const RIGID_TOLERANCE: f64 = 1e-5;
 
-/// Reads every placed copy of a build file. Items of one object share the mesh. Files of other packers are read too:
-/// items with components are flattened. A transform that is not rigid is an error that names the item.
+/// Reads every placed copy of a build file of any kind. Copies of one object share the mesh. Files of other packers are read too:
+/// items with components are flattened. A transform that is not rigid is an error that names the item. Of a whole build as STL, the table
+/// of places is read that lies beside it.
 pub fn read_build(file: &Path, limits: &ReadLimits) -> Result<Vec<PlacedMesh>, FileReadError> {
     Ok(read_build_and_metadata(file, limits)?.1)
 }
@@ -29,12 +37,85 @@ pub fn read_build_and_metadata(
     file: &Path,
     limits: &ReadLimits,
 ) -> Result<(BuildMetadata, Vec<PlacedMesh>), FileReadError> {
-    let document = ModelDocument::read_package(file, limits)?;
-    let metadata = &document.start_part().metadata;
-    let locked = metadata.nestd_value("arrangement").is_some_and(|a| a == "locked");
+    read_build_with_table(file, None, limits)
+}
+
+/// Like [`read_build_and_metadata`], with the table of places of a whole build as STL where that has another name than the file.
+pub fn read_build_with_table(
+    file: &Path,
+    table: Option<&Path>,
+    limits: &ReadLimits,
+) -> Result<(BuildMetadata, Vec<PlacedMesh>), FileReadError> {
+    let (metadata, placed) = match find_kind(file, limits)? {
+        FileKind::Model => {
+            let document = ModelDocument::read_package(file, limits)?;
+            (build_metadata(&document.start_part().metadata), read_model(&document, limits)?)
+        }
+        FileKind::Parts(mut package) => {
+            let metadata = build_metadata(&read_parts_metadata(&mut package)?);
+            (metadata, read_parts_build(&mut package, limits)?)
+        }
+        FileKind::Stl => (BuildMetadata::default(), read_stl_build(file, table, limits)?),
+    };
+    if placed.is_empty() {
+        return Err(FileReadError::invalid_threemf("it contains no placements"));
+    }
+    Ok((metadata, placed))
+}
+
+/// Reads only the heading of a build file: the parts that follow it may be damaged.
+pub fn read_build_heading(file: &Path, limits: &ReadLimits) -> Result<HeadingMetadata, FileReadError> {
+    Ok(heading_metadata(&match find_kind(file, limits)? {
+        FileKind::Model => read_leading_metadata(file, limits)?,
+        FileKind::Parts(mut package) => read_parts_metadata(&mut package)?,
+        FileKind::Stl => return Ok(HeadingMetadata::default()),
+    }))
+}
+
+/// The name that a build file had when it was written for a queue, as it says itself, whatever its name is now. Reads the beginning of the
+/// file; `None` = it does not say one.
+pub fn read_own_name(file: &Path, limits: &ReadLimits) -> Result<Option<String>, FileReadError> {
+    let kind = match find_kind(file, limits)? {
+        FileKind::Stl => return titled_name(file),
+        FileKind::Parts(_) => DeliveryKind::Parts,
+        FileKind::Model => DeliveryKind::Shared,
+    };
+    let HeadingMetadata { created, machine, build_id, .. } = read_build_heading(file, limits)?;
+    let name = || Some(build_file_name(created?.parse().ok()?, &machine?, build_id?.parse().ok()?, kind));
+    Ok(name())
+}
+
+/// Whether a file is a 3MF as far as its beginning and its entries tell.
+pub fn is_model_package(file: &Path, limits: &ReadLimits) -> bool {
+    matches!(find_kind(file, limits), Ok(FileKind::Model))
+}
+
+/// What a file is, whatever its name is.
+enum FileKind {
+    /// A 3MF, or nothing that is read.
+    Model,
+    /// A package of STL files.
+    Parts(Box<PackageReader>),
+    /// A binary STL.
+    Stl,
+}
+
+fn find_kind(file: &Path, limits: &ReadLimits) -> Result<FileKind, FileReadError> {
+    if is_stl(file)? {
+        return Ok(FileKind::Stl);
+    }
+    Ok(match PackageReader::open(file, limits) {
+        Ok(package) if is_parts_build(&package) => FileKind::Parts(Box::new(package)),
+        // What is wrong with it is told by who reads it.
+        _ => FileKind::Model,
+    })
+}
+
+fn read_model(document: &ModelDocument, limits: &ReadLimits) -> Result<Vec<PlacedMesh>, FileReadError> {
+    let locked = document.start_part().metadata.nestd_value("arrangement").is_some_and(|a| a == "locked");
     let mut reader = BuildFileReader {
-        document: &document,
-        flattener: ComponentFlattener::new(&document, limits),
+        document,
+        flattener: ComponentFlattener::new(document, limits),
         scale: document.start_part().unit.mm_per_unit(),
         meshes: HashMap::new(),
         limit: limits.max_instances,
@@ -45,64 +126,7 @@ pub fn read_build_and_metadata(
             reader.read_item(number, item, locked)?;
         }
     }
-    let placed = reader.placed;
-    if placed.is_empty() {
-        return Err(FileReadError::invalid_threemf("it contains no placements"));
-    }
-    Ok((build_metadata(metadata), placed))
-}
-
-/// Reads only the heading of a build file: the parts that follow it may be damaged.
-pub fn read_build_heading(file: &Path, limits: &ReadLimits) -> Result<HeadingMetadata, FileReadError> {
-    Ok(heading_metadata(&read_leading_metadata(file, limits)?))
-}
-
-fn heading_metadata(metadata: &ModelMetadata) -> HeadingMetadata {
-    HeadingMetadata {
-        title: metadata.standard_value("Title"),
-        application: metadata.standard_value("Application"),
-        created: metadata.standard_value("CreationDate"),
-        // Earlier versions called a machine by its profile.
-        machine: metadata.nestd_value("machine").or_else(|| metadata.nestd_value("profile")),
-        build_id: metadata.nestd_value("build"),
-        seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
-    }
-}
-
-fn build_metadata(metadata: &ModelMetadata) -> BuildMetadata {
-    let number = |name: &str| metadata.nestd_value(name).and_then(|text| text.parse().ok());
-    BuildMetadata {
-        heading: heading_metadata(metadata),
-        rules: RulesMetadata {
-            volume_mm: metadata.nestd_value("volume_mm").and_then(|text| parse_vector(&text)),
-            keep_out: metadata.nestd_value("keep_out_mm").map(|text| parse_boxes(&text)).unwrap_or_default(),
-            margins_mm: metadata.nestd_value("margins_mm").and_then(|text| parse_vector(&text)),
-            clearance_mm: number("clearance_mm"),
-            clearance_z_extra_mm: number("clearance_z_extra_mm"),
-            layer_mm: number("layer_mm"),
-            layer_area_cap_mm2: number("layer_area_cap_mm2"),
-            interlock: metadata.nestd_value("interlock"),
-        },
-        height_mm: number("height_mm"),
-        density: number("density"),
-    }
-}
-
-fn parse_vector(text: &str) -> Option<DVec3> {
-    let numbers: Vec<f64> = text.split_whitespace().map(|n| n.parse().ok()).collect::<Option<_>>()?;
-    <[f64; 3]>::try_from(numbers).ok().map(DVec3::from_array)
-}
-
-/// Parses boxes of six numbers each. A box that cannot be parsed covers everything, so that it is never taken for
-/// respected.
-fn parse_boxes(text: &str) -> Vec<Bounds> {
-    let everywhere = Bounds { min: DVec3::splat(-1e6), max: DVec3::splat(1e6) };
-    let corners = |text: &str| -> Option<Bounds> {
-        let numbers: Vec<f64> = text.split_whitespace().map(|n| n.parse().ok()).collect::<Option<_>>()?;
-        let [a, b, c, d, e, f] = <[f64; 6]>::try_from(numbers).ok()?;
-        Some(Bounds { min: DVec3::new(a, b, c), max: DVec3::new(d, e, f) })
-    };
-    text.split(';').map(|text| corners(text).unwrap_or(everywhere)).collect()
+    Ok(reader.placed)
 }
 
 struct BuildFileReader<'a> {
@@ -174,7 +198,16 @@ impl BuildFileReader<'_> {
         })?;
         let object = self.document.object(key);
         let name = object.name.clone().unwrap_or_else(|| format!("object {}", key.id()));
-        let mesh = self.object_mesh(key, &name)?;
+        let mut mesh = self.object_mesh(key, &name)?;
+        // A copy that is written in its place says how its part was turned and moved there.
+        let pose = match metadata.nestd_value("pose").as_deref().map(parse_pose) {
+            None => pose,
+            Some(Some(own)) => {
+                mesh = Arc::new(moved_back(&mesh, &own, &name)?);
+                pose.compose_with(&own)
+            }
+            Some(None) => return Err(FileReadError::invalid_threemf(format!("the pose of {what} is none"))),
+        };
         self.placed.push(PlacedMesh {
             name,
             mesh,

@@ -1,15 +1,17 @@
-//! Writes meshes and poses as `.build.3mf`: the package around the model. Its bytes depend on the build only.
+//! Writes meshes and poses as a build file: of a 3MF the package around the model. Its bytes depend on the build only.
 
 use std::io::{BufWriter, Seek, Write};
 
-use jiff::{Timestamp, tz::TimeZone};
-use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
+use zip::{CompressionMethod, ZipWriter};
 
-use super::model_write::write_model;
-use crate::{BuildFile, FileWriteError};
+use super::{
+    model_write::write_model,
+    package_entry::{entry_options, package_error},
+    parts_build::write_parts_build,
+    stl_build::write_stl_build,
+};
+use crate::{BuildFile, DeliveryKind, FileWriteError};
 
-/// Deflate level: higher levels are several times slower for a few percent.
-const DEFLATE_LEVEL: i64 = 3;
 /// An upper bound of the bytes of one vertex or triangle in XML.
 const XML_BYTES: u64 = 96;
 
@@ -30,9 +32,18 @@ const THUMBNAIL_RELATIONSHIP: &str = concat!(
     r#"Type="http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail"/>"#,
 );
 
-/// Writes a build as a 3MF package; the same build gives the same bytes.
+/// Writes a build as its kind of delivery says; the same build gives the same bytes. Beside a whole build as STL belongs the table of
+/// [`write_placement_table`](crate::write_placement_table).
 pub fn write_build(build: &BuildFile, out: impl Write + Seek) -> Result<(), FileWriteError> {
     check_build(build)?;
+    match build.delivery {
+        DeliveryKind::Shared | DeliveryKind::Expanded => write_package(build, out),
+        DeliveryKind::Stl => write_stl_build(build, out),
+        DeliveryKind::Parts => write_parts_build(build, BufWriter::with_capacity(1 << 16, out)),
+    }
+}
+
+fn write_package(build: &BuildFile, out: impl Write + Seek) -> Result<(), FileWriteError> {
     let options = entry_options(build)?;
     let mut zip = ZipWriter::new(BufWriter::with_capacity(1 << 16, out));
     zip.start_file("[Content_Types].xml", options).map_err(package_error)?;
@@ -80,26 +91,6 @@ fn check_build(build: &BuildFile) -> Result<(), FileWriteError> {
     Ok(())
 }
 
-/// Entry dates are the build's creation time, so that the bytes do not depend on a clock.
-fn entry_options(build: &BuildFile) -> Result<SimpleFileOptions, FileWriteError> {
-    let bad = |_| FileWriteError::Build(format!("its creation date {:?} is no RFC 3339 time", build.heading.created));
-    let created: Timestamp = build.heading.created.parse().map_err(bad)?;
-    let utc = created.to_zoned(TimeZone::UTC);
-    let part = |n: i8| n.unsigned_abs();
-    let date = DateTime::from_date_and_time(
-        utc.year().unsigned_abs(),
-        part(utc.month()),
-        part(utc.day()),
-        part(utc.hour()),
-        part(utc.minute()),
-        part(utc.second()),
-    );
-    Ok(SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(DEFLATE_LEVEL))
-        .last_modified_time(date.unwrap_or_default()))
-}
-
 fn max_model_bytes(build: &BuildFile) -> u64 {
     let mesh_bytes = |object: usize| {
         let mesh = &build.objects[object].mesh;
@@ -107,11 +98,4 @@ fn max_model_bytes(build: &BuildFile) -> u64 {
     };
     // The estimate assumes that every copy is written out; too much is harmless.
     build.items.iter().map(|item| 4096 + mesh_bytes(item.object)).sum()
-}
-
-fn package_error(error: zip::result::ZipError) -> FileWriteError {
-    match error {
-        zip::result::ZipError::Io(error) => FileWriteError::Io(error),
-        other => FileWriteError::Package(other.to_string()),
-    }
 }

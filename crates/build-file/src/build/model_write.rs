@@ -5,10 +5,11 @@
 use std::io::{self, Write};
 
 use glam::DVec3;
-use solids::Mesh;
+use solids::{Mesh, Pose};
 
+use super::build_metadata::{format_pose, metadata_of};
 use crate::{
-    Arrangement, BuildFile, BuildFileItem, InstanceSharing, OrderWords,
+    Arrangement, BuildFile, BuildFileItem, DeliveryKind, OrderWords,
     common::uuid::derive_uuid,
     is_invisible,
     threemf::xml_names::{CORE, NESTD, PRODUCTION},
@@ -35,8 +36,8 @@ pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result
     write_package_metadata(build, out)?;
     let ids = ResourceIds::for_build(build);
     writeln!(out, "<resources>")?;
-    for &(id, object) in &ids.meshes {
-        write_mesh_object(build, id, object, out)?;
+    for &(id, item) in &ids.meshes {
+        write_mesh_object(build, id, &build.items[item], out)?;
     }
     let locked = match build.arrangement {
         Arrangement::Items => None,
@@ -60,7 +61,7 @@ pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result
 
 /// Resource ids, unique across the package.
 struct ResourceIds {
-    /// (id, index of the object) of each mesh to write.
+    /// Id of each mesh to write, and the item that it is written for: the first of its object, or each.
     meshes: Vec<(usize, usize)>,
     /// Id of each item's mesh.
     of_item: Vec<usize>,
@@ -70,11 +71,11 @@ impl ResourceIds {
     fn for_build(build: &BuildFile) -> Self {
         let mut ids = Self { meshes: Vec::new(), of_item: Vec::new() };
         let mut known = vec![None; build.objects.len()];
-        for item in &build.items {
-            let id = match (build.instances, known[item.object]) {
-                (InstanceSharing::Shared, Some(id)) => id,
+        for (number, item) in build.items.iter().enumerate() {
+            let id = match known[item.object] {
+                Some(id) if build.delivery != DeliveryKind::Expanded => id,
                 _ => {
-                    ids.meshes.push((ids.meshes.len() + 1, item.object));
+                    ids.meshes.push((ids.meshes.len() + 1, number));
                     ids.meshes.len()
                 }
             };
@@ -86,36 +87,10 @@ impl ResourceIds {
 }
 
 fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
-    let (heading, rules) = (&build.heading, &build.rules);
-    let (volume, margins) = (rules.volume_mm, rules.margins_mm);
-    let locked = if build.arrangement == Arrangement::Locked { "locked" } else { "items" };
-    write_metadata(out, "Title", &heading.title)?;
-    write_metadata(out, "Application", &heading.application)?;
-    write_metadata(out, "CreationDate", &heading.created)?;
-    write_metadata(out, "nestd:machine", &heading.machine)?;
-    write_metadata(out, "nestd:build", &heading.build_id)?;
-    write_metadata(out, "nestd:seed", &heading.seed.to_string())?;
-    write_metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;
-    if !rules.keep_out.is_empty() {
-        let corner = |c: DVec3| format!("{} {} {}", c.x, c.y, c.z);
-        let boxes: Vec<String> =
-            rules.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
-        write_metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
-    }
-    write_metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
-    write_metadata(out, "nestd:clearance_mm", &rules.clearance_mm.to_string())?;
-    write_metadata(out, "nestd:clearance_z_extra_mm", &rules.clearance_z_extra_mm.to_string())?;
-    write_metadata(out, "nestd:layer_mm", &rules.layer_mm.to_string())?;
-    if let Some(cap_mm2) = rules.layer_area_cap_mm2 {
-        write_metadata(out, "nestd:layer_area_cap_mm2", &cap_mm2.to_string())?;
-    }
-    write_metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
-    write_metadata(out, "nestd:density", &build.density.to_string())?;
-    write_metadata(out, "nestd:interlock", &rules.interlock)?;
-    write_metadata(out, "nestd:arrangement", locked)
+    metadata_of(build).iter().try_for_each(|(name, value)| write_metadata(out, name, value))
 }
 
-fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
+fn write_item_metadata(item: &BuildFileItem, build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     write!(out, "<metadatagroup>")?;
     let OrderWords { order, due, note, reference, material } = &item.words;
     if let Some(order) = order {
@@ -148,6 +123,10 @@ fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result
         let text: String = tilts.chars().filter(number).collect();
         writeln!(out, r#"<metadata name="nestd:tilts">{text}</metadata>"#)?;
     }
+    if build.delivery == DeliveryKind::Expanded {
+        let pose = format_pose(&written_pose(item, build));
+        writeln!(out, r#"<metadata name="nestd:pose">{pose}</metadata>"#)?;
+    }
     writeln!(out, "</metadatagroup>")
 }
 
@@ -155,18 +134,21 @@ fn write_metadata(out: &mut impl Write, name: &str, value: &str) -> io::Result<(
     writeln!(out, r#"<metadata name="{name}">{}</metadata>"#, sanitize_name(value))
 }
 
-fn write_mesh_object(build: &BuildFile, id: usize, object: usize, out: &mut impl Write) -> io::Result<()> {
-    let described = &build.objects[object];
+/// Writes a mesh in its own frame, or in the place of the item.
+fn write_mesh_object(build: &BuildFile, id: usize, item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
+    let described = &build.objects[item.object];
+    let place = (build.delivery == DeliveryKind::Expanded).then(|| written_pose(item, build));
     let uuid = derive_uuid(&[&build.heading.build_id, "object", &described.content_hash, &id.to_string()]);
     let (name, part) = (sanitize_name(&described.name), sanitize_name(&described.part_number));
     writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{uuid}">"#)?;
-    write_mesh(&described.mesh, out)?;
+    write_mesh(&described.mesh, place, out)?;
     writeln!(out, "</object>")
 }
 
-fn write_mesh(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
+fn write_mesh(mesh: &Mesh, place: Option<Pose>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<mesh>\n<vertices>")?;
-    for DVec3 { x, y, z } in mesh.vertices() {
+    let placed = |corner: &DVec3| place.map_or(*corner, |pose| pose.transform_point(*corner));
+    for DVec3 { x, y, z } in mesh.vertices().iter().map(placed) {
         // `{}` prints the shortest digits that read back as the same number.
         writeln!(out, r#"<vertex x="{x}" y="{y}" z="{z}"/>"#)?;
     }
@@ -188,7 +170,7 @@ fn write_locked_object(build: &BuildFile, ids: &ResourceIds, out: &mut impl Writ
         let inner = derive_uuid(&[&build.heading.build_id, "mesh", &described.content_hash, &number.to_string()]);
         let id = first + number;
         writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{own}">"#)?;
-        write_item_metadata(item, out)?;
+        write_item_metadata(item, build, out)?;
         writeln!(out, r#"<components><component objectid="{}" p:UUID="{inner}"/></components>"#, ids.of_item[number])?;
         writeln!(out, "</object>")?;
     }
@@ -199,8 +181,8 @@ fn write_locked_object(build: &BuildFile, ids: &ResourceIds, out: &mut impl Writ
     writeln!(out, "<components>")?;
     for (number, item) in build.items.iter().enumerate() {
         let uuid = derive_uuid(&[&build.heading.build_id, "component", &number.to_string()]);
-        let transform = format_transform(item, build);
-        writeln!(out, r#"<component objectid="{}" transform="{transform}" p:UUID="{uuid}"/>"#, first + number)?;
+        let transform = transform_attribute(item, build);
+        writeln!(out, r#"<component objectid="{}"{transform} p:UUID="{uuid}"/>"#, first + number)?;
     }
     writeln!(out, "</components>\n</object>")?;
     Ok(id)
@@ -215,16 +197,28 @@ fn write_build_item(
 ) -> io::Result<()> {
     let described = &build.objects[item.object];
     let uuid = derive_uuid(&[&build.heading.build_id, "item", &described.content_hash, &number.to_string()]);
-    let (transform, part) = (format_transform(item, build), sanitize_name(&described.part_number));
-    writeln!(out, r#"<item objectid="{id}" transform="{transform}" partnumber="{part}" p:UUID="{uuid}">"#)?;
-    write_item_metadata(item, out)?;
+    let (transform, part) = (transform_attribute(item, build), sanitize_name(&described.part_number));
+    writeln!(out, r#"<item objectid="{id}"{transform} partnumber="{part}" p:UUID="{uuid}">"#)?;
+    write_item_metadata(item, build, out)?;
     writeln!(out, "</item>")
 }
 
-/// Twelve numbers for row vectors: the images of x, y and z, then the translation, mm. 3MF forbids coordinates below
-/// zero, but a part as large as its volume may stand less than a millionth of a millimetre outside: such a part is
-/// moved inside.
-fn format_transform(item: &BuildFileItem, build: &BuildFile) -> String {
+/// The attribute with the twelve numbers for row vectors: the images of x, y and z, then the translation, mm. A mesh that is written in
+/// its place has none.
+fn transform_attribute(item: &BuildFileItem, build: &BuildFile) -> String {
+    if build.delivery == DeliveryKind::Expanded {
+        return String::new();
+    }
+    let pose = written_pose(item, build);
+    let matrix = pose.rotation_matrix();
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis, pose.translation];
+    let numbers: Vec<String> = columns.iter().flat_map(|v| v.to_array()).map(|n| (n + 0.0).to_string()).collect();
+    format!(r#" transform="{}""#, numbers.join(" "))
+}
+
+/// The pose of an item as it is written. 3MF forbids coordinates below zero, but a part as large as its volume may stand less than a
+/// millionth of a millimetre outside: such a part is moved inside.
+fn written_pose(item: &BuildFileItem, build: &BuildFile) -> Pose {
     let mut pose = item.pose;
     let mesh = &build.objects[item.object].mesh;
     let local = mesh.bounds();
@@ -234,10 +228,7 @@ fn format_transform(item: &BuildFileItem, build: &BuildFile) -> String {
         let out = (DVec3::splat(CLEAR_OF_ZERO_MM) - lowest).clamp(DVec3::ZERO, DVec3::splat(MAX_MOVED_IN_MM));
         pose.translation += out;
     }
-    let matrix = pose.rotation_matrix();
-    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis, pose.translation];
-    let numbers: Vec<String> = columns.iter().flat_map(|v| v.to_array()).map(|n| (n + 0.0).to_string()).collect();
-    numbers.join(" ")
+    pose
 }
 
 /// Maps a name to the characters used in build files, none of which needs an escape: a widely used reader handles

@@ -92,7 +92,7 @@ fn millimetres(value: f64) -> String {
     format!("{value:.3}")
 }
 
-fn csv_error(error: csv::Error) -> FileWriteError {
+pub(super) fn csv_error(error: csv::Error) -> FileWriteError {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => FileWriteError::Io(error),
         other => FileWriteError::Package(format!("{other:?}")),

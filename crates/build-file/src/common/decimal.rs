@@ -10,6 +10,12 @@ pub(crate) fn parse_decimal(text: &[u8]) -> Option<f64> {
     number.is_finite().then_some(number)
 }
 
+/// The distance of a coordinate to the next 32-bit number.
+pub(crate) fn step_of(coordinate: f64) -> f64 {
+    let nearest = coordinate.abs() as f32;
+    f64::from(nearest.next_up()) - f64::from(nearest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::parse_decimal;

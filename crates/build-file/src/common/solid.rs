@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use solids::{Mesh, MeshBuilder, MeshError};
 
-use super::{camspec::SolidRequest, unfinished::ZeroFacets};
+use super::{camspec::SolidRequest, decimal::step_of, unfinished::ZeroFacets};
 use crate::{FileReadError, LengthUnit, format_count};
 
 /// Parts with a smaller largest extent were probably drawn in metres or inches.
@@ -151,12 +151,6 @@ impl WeldedSurface {
         solid.coordinate_step_mm = step_of(reach / unit.mm_per_unit()) * unit.mm_per_unit();
         Ok(solid)
     }
-}
-
-/// The distance of a coordinate to the next 32-bit number.
-pub(crate) fn step_of(coordinate: f64) -> f64 {
-    let nearest = coordinate.abs() as f32;
-    f64::from(nearest.next_up()) - f64::from(nearest)
 }
 
 fn is_far(place: &DVec3) -> bool {

@@ -118,7 +118,7 @@ pub(crate) fn read_binary(
 }
 
 /// The corners of a facet: twelve numbers, of which the first three are a normal that is not trusted, and two bytes more.
-fn facet_corners(facet: &[u8]) -> [DVec3; 3] {
+pub(crate) fn facet_corners(facet: &[u8]) -> [DVec3; 3] {
     let number = |at: usize| f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]);
     [12, 24, 36].map(|at| Vec3::new(number(at), number(at + 4), number(at + 8)).as_dvec3())
 }

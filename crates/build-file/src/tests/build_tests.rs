@@ -46,7 +46,7 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildFileItem {
 }
 
 /// Three copies of two parts, in several orientations.
-pub(super) fn sample(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
+pub(super) fn sample(delivery: DeliveryKind, arrangement: Arrangement) -> BuildFile {
     let turned = |x: f64, y: f64, z: f64, at: DVec3| {
         Pose::new(DQuat::from_euler(glam::EulerRot::XYZ, x, y, z), at + DVec3::splat(1.0 / 3.0))
     };
@@ -81,7 +81,7 @@ pub(super) fn sample(instances: InstanceSharing, arrangement: Arrangement) -> Bu
             item(1, 1, turned(3.1, 0.0, -2.0, DVec3::new(100.0, 60.0, 20.0))),
             item(0, 2, turned(0.0, 0.0, 0.0, DVec3::new(150.0, 100.0, 40.0))),
         ],
-        instances,
+        delivery,
         arrangement,
         thumbnail_png: Some(vec![1, 2, 3]),
     }
@@ -93,29 +93,37 @@ pub(crate) fn bytes(build: &BuildFile) -> Vec<u8> {
     out.into_inner()
 }
 
-fn with_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+pub(super) fn with_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     then(file.path())
 }
 
-const CHOICES: [(InstanceSharing, Arrangement); 4] = [
-    (InstanceSharing::Shared, Arrangement::Items),
-    (InstanceSharing::Expanded, Arrangement::Items),
-    (InstanceSharing::Shared, Arrangement::Locked),
-    (InstanceSharing::Expanded, Arrangement::Locked),
+const CHOICES: [(DeliveryKind, Arrangement); 4] = [
+    (DeliveryKind::Shared, Arrangement::Items),
+    (DeliveryKind::Expanded, Arrangement::Items),
+    (DeliveryKind::Shared, Arrangement::Locked),
+    (DeliveryKind::Expanded, Arrangement::Locked),
 ];
 
 #[test]
 fn what_is_written_is_read_back_exactly() {
-    for (instances, arrangement) in CHOICES {
-        let build = sample(instances, arrangement);
+    for (delivery, arrangement) in CHOICES {
+        let build = sample(delivery, arrangement);
         let (info, placed) =
             with_file(&bytes(&build), |f| read_build_and_metadata(f, &ReadLimits::for_testing()).unwrap());
         assert_eq!(placed.len(), 3);
         for (read, item) in placed.iter().zip(&build.items) {
             let object = &build.objects[item.object];
-            assert_eq!(read.mesh.vertices(), object.mesh.vertices(), "no digit of a vertex may be lost");
+            match delivery {
+                DeliveryKind::Expanded => {
+                    let off = read.mesh.vertices().iter().zip(object.mesh.vertices()).map(|(a, b)| a.distance(*b));
+                    assert!(off.fold(0.0, f64::max) < 1e-12, "they were turned, moved, and moved back");
+                }
+                _ => {
+                    assert_eq!(read.mesh.vertices(), object.mesh.vertices(), "no digit of a vertex may be lost");
+                }
+            }
             assert_eq!(read.mesh.triangles(), object.mesh.triangles());
             assert!(read.pose.translation == item.pose.translation);
             assert!(read.pose.rotation.angle_between(item.pose.rotation) < 1e-7);
@@ -129,7 +137,7 @@ fn what_is_written_is_read_back_exactly() {
             assert_eq!((read.source_hash.as_deref(), read.clearance_mm), (Some("0123"), item.clearance_mm));
         }
         let shared = Arc::ptr_eq(&placed[0].mesh, &placed[2].mesh);
-        assert_eq!(shared, instances == InstanceSharing::Shared);
+        assert_eq!(shared, delivery == DeliveryKind::Shared);
         assert_eq!(info.heading.machine.as_deref(), Some("mjf-5200"));
         assert_eq!((info.heading.seed, info.rules.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
         assert_eq!((info.rules.volume_mm, info.density), (Some(build.rules.volume_mm), Some(0.123)));
@@ -141,7 +149,7 @@ fn what_is_written_is_read_back_exactly() {
 #[test]
 fn no_coordinate_of_a_build_is_below_zero() {
     for arrangement in [Arrangement::Items, Arrangement::Locked] {
-        let mut build = sample(InstanceSharing::Shared, arrangement);
+        let mut build = sample(DeliveryKind::Shared, arrangement);
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
         for (item, rotation) in build.items.iter_mut().zip([DQuat::IDENTITY, DQuat::from_rotation_z(1.5), turned]) {
             let at = build.objects[item.object].mesh.bounds_at(&Pose::new(rotation, DVec3::ZERO)).min;
@@ -165,7 +173,7 @@ fn no_coordinate_of_a_build_is_below_zero() {
 
 #[test]
 fn the_same_build_gives_the_same_bytes() {
-    let build = sample(InstanceSharing::Shared, Arrangement::Items);
+    let build = sample(DeliveryKind::Shared, Arrangement::Items);
     let first = bytes(&build);
     assert_eq!(first, bytes(&build.clone()));
     let mut other = build;
@@ -175,8 +183,8 @@ fn the_same_build_gives_the_same_bytes() {
 
 #[test]
 fn a_second_reader_agrees_and_notices_a_swap() {
-    for (instances, arrangement) in CHOICES {
-        with_file(&bytes(&sample(instances, arrangement)), |file| {
+    for (delivery, arrangement) in CHOICES {
+        with_file(&bytes(&sample(delivery, arrangement)), |file| {
             let limits = ReadLimits::for_testing();
             let mut placed = read_build(file, &limits).unwrap();
             cross_check(file, &placed, &limits).unwrap();
@@ -189,7 +197,7 @@ fn a_second_reader_agrees_and_notices_a_swap() {
 
 #[test]
 fn a_second_reader_notices_what_is_a_little_off_and_a_mesh_of_the_same_bounds() {
-    with_file(&bytes(&sample(InstanceSharing::Shared, Arrangement::Items)), |file| {
+    with_file(&bytes(&sample(DeliveryKind::Shared, Arrangement::Items)), |file| {
         let limits = ReadLimits::for_testing();
         let placed = read_build(file, &limits).unwrap();
         for (off_mm, agrees) in [(5e-7, true), (2e-6, false), (0.1, false), (1.0, false)] {
@@ -210,7 +218,7 @@ fn a_second_reader_notices_what_is_a_little_off_and_a_mesh_of_the_same_bounds() 
 
 #[test]
 fn a_build_dropped_again_gives_its_parts_with_copies() {
-    with_file(&bytes(&sample(InstanceSharing::Shared, Arrangement::Items)), |file| {
+    with_file(&bytes(&sample(DeliveryKind::Shared, Arrangement::Items)), |file| {
         let contents = read_part_file(file, "again.3mf", None, LengthUnit::Inch, &ReadLimits::for_testing()).unwrap();
         let named: Vec<(&str, u32)> = contents.solids.iter().map(|s| (s.name.as_str(), s.copies)).collect();
         assert_eq!(named, [("plate", 1), ("cube", 1), ("plate", 1)], "each rotation is a part of its own");
@@ -219,7 +227,7 @@ fn a_build_dropped_again_gives_its_parts_with_copies() {
 
 #[test]
 fn a_build_that_makes_no_sense_is_not_written() {
-    let sane = sample(InstanceSharing::Shared, Arrangement::Items);
+    let sane = sample(DeliveryKind::Shared, Arrangement::Items);
     let empty = BuildFile { items: Vec::new(), ..sane.clone() };
     let mut undated = sane.clone();
     undated.heading.created = "yesterday".to_owned();
@@ -234,7 +242,7 @@ fn a_build_that_makes_no_sense_is_not_written() {
 
 #[test]
 fn the_whole_build_as_stl_stands_where_the_items_stand() {
-    let build = sample(InstanceSharing::Shared, Arrangement::Items);
+    let build = sample(DeliveryKind::Shared, Arrangement::Items);
     let mut out = Vec::new();
     write_stl(build.items.iter().map(|i| (&*build.objects[i.object].mesh, &i.pose)), &mut out).unwrap();
     assert_eq!(out.len(), 84 + 50 * 36);
@@ -249,7 +257,7 @@ fn the_whole_build_as_stl_stands_where_the_items_stand() {
 
 #[test]
 fn the_pick_map_has_a_row_per_copy() {
-    let build = sample(InstanceSharing::Shared, Arrangement::Items);
+    let build = sample(DeliveryKind::Shared, Arrangement::Items);
     let mut out = Vec::new();
     write_pick_map(pick_rows(&build), &mut out).unwrap();
     let mut reader = csv::Reader::from_reader(out.as_slice());
@@ -264,7 +272,11 @@ fn the_pick_map_has_a_row_per_copy() {
 #[test]
 fn build_files_are_named_so_that_they_sort_by_time() {
     let created = "2026-11-20T04:49:00Z".parse().unwrap();
-    assert_eq!(build_file_name(created, "mjf-5200", 42), "20261120T044900Z_mjf-5200_000042.build.3mf");
-    let odd = build_file_name(created, &"ö _/".repeat(99), u64::MAX);
+    for (kind, name) in DeliveryKind::ALL.into_iter().zip(["build.3mf", "build.3mf", "build.stl", "build.zip"]) {
+        let name = format!("20261120T044900Z_mjf-5200_000042.{name}");
+        assert_eq!(build_file_name(created, "mjf-5200", 42, kind), name);
+        assert_eq!(build_file_stem(&name), Some("20261120T044900Z_mjf-5200_000042"));
+    }
+    let odd = build_file_name(created, &"ö _/".repeat(99), u64::MAX, DeliveryKind::Shared);
     assert!(odd.is_ascii() && odd.len() <= 100 && !odd.contains(['/', ' ']), "{odd}");
 }

@@ -5,6 +5,8 @@ pub(super) mod build_tests;
 #[cfg(test)]
 pub(super) mod camspec_tests;
 #[cfg(test)]
+pub(super) mod delivery_tests;
+#[cfg(test)]
 pub(super) mod item_contact_tests;
 #[cfg(test)]
 pub(super) mod polygon_tests;

@@ -8,7 +8,7 @@ use super::{
     document::{ModelDocument, ObjectKey},
     model::{ModelObject, ObjectBody, ObjectKind, ObjectReference},
 };
-use crate::{FileReadError, ReadLimits, common::solid::step_of};
+use crate::{FileReadError, ReadLimits, common::decimal::step_of};
 
 /// Flattens objects of one document and counts the copied elements.
 pub(crate) struct ComponentFlattener<'a> {

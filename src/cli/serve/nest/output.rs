@@ -84,7 +84,7 @@ fn write_and_prove(
     write: impl FnOnce(&BuildFile, File) -> Result<(), FileWriteError>,
 ) -> Result<(AtomicFile, ProvedBuild)> {
     let draft = AtomicFile::write_hidden(target, |file| Ok(write(&build.to_build_file(THUMBNAIL), file)?))?;
-    let proved = build.prove_written_file(&draft.hidden, limits).context("the build was removed again")?;
+    let proved = build.prove_written_file(&draft.hidden, None, limits).context("the build was removed again")?;
     Ok((draft, proved))
 }
 

@@ -1,7 +1,7 @@
 //! The setup of a search: the machine and rules of a profile, or those that the options describe.
 
 use anyhow::Result;
-use build_file::{Arrangement, InstanceSharing, LengthUnit, ReadLimits};
+use build_file::{Arrangement, DeliveryKind, LengthUnit, ReadLimits};
 use glam::DVec3;
 use nester::{FaceNotDown, LayerAreaCap, NestingConfig, OrientationLimits, OrientationRule, TiltLimit, VolumeMargins};
 
@@ -46,6 +46,8 @@ pub(super) fn resolve_setup(common: &CommonArgs, args: &NestArgs) -> Result<Nest
     machine.clearance_mm = args.machine.clearance.unwrap_or(machine.clearance_mm);
     machine.clearance_z_extra_mm = args.machine.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.interlock = config.effective_interlock();
+    // What is written here is a 3MF, whatever the machine's builds are delivered as.
+    machine.delivery = if machine.delivery.is_rounded() { DeliveryKind::default() } else { machine.delivery };
     let layer_area_cap = args.machine.layer_area_cap.or(layer_area_cap);
     machine.layer_cap = LayerAreaCap::from_share(machine.layer_cap.layer_mm, layer_area_cap, &machine.build_volume());
     Ok(setup)
@@ -74,7 +76,7 @@ fn setup_without_profile(args: &NestArgs) -> NestingSetup {
         clearance_z_extra_mm: 0.0,
         layer_cap: LayerAreaCap::default(),
         interlock: config.effective_interlock(),
-        instances: InstanceSharing::default(),
+        delivery: DeliveryKind::default(),
         arrangement: Arrangement::default(),
     };
     let orientation = orientation_rules(args, OrientationRule::default(), &[], &[]);

@@ -1,7 +1,8 @@
 //! What lies in the queues, and what people say of it.
 
 pub(super) mod closed_orders;
-pub(super) mod kept_builds;
+pub(super) mod deliveries;
+mod kept_builds;
 pub(super) mod life;
 pub(super) mod printer_recovery;
 pub(super) mod printers;

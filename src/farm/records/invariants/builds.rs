@@ -38,7 +38,7 @@ pub async fn check_visible_builds(
                     if !is_of_moving_build(ledger, profile, rest).await? {
                         report_left_over_file(&file, witness, report);
                     }
-                } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
+                } else if build_file::build_file_stem(&name).is_some() && !name.starts_with('.') {
                     let row = ledger.find_build_of_file(&name).await?.filter(|build| build.machine == profile.name);
                     check_build_file(&file, row, settings, ledger, witness, report).await?;
                     let before = visible.insert(name, file.clone());
@@ -67,7 +67,7 @@ async fn is_of_moving_build(ledger: &Ledger, profile: &MachineProfile, rest: &st
     moving.retain(|build| build.place.is_on_its_way());
     let mut moving = moving.iter();
     Ok(moving.any(|build| {
-        let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
+        let stem = build.staged.file_name.as_deref().and_then(build_file::build_file_stem);
         stem.is_some_and(|stem| rest.starts_with(stem))
     }))
 }

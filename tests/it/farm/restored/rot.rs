@@ -23,7 +23,12 @@ fn farm_with_held_publishing() -> (TestFarm, PathBuf, PathBuf) {
     farm.flush();
     wait_until_or("a build is nested", 30.0, || farm.log(), || build_in(&farm, BuildState::Nesting).is_some());
     let build = build_in(&farm, BuildState::Nesting).unwrap();
-    let name = build_file::build_file_name(build.times.nesting_at.unwrap().0, MACHINE, build.id.0.unsigned_abs());
+    let name = build_file::build_file_name(
+        build.times.nesting_at.unwrap().0,
+        MACHINE,
+        build.id.0.unsigned_abs(),
+        Default::default(),
+    );
     let record = farm.folder("archive").join(name.strip_suffix(".build.3mf").unwrap()).join(".nestd-build.json");
     fs::create_dir_all(&record).unwrap();
     wait_until_or("it is proved", 30.0, || farm.log(), || build_in(&farm, BuildState::Verified).is_some());

@@ -26,6 +26,16 @@ fn main() -> ExitCode {
             referees::other_readers_read_our_builds_without_a_warning,
         ),
         trial(
+            "referees::other_programs_find_every_copy_of_each_kind_of_delivery_in_its_place",
+            missing_variables(&["NESTD_REFEREE"]),
+            referees::other_programs_find_every_copy_of_each_kind_of_delivery_in_its_place,
+        ),
+        trial(
+            "referees::a_slicer_opens_each_kind_of_delivery",
+            missing_variables(&["NESTD_SLICER"]),
+            referees::a_slicer_opens_each_kind_of_delivery,
+        ),
+        trial(
             "torture::every_torture_file_gives_what_the_manifest_expects",
             missing_variables(&["NESTD_DATA"]),
             torture::every_torture_file_gives_what_the_manifest_expects,

@@ -21,15 +21,44 @@ const IDS: [&str; 3] = [
 
 /// A package of one model, with this document.
 fn package(document: &serde_json::Value) -> Vec<u8> {
+    let document = document.to_string().into_bytes();
+    zipped(&[("models/critical_part.stl", stl_of_block()), ("camspec.json", document)])
+}
+
+fn stl_of_block() -> Vec<u8> {
     let mut stl = Vec::new();
     let (mesh, pose) = (block(10.0, 20.0, 30.0), Pose::IDENTITY);
     build_file::write_stl(std::iter::once((&mesh, &pose)), &mut stl).unwrap();
+    stl
+}
+
+fn zipped(entries: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut zip = ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    for (name, bytes) in [("models/critical_part.stl", stl), ("camspec.json", document.to_string().into_bytes())] {
-        zip.start_file(name, SimpleFileOptions::default()).unwrap();
-        zip.write_all(&bytes).unwrap();
+    for (name, bytes) in entries {
+        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(bytes).unwrap();
     }
     zip.finish().unwrap().into_inner()
+}
+
+/// The manifest that the book shows.
+fn printed_example() -> String {
+    let chapter = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/technician.md"));
+    let section = chapter.split("## CAMSPEC packages").nth(1).unwrap();
+    let is_code = |line: &&str| line.starts_with("    ");
+    section.lines().skip_while(|line| !is_code(line)).take_while(is_code).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn the_package_of_the_book_is_taken_exactly_as_it_is_printed() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let manifest = printed_example().into_bytes();
+    farm.drop_bytes("K-4711.camspec", &zipped(&[("bracket.stl", stl_of_block()), ("camspec.json", manifest)]));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!((part.owed.copies, part.terms.clearance_mm, part.terms.reference.as_str()), (12, Some(4.0), IDS[0]));
+    assert_eq!(part.terms.order_name, "K-4711");
+    farm.order(CommandKind::Flush, None);
+    assert_each_copy_once(&farm.wait_for_queued(1), 12);
 }
 
 fn line(id: &str, quantity: u32) -> serde_json::Value {

@@ -15,8 +15,21 @@ use serde::Deserialize;
 use solids::Mesh;
 
 /// The workloads whose heights are compared.
-pub const COMPARED: [&str; 9] =
-    ["fans20", "engine30", "small200", "small600", "organic88", "cages42", "twins120", "bulk400", "tall48"];
+pub const COMPARED: [&str; 13] = [
+    "fans20",
+    "engine30",
+    "small200",
+    "small600",
+    "organic88",
+    "cages42",
+    "twins120",
+    "bulk400",
+    "tall48",
+    "wheels20",
+    "wheels21",
+    "wheels23",
+    "windows30",
+];
 /// Numbers of copies of the workloads that show how the search scales.
 pub const SCALE: [u32; 6] = [20, 50, 100, 200, 500, 1000];
 /// Prefix of the names of listed workloads.
@@ -35,6 +48,10 @@ pub fn instance(name: &str) -> Result<NestingInstance> {
         "twins120" => generated(SampleWorkload::Twins { each: 60 }, [180.0, 180.0], 2.0),
         "bulk400" => generated(small(400, 80), [380.0, 284.0], 3.0),
         "tall48" => generated(SampleWorkload::Tall, [170.0, 170.0], 3.0),
+        "wheels20" => generated(SampleWorkload::Wheels { wheels: 5 }, [424.0, 230.0], 2.0),
+        "wheels21" => generated(SampleWorkload::Wheels { wheels: 6 }, [420.0, 220.0], 2.0),
+        "wheels23" => generated(SampleWorkload::Wheels { wheels: 8 }, [420.0, 220.0], 2.0),
+        "windows30" => generated(SampleWorkload::Windows, [390.0, 390.0], 2.0),
         "small60" => generated(small(60, 30), [100.0, 100.0], 2.0),
         "small200" => generated(small(200, 40), [160.0, 160.0], 2.0),
         "small600" => generated(small(600, 60), [250.0, 250.0], 2.0),

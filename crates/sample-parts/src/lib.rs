@@ -13,7 +13,7 @@ use solids::Mesh;
 pub use making::implicit::{connecting_rod, gyroid_ball, pipe_tee};
 pub use parts::blocks::{lattice_block, tray};
 pub use parts::boulder::boulder;
-pub use parts::extruded::{bracket, clip, cuboid, hinge, honeycomb, rail, ribbed_bracket, spur_gear};
+pub use parts::extruded::{bracket, clip, cuboid, frame, hinge, honeycomb, rail, ribbed_bracket, spur_gear, wheel};
 pub use parts::fan::axial_fan;
 pub use parts::figure::random_figure;
 pub use parts::revolved::{lampshade, pawn, pulley, ring};

@@ -157,6 +157,20 @@ fn modelled_parts_come_near_their_volumes() {
 }
 
 #[test]
+fn wheels_and_windows_have_their_sizes_and_do_not_overlap_themselves() {
+    for (name, mesh, size) in [
+        ("wheel", wheel(212.0, 25.0, 14.0, 5), DVec3::new(212.0, 212.0, 25.0)),
+        ("window", frame(200.0, 180.0, 14.0, 22.0, 2), DVec3::new(200.0, 180.0, 22.0)),
+    ] {
+        assert_clean(name, &mesh);
+        assert_does_not_overlap_itself(name, &mesh, 60);
+        assert!((mesh.bounds().size() - size).abs().max_element() < 1e-9, "{name} measures {}", mesh.bounds().size());
+    }
+    // Two panes of 79 x 152 mm.
+    assert_near("window", &frame(200.0, 180.0, 14.0, 22.0, 2), (200.0 * 180.0 - 2.0 * 79.0 * 152.0) * 22.0, 1e-9);
+}
+
+#[test]
 fn the_fan_fills_its_frame_exactly() {
     let fan = axial_fan(65.0, 22.0, 7);
     let size = fan.bounds().size();
@@ -176,6 +190,7 @@ fn workloads_hold_the_copies_and_the_meshes_that_they_promise() {
     let organic = SampleWorkload::Organic { copies: 9, meshes: 4, seed: 5 };
     assert_eq!((workload_parts(organic).len(), copies(organic)), (4, 9));
     assert_eq!((copies(SampleWorkload::Cages), copies(SampleWorkload::Tall)), (42, 48));
+    assert_eq!((copies(SampleWorkload::Wheels { wheels: 6 }), copies(SampleWorkload::Windows)), (21, 30));
     assert_eq!(copies(SampleWorkload::Twins { each: 7 }), 14);
 }
 
@@ -189,7 +204,7 @@ fn figures_and_cages_are_closed_and_as_large_as_promised() {
         assert_does_not_overlap_itself(&format!("figure {seed}"), &mesh, 30);
     }
     assert_eq!(random_figure(3).vertices(), random_figure(3).vertices());
-    for workload in [SampleWorkload::Cages, SampleWorkload::Tall] {
+    for workload in [SampleWorkload::Cages, SampleWorkload::Tall, SampleWorkload::Windows] {
         for (at, (mesh, _)) in workload_parts(workload).iter().enumerate() {
             let size = mesh.bounds().size();
             assert!(mesh.defects().is_closed() && size.max_element() <= 205.0, "{workload:?} {at} measures {size} mm");

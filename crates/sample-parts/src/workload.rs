@@ -37,6 +37,15 @@ pub enum SampleWorkload {
         /// Copies of each part.
         each: u32,
     },
+    /// `wheels` wheels of 212 x 25 mm, and fifteen engine-like parts half as large again. Lower than in one pile the wheels
+    /// lie only when some lean: for a base that is a little too small for two piles, like 420 x 220 mm.
+    Wheels {
+        /// Copies of the wheel.
+        wheels: u32,
+    },
+    /// The same with ten windows of 200 x 200 x 22 mm, and twenty engine-like parts a fifth larger; for a base like
+    /// 390 x 390 mm.
+    Windows,
     /// 48 long rails and ducts of 60 to 200 mm.
     Tall,
 }
@@ -52,6 +61,8 @@ pub fn workload_parts(workload: SampleWorkload) -> Vec<(Mesh, u32)> {
         SampleWorkload::Twins { each } => {
             vec![(hook(18.0, 9.0, 34.0), each), (ribbed_bracket(46.0, 44.0, 4.0, 3), each)]
         }
+        SampleWorkload::Wheels { wheels } => around((wheel(212.0, 25.0, 14.0, 5), wheels), 15, 1.5),
+        SampleWorkload::Windows => around((frame(200.0, 200.0, 14.0, 22.0, 2), 10), 20, 1.2),
         SampleWorkload::Tall => {
             let rails = (0..6).map(|n| 100.0 + 20.0 * f64::from(n)).map(|long| rail(long, 35.0, 10.0, 2.5));
             let ducts = (0..6).map(|n| 40.0 + 8.0 * f64::from(n)).map(|leg| duct(26.0, 2.5, 30.0, 60.0, leg));
@@ -65,6 +76,15 @@ fn random_pile(family: impl Fn(u64) -> Mesh, copies: u32, meshes: u32, seed: u64
     let (copies, meshes) = (copies.max(1), meshes.clamp(1, copies.max(1)));
     let share = |i: u32| copies / meshes + u32::from(i < copies % meshes);
     (0..meshes).map(|i| (family(seed.wrapping_mul(1_000_003).wrapping_add(i.into())), share(i))).collect()
+}
+
+/// Copies of a large part, and engine-like parts, `scale` times as large.
+fn around(large: (Mesh, u32), others: usize, scale: f64) -> Vec<(Mesh, u32)> {
+    let scaled = |mesh: &Mesh| {
+        let vertices = mesh.vertices().iter().map(|&vertex| scale * vertex).collect();
+        Mesh::new(vertices, mesh.triangles().to_vec()).expect("a scaled solid is a solid")
+    };
+    std::iter::once(large).chain(engine_like().iter().take(others).map(|mesh| (scaled(mesh), 1))).collect()
 }
 
 /// Fourteen open parts that others can stand in.

@@ -137,3 +137,31 @@ pub fn rail(length_mm: f64, width_mm: f64, height_mm: f64, wall_mm: f64) -> Mesh
     extrude_layers(&[left, bridge, right], &levels, |region, slab| region != 1 || slab % 2 == 0, |_, _| true)
         .into_mesh()
 }
+
+/// A wheel with flat spokes between hub and rim and a bore, mm; rim and spokes are `bar_mm` thick.
+pub fn wheel(diameter_mm: f64, width_mm: f64, bar_mm: f64, spokes: usize) -> Mesh {
+    let (outer, hub) = (diameter_mm / 2.0, 1.6 * bar_mm);
+    let inner = outer - bar_mm;
+    let mut disk = PlanarOutline::new(circle(DVec2::ZERO, outer, 96, 0.0));
+    for spoke in 0..spokes {
+        let from = TAU * spoke as f64 / spokes as f64;
+        // Spokes have parallel edges.
+        let side = |radius: f64| (bar_mm / 2.0 / radius).asin();
+        let to = from + TAU / spokes as f64;
+        let mut gap = arc(DVec2::ZERO, inner, from + side(inner), to - side(inner), 24);
+        gap.extend(arc(DVec2::ZERO, hub, to - side(hub), from + side(hub), 6));
+        disk = disk.with_hole(gap);
+    }
+    extrude_prism(disk.with_hole(circle(DVec2::ZERO, 0.8 * bar_mm, 24, 0.0)), &equal_levels(width_mm, 2)).into_mesh()
+}
+
+/// A rectangular frame of bars `bar_mm` wide with `panes` openings, mm.
+pub fn frame(length_mm: f64, width_mm: f64, bar_mm: f64, thickness_mm: f64, panes: usize) -> Mesh {
+    let mut plate = PlanarOutline::new(rectangle(DVec2::ZERO, DVec2::new(length_mm, width_mm)));
+    let pitch = (length_mm - bar_mm) / panes as f64;
+    for pane in 0..panes {
+        let low = DVec2::new(bar_mm + pitch * pane as f64, bar_mm);
+        plate = plate.with_hole(rectangle(low, low + DVec2::new(pitch - bar_mm, width_mm - 2.0 * bar_mm)));
+    }
+    extrude_prism(plate, &equal_levels(thickness_mm, 2)).into_mesh()
+}

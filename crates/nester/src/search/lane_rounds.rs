@@ -60,6 +60,7 @@ impl NestingRun<'_> {
             return;
         }
         let (floor_mm, starts) = (self.floor_mm(task), self.starting_layouts());
+        let least_runs = 1 + usize::from(self.around_dominating.is_some());
         let lanes = u32::try_from(self.config.lane_count()).unwrap_or(u32::MAX);
         let rounds = if lanes == 1 { 1 } else { ROUNDS };
         // The first layouts are shared out: each lane prefers another one.
@@ -68,7 +69,7 @@ impl NestingRun<'_> {
         for round in 0..rounds {
             let starts = goes_on.iter().zip(0..).map(|((layouts, pace), lane)| {
                 let seed = lane_seed(self.config.seed, round, lane);
-                DescentStart { prepared: task, layouts, floor_mm, seed, pace: *pace }
+                DescentStart { prepared: task, layouts, floor_mm, seed, pace: *pace, least_runs }
             });
             let end = until - (until - begun) * f64::from(rounds - 1 - round) / f64::from(rounds);
             let shares = RoundShares { begun, until: end, whole: until };
@@ -169,7 +170,12 @@ impl NestingRun<'_> {
             let there = height_mm(other);
             other.len() == self.best_items.len() && there != height && there <= MAX_HEIGHT_RATIO * height
         };
-        std::iter::once(&self.best_items).chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
+        let around = self
+            .around_dominating
+            .iter()
+            .filter(|around| around.len() == self.best_items.len() && height_mm(around) != height);
+        let first = std::iter::once(&self.best_items).chain(around);
+        first.chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
     }
 }
 

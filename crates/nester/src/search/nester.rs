@@ -129,6 +129,9 @@ impl NestingRun<'_> {
         let prepared = self.stop.spent_share_at(0) - begun;
         self.build_first_layouts(&task, start);
         let task = self.with_finer_proxies(task, prepared);
+        if start.is_empty() {
+            self.begin_from_dominating(&task);
+        }
         if self.best_items.len() < task.copies.len() {
             // Copies that did not fit may fit after the others are packed more closely.
             self.compress_layouts(&task, OVERFULL_SHARE);

@@ -28,6 +28,8 @@ pub(crate) struct DescentStart<'a> {
     pub(crate) seed: u64,
     /// The pace to go on with, unless there are several runs.
     pub(crate) pace: DescentPace,
+    /// Least number of runs of a tournament, a power of two.
+    pub(crate) least_runs: usize,
 }
 
 impl DescentStart<'_> {
@@ -97,8 +99,8 @@ pub(crate) fn run_tournament(
     };
     let mut descents = vec![begin(0)];
     run(&mut descents[0], FIRST_RUN_SHARE);
-    let affordable = descents[0].evaluations() as f64 / FIRST_RUN_SHARE / prepared.copies.len().max(1) as f64;
-    let count = 1 << EVALUATIONS_TO_DOUBLE.iter().filter(|&&worth| affordable >= worth).count();
+    let affordable = descents[0].evaluations() as f64 / FIRST_RUN_SHARE / layouts[0].len().max(1) as f64;
+    let count = start.least_runs.max(1 << EVALUATIONS_TO_DOUBLE.iter().filter(|&&worth| affordable >= worth).count());
     descents.extend((1..count).map(begin));
     let (rounds, mut others) = ((count as f64).log2(), Vec::new());
     while descents.len() > 1 {

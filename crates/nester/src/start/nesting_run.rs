@@ -41,6 +41,8 @@ pub(crate) struct NestingRun<'a> {
     pub(crate) best_items: Vec<PlacedItem>,
     /// First layouts, the lowest first.
     pub(crate) first_layouts: Vec<Vec<PlacedItem>>,
+    /// A first layout around dominating parts that were lowered alone.
+    pub(crate) around_dominating: Option<Vec<PlacedItem>>,
     /// Where the descents of the last round ended.
     pub(crate) other_ends: Vec<Vec<PlacedItem>>,
     /// Layouts for which no room was found by insertion, by hash.
@@ -70,6 +72,7 @@ impl<'a> NestingRun<'a> {
             listener,
             best_items: Vec::new(),
             first_layouts: Vec::new(),
+            around_dominating: None,
             other_ends: Vec::new(),
             failed_insertions: BTreeSet::new(),
             evaluations: 0,

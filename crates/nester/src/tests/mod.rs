@@ -3,6 +3,8 @@
 #[cfg(test)]
 pub(super) mod compression_tests;
 #[cfg(test)]
+pub(super) mod dominating_tests;
+#[cfg(test)]
 pub(super) mod first_layout_tests;
 #[cfg(test)]
 pub(super) mod improvement_tests;

@@ -1,5 +1,11 @@
 //! Compression: repeatedly turns a valid layout into a lower one by lowering a height limit, until the budget is used
 //! up.
+//!
+//! Tried in vain: parts that stand from the floor to the height limit were tipped before they were pushed, by the least angle
+//! at which they fit, about one axis or each about its own, and in the last try spread over the base in their order. In 100,000
+//! evaluations of one or two seeds, eight frames on edge stayed at 150 mm, and twelve rails ended between 214 and 230 mm (230
+//! without). Where one attempt got through, the next ones took 40 evaluations each: the first one is missing, and more
+//! attempts, as each takes hundreds of evaluations of every part.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

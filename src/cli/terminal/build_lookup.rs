@@ -69,7 +69,8 @@ pub fn find_build(common: &CommonArgs, args: &BuildLookupArgs) -> Result<FoundBu
         if file.is_file() {
             return load_from_file(file, args.volume);
         }
-        if word.contains('/') || (is_build_ending(word) && number_in_name(word).is_none()) {
+        let is_build = word.ends_with(".3mf") || build_file::build_file_stem(word).is_some();
+        if word.contains('/') || (is_build && number_in_name(word).is_none()) {
             return Err(UsageError(format!("there is no file {}", file.display())).into());
         }
     }
@@ -78,10 +79,6 @@ pub fn find_build(common: &CommonArgs, args: &BuildLookupArgs) -> Result<FoundBu
 
 /// How files of builds end, also those of other programs.
 const BUILD_ENDINGS: [&str; 3] = [".3mf", ".stl", ".zip"];
-
-fn is_build_ending(word: &str) -> bool {
-    BUILD_ENDINGS.iter().any(|ending| word.ends_with(ending))
-}
 
 fn load_from_file(file: &Path, volume_mm: Option<DVec3>) -> Result<FoundBuild> {
     let (info, placed) = build_file::read_build_and_metadata(file, &ReadLimits::default())

@@ -26,6 +26,18 @@ fn all_output(farm: &TestFarm, args: &[&str]) -> String {
 }
 
 #[test]
+fn a_backup_that_is_not_there_is_not_called_damaged() {
+    let mut farm = farm_with_waiting_part();
+    farm.stop();
+    for (named, said) in [(farm.root().join("gone.backup"), "reading the backup"), (farm.folder("queue"), "is no file")]
+    {
+        let output = all_output(&farm, &["restore", named.to_str().unwrap()]);
+        assert!(output.contains(said) && !output.contains("damaged"), "{output}");
+    }
+    assert_eq!(farm.parts(PartState::Waiting).len(), 1, "the ledger was touched");
+}
+
+#[test]
 fn a_ledger_that_was_removed_is_told_truly_everywhere_and_the_saved_copy_is_put_back() {
     let mut farm = farm_with_waiting_part();
     let state = farm.root().join("state");

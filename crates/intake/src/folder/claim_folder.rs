@@ -31,7 +31,7 @@ const MOST_EMPTIED: usize = 256;
 
 /// Emptied folders of claims that were removed, which the next claims take. A file system passes over the inodes that were
 /// removed minutes ago when it makes a new one, one by one (ext4: `recently_deleted`): to make and remove a folder for each of
-/// thousands of files took a quarter of the daemon's CPU time. After a crash they are removed as the claims that they were.
+/// thousands of files took a tenth of the daemon's CPU time. After a crash they are removed as the claims that they were.
 #[derive(Debug, Default)]
 pub(crate) struct EmptiedClaims {
     /// Claims since a scan has found nothing to claim.

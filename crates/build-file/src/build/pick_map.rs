@@ -79,10 +79,19 @@ pub fn pick_rows(build: &BuildFile) -> Vec<PickMapRow> {
 
 /// Writes rows as CSV with a header.
 pub fn write_pick_map(rows: impl IntoIterator<Item = PickMapRow>, out: impl Write) -> Result<(), FileWriteError> {
+    write_columns(COLUMNS, rows, out)
+}
+
+/// Writes rows as CSV with a header: of each column the name, and the text of its cell.
+pub(super) fn write_columns<R, const N: usize>(
+    columns: [(&'static str, fn(&R) -> String); N],
+    rows: impl IntoIterator<Item = R>,
+    out: impl Write,
+) -> Result<(), FileWriteError> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(COLUMNS.map(|(name, _)| name)).map_err(csv_error)?;
+    csv.write_record(columns.map(|(name, _)| name)).map_err(csv_error)?;
     for row in rows {
-        csv.write_record(COLUMNS.map(|(_, cell)| cell(&row))).map_err(csv_error)?;
+        csv.write_record(columns.map(|(_, cell)| cell(&row))).map_err(csv_error)?;
     }
     csv.flush()?;
     Ok(())

@@ -10,7 +10,7 @@ use csv::StringRecord;
 use glam::{DQuat, DVec3};
 use solids::{Mesh, Pose};
 
-use super::pick_map::csv_error;
+use super::pick_map::write_columns;
 use crate::{
     BuildFile, BuildFileItem, BuildFileObject, FileReadError, FileWriteError, OrderWords, PlacedMesh, csv_cell,
 };
@@ -120,13 +120,7 @@ pub fn write_placement_table(build: &BuildFile, out: impl Write) -> Result<(), F
 
 /// Writes rows as CSV with a header.
 pub(super) fn write_rows(rows: impl Iterator<Item = PlacementTableRow>, out: impl Write) -> Result<(), FileWriteError> {
-    let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(COLUMNS.map(|(name, _)| name)).map_err(csv_error)?;
-    for row in rows {
-        csv.write_record(COLUMNS.map(|(_, cell)| cell(&row))).map_err(csv_error)?;
-    }
-    csv.flush()?;
-    Ok(())
+    write_columns(COLUMNS, rows, out)
 }
 
 /// Reads at most `most` rows.

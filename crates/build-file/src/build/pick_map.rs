@@ -6,11 +6,8 @@ use glam::DVec3;
 
 use crate::{BuildFile, BuildFileItem, FileWriteError, OrderWords, csv_cell};
 
-/// A column: its name and the text of its cell.
-type PickMapColumn = (&'static str, fn(&PickMapRow) -> String);
-
 /// The columns of the pick map.
-const COLUMNS: [PickMapColumn; 18] = [
+const COLUMNS: [Column<PickMapRow>; 18] = [
     ("item", |row| row.item.to_string()),
     ("part", |row| csv_cell(&row.part)),
     ("part_number", |row| csv_cell(&row.part_number)),
@@ -82,9 +79,12 @@ pub fn write_pick_map(rows: impl IntoIterator<Item = PickMapRow>, out: impl Writ
     write_columns(COLUMNS, rows, out)
 }
 
-/// Writes rows as CSV with a header: of each column the name, and the text of its cell.
+/// A column of a table: its name, and the text of its cell in a row.
+pub(super) type Column<R> = (&'static str, fn(&R) -> String);
+
+/// Writes rows as CSV with a header.
 pub(super) fn write_columns<R, const N: usize>(
-    columns: [(&'static str, fn(&R) -> String); N],
+    columns: [Column<R>; N],
     rows: impl IntoIterator<Item = R>,
     out: impl Write,
 ) -> Result<(), FileWriteError> {

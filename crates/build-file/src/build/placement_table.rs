@@ -10,7 +10,7 @@ use csv::StringRecord;
 use glam::{DQuat, DVec3};
 use solids::{Mesh, Pose};
 
-use super::pick_map::write_columns;
+use super::pick_map::{Column, write_columns};
 use crate::{
     BuildFile, BuildFileItem, BuildFileObject, FileReadError, FileWriteError, OrderWords, PlacedMesh, csv_cell,
 };
@@ -37,11 +37,8 @@ pub(super) struct PlacementTableRow {
     pub(super) tilts: Option<String>,
 }
 
-/// A column: its name and the text of its cell.
-type Column = (&'static str, fn(&PlacementTableRow) -> String);
-
 /// The columns. `position` and `quaternion` are of the STL: turn it about its origin, then move it.
-const COLUMNS: [Column; 25] = [
+const COLUMNS: [Column<PlacementTableRow>; 25] = [
     ("file", |row| csv_cell(&row.file)),
     ("copy", |row| shown(&row.copy)),
     ("order", |row| word(&row.words.order)),

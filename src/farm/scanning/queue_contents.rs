@@ -139,6 +139,13 @@ pub(crate) struct VisibleFile {
     pub(crate) queue: OpenQueue,
 }
 
+impl VisibleFile {
+    /// Whether it is still there. A file that somebody moves while the queues are looked at, one after the other, is seen in two places.
+    fn is_there(&self) -> bool {
+        self.queue.stamp(&self.name).is_some()
+    }
+}
+
 impl fmt::Display for VisibleFile {
     /// As people are told, and as the ledger keeps it: `job.3mf at left`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -165,6 +172,9 @@ impl BuildFiles {
         let is_visible = |(_, queue): &&(String, OpenQueue)| queue.state(name).is_ok() && queue.stamp(name).is_some();
         let mut others: Vec<VisibleFile> =
             queues.iter().filter(is_visible).map(|named| visible_file(name, named)).collect();
+        if others.len() > 1 {
+            others.retain(VisibleFile::is_there);
+        }
         // Where it was published, or else the first.
         others.sort_by_key(|file| Some(file.queue.id()) != sought.queue_id);
         let own = others.iter().position(|file| !sought.second.contains(&file.to_string()));
@@ -184,6 +194,10 @@ impl BuildFiles {
                 stamp.is_some_and(|stamp| reader.own_name(&**queue, other, stamp).as_deref() == Some(name))
             });
             found.others.extend(copies.map(|other| visible_file(&other, named)));
+        }
+        if !found.others.is_empty() {
+            found.own = found.own.filter(VisibleFile::is_there);
+            found.others.retain(VisibleFile::is_there);
         }
         found
     }

@@ -265,8 +265,6 @@ fn a_word_about_a_file_that_lies_at_another_printer_is_told_and_holds_when_it_is
         let bad = if outcome == PrintOutcome::Failed { Vec::new() } else { vec![(PartId(1), 1)] };
         let word = OperatorWord::Outcome(build.id, ToldOutcome { bad, ..ToldOutcome::new(outcome, "", "a@test") });
         farm.say(&word, true).unwrap();
-        // A look that has begun could find the file at both printers, as a second one.
-        farm.await_jobs();
         fs::rename(queue(&farm, "left").join(&file), queue(&farm, "right").join(&file)).unwrap();
         farm.pass_until("it is told", |farm| farm.alert_text(AlertKind::NotTakenBack).contains("it lies at right"));
         assert_eq!((visible(&farm), farm.parts(PartState::Waiting).len()), ([0, 1], 0));

@@ -34,7 +34,8 @@ use crate::farm::{
     },
     publish::{publish, queue_look, take_back},
     receive::{
-        claim_completion, damaged_files, hurried_scans,
+        claim_completion::{self, ClaimCompletionJob},
+        damaged_files, hurried_scans,
         intake_jobs::{self, PartReadJob},
         scan_jobs,
     },
@@ -281,10 +282,12 @@ async fn may_have_work(farm: &mut Farm) -> LedgerLook {
     if is_busy || news { LedgerLook::Everywhere } else { LedgerLook::Unfinished }
 }
 
-/// Takes in an event and those queued behind it, so that one tick serves them all. Returns whether all of them were
-/// ends of part reads.
+/// Takes in an event and those queued behind it, so that one tick serves them all. Returns whether all of them belong to the reading of
+/// parts: ends of reads, and of the claims of files that were read.
 async fn handle_events(farm: &mut Farm, first: LoopEvent<Farm>) -> bool {
-    let mut only_read = first.is_end_of::<PartReadJob>();
+    let is_of_reading =
+        |event: &LoopEvent<Farm>| event.is_end_of::<PartReadJob>() || event.is_end_of::<ClaimCompletionJob>();
+    let mut only_read = is_of_reading(&first);
     job_events::handle_event(farm, first).await;
     for _ in 0..MAX_EVENTS_PER_TICK {
         // The next tick tells that the ledger cannot be reached.
@@ -292,7 +295,7 @@ async fn handle_events(farm: &mut Farm, first: LoopEvent<Farm>) -> bool {
             break;
         }
         let Some(event) = farm.jobs.try_next_event() else { break };
-        only_read &= event.is_end_of::<PartReadJob>();
+        only_read &= is_of_reading(&event);
         job_events::handle_event(farm, event).await;
     }
     only_read

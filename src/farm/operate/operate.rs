@@ -119,7 +119,7 @@ async fn see_file(
         QueuePlace::Visible { printer, .. } if is_second => {
             return Ok(Some(SeenFile::SecondGone { printer, places: second }));
         }
-        QueuePlace::Visible { .. } => false,
+        QueuePlace::Visible { printer, .. } => return Ok(Some(SeenFile::Untouched { printer })),
         _ if place.move_queue_id.is_some() => false,
         QueuePlace::Gone(queue_id) => {
             ledger.record_taken(build.id, &queue_id).await?;

@@ -20,8 +20,8 @@ use super::{
     withdrawal::{record_untouched, record_withdrawn, withdraw},
 };
 use crate::{
-    BreakOutAnswer, BuildId, BuildRow, BuildState, EventKind, InQueueError, Ledger, LedgerError, PartId, PutBackReport,
-    ReprintTarget, ToldOutcome,
+    BreakOutAnswer, BuildId, BuildRow, BuildState, EventKind, InQueueError, Ledger, LedgerError, PartId, PrintOutcome,
+    PutBackReport, ReprintTarget, ToldOutcome,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
@@ -69,6 +69,11 @@ impl WordEffect {
 }
 
 impl BuildWord {
+    /// Whether the print is over by this word.
+    fn says_printed(&self) -> bool {
+        matches!(self, Self::BreakOut) || matches!(self, Self::Outcome(told) if told.outcome == PrintOutcome::Complete)
+    }
+
     /// Carries the word out within a change.
     async fn apply(&self, change: &mut LedgerChange, build: BuildId, by: &str) -> Result<WordEffect> {
         Ok(match self {
@@ -184,7 +189,9 @@ impl Ledger {
         }
         if is_out || !effect.makes_bad {
             change.commit().await?;
-            return Ok(WordAnswer { sentences: effect.sentences, noted: Vec::new() });
+            let mut sentences = effect.sentences;
+            sentences.extend(seen.get(&build).filter(|_| word.says_printed()).and_then(still_lies));
+            return Ok(WordAnswer { sentences, noted: Vec::new() });
         }
         // It could be carried out, so that it will be: nothing of it is recorded yet.
         drop(change);
@@ -290,11 +297,20 @@ fn is_out_of_queue(seen: &SeenFiles, build: BuildId, insists: bool) -> Result<bo
             Err(InQueueError::Copied { build, own, is_second, others }.into())
         }
         Some(SeenFile::SecondGone { .. }) if insists => Ok(false),
+        Some(SeenFile::Untouched { .. }) => Ok(false),
         Some(SeenFile::SecondGone { printer, places }) => {
             Err(InQueueError::SecondGone { build, printer, places }.into())
         }
         None => Ok(false),
     }
+}
+
+/// What is said of a file that lies in its queue although its build is printed: a printer may have made itself a copy of it.
+fn still_lies(seen: &SeenFile) -> Option<String> {
+    let SeenFile::Untouched { printer } = seen else { return None };
+    Some(format!(
+        "Its file lies untouched in the queue of {printer}: take it out there, or it may be printed a second time."
+    ))
 }
 
 fn parse_word(text: &str) -> Result<BuildWord> {

@@ -67,6 +67,11 @@ pub struct WordAnswer {
 pub enum SeenFile {
     /// In no queue folder, and it comes into none.
     OutOfQueue,
+    /// Where it was published, as it was proved.
+    Untouched {
+        /// The printer.
+        printer: String,
+    },
     /// What lies under its name at this printer is not what was proved.
     Altered {
         /// The printer.

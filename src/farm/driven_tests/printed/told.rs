@@ -173,6 +173,20 @@ fn a_file_that_was_emptied_replaced_or_is_a_folder_is_not_taken_back() {
 }
 
 #[test]
+fn who_says_that_a_build_is_printed_whose_file_lies_untouched_is_told_that_it_lies_there() {
+    let (farm, build) = three_copies();
+    let said = farm.say(&outcome(&build, PrintOutcome::Complete, 0), false).unwrap().sentences.join(" ");
+    let lies = format!("lies untouched in the queue of {MACHINE}: take it out");
+    assert!(said.contains("complete") && said.contains(&lies), "{said}");
+    assert_eq!(farm.queued().len(), 1, "a printer may have made itself a copy of it");
+
+    let (farm, build) = three_copies();
+    fs::remove_file(farm.queued().remove(0)).unwrap();
+    let said = farm.say(&outcome(&build, PrintOutcome::Complete, 0), false).unwrap().sentences.join(" ");
+    assert!(said.contains("complete") && !said.contains("untouched"), "{said}");
+}
+
+#[test]
 fn a_file_that_comes_back_lies_in_the_queue_again() {
     let (mut farm, build) = three_copies();
     let (file, aside) = (farm.queued().remove(0), farm.root().join("aside"));

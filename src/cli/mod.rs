@@ -40,6 +40,8 @@ enum CliCommand {
     Status(look::status::StatusArgs),
     /// List builds with their heights
     History(look::history::HistoryArgs),
+    /// List what builds cost, and which order bears what
+    Costs(look::costs::CostsArgs),
     /// Show a build, a part or an order
     Show(look::show::ShowArgs),
     /// Draw a build as a PNG
@@ -207,6 +209,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Check(args) => serve::check::run(common, args),
         CliCommand::Status(args) => look::status::run(common, args),
         CliCommand::History(args) => look::history::run(common, args),
+        CliCommand::Costs(args) => look::costs::run(common, args),
         CliCommand::Show(args) => look::show::run(common, args),
         CliCommand::Render(args) => look::render::run(common, args),
         CliCommand::Report(args) => look::report::run(common, args),

@@ -1,6 +1,7 @@
 //! Configuration in three stages: fragments (one per file, all values optional and with their positions) -> inputs
 //! (merged, with defaults) -> [`Settings`] (validated, the only type that the daemon uses).
 
+pub use machine::cost_rules::{CostRules, Money, PriceSum};
 pub use machine::farm_zone::FarmZone;
 pub use machine::keep_out::KeepOutZone;
 pub use machine::materials::Materials;

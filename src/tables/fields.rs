@@ -44,6 +44,12 @@ pub const PRINT_HOURS: FieldDefinition = FieldDefinition::real("Machine time", "
 pub const PART_LITRES: FieldDefinition = FieldDefinition::real("Parts", "l", 2);
 /// Volume of cakes in litres.
 pub const CAKE_LITRES: FieldDefinition = FieldDefinition::real("Cake", "l", 2);
+/// Fresh powder that builds took.
+pub const POWDER: FieldDefinition = FieldDefinition::real("Powder", "kg", 2);
+/// What something costs, in its currency.
+pub const PRICE: FieldDefinition = FieldDefinition::real("Price", "", 2);
+/// Currency of a price.
+pub const CURRENCY: FieldDefinition = FieldDefinition::text("Currency");
 /// Builds whose print failed.
 pub const FAILED_BUILDS: FieldDefinition = FieldDefinition::whole("Failed").unless_zero();
 /// Good copies among those of which somebody told how they came out.

@@ -368,9 +368,20 @@ async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_t
 #[tokio::test]
 async fn a_parameter_that_an_address_does_not_have_is_refused_by_its_name_and_a_former_one_with_that_of_now() {
     let dashboard = with_a_build("bracket.stl").await;
-    let asking = ["builds", "heights", "parts", "plan", "orders", "month"].map(|name| format!("/api/v1/{name}"));
+    let asking =
+        ["builds", "heights", "parts", "plan", "orders", "month", "costs"].map(|name| format!("/api/v1/{name}"));
     let pages = ["/history", "/history.csv", "/history.json", "/parts", "/orders", "/month", "/month.csv"];
-    let pages = pages.iter().chain(&["/month.json", "/search", "/help", "/builds/1/picture", "/builds/1/break-out"]);
+    let pages = pages.iter().chain(&[
+        "/month.json",
+        "/costs",
+        "/costs.csv",
+        "/costs-by-build.csv",
+        "/costs.json",
+        "/search",
+        "/help",
+        "/builds/1/picture",
+        "/builds/1/break-out",
+    ]);
     let without = ["/api/v1/farm", "/api/v1/builds/1", "/api/v1/orders/bracket.stl"];
     for address in asking.iter().map(String::as_str).chain(pages.copied()).chain(without) {
         assert_eq!(dashboard.get(address).await.status, StatusCode::OK, "{address}");

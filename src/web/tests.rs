@@ -144,7 +144,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 16] = [
+const PAGES: [&str; 18] = [
     "/",
     "/components",
     "/history",
@@ -157,6 +157,8 @@ const PAGES: [&str; 16] = [
     "/orders/bracket.stl",
     "/search?q=bracket",
     "/month",
+    "/costs",
+    "/costs?build=1",
     "/machines/cube/flush",
     "/machines/cube/drop",
     "/help",

@@ -50,6 +50,7 @@ pub use rows::part_row::{
 pub use rows::precedence::compare_precedence;
 pub use rows::recorded_part::{RecordedAs, RecordedPart};
 pub use rows::solid_facts::{RequestedTerms, SolidFacts};
+pub use service::cost_basis::{CostQuery, CostedBuild, OrderedCopies};
 pub use service::event::EventRow;
 pub use service::experience::PublishedExperience;
 pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};

@@ -1,5 +1,6 @@
 //! Commands that show something and change nothing.
 
+pub(super) mod costs;
 pub(super) mod history;
 pub(super) mod metrics;
 pub(super) mod nodes;

@@ -20,7 +20,7 @@ use super::{
     quoted_part::QuotedPart,
     reprint_odds::ReprintOdds,
 };
-use crate::settings::{FarmZone, MachineProfile};
+use crate::settings::{FarmZone, MachineProfile, Money, PriceSum};
 
 /// Time that the insertion into the open build may take: a quote takes less than two seconds.
 pub const QUOTE_SEARCH_TIME: Duration = Duration::from_millis(1400);
@@ -64,6 +64,9 @@ pub struct OrderQuote {
     pub cake_litres: f64,
     /// Their own volume, litres.
     pub part_litres: f64,
+    /// What that costs by the rates of the machine; `None` = nothing has a price.
+    #[serde(flatten)]
+    pub price: Option<PriceSum>,
     /// Due dates that would be late only because of them.
     pub delays: Vec<DateRisk>,
 }
@@ -154,6 +157,7 @@ pub fn quote_order(
         print_hours: shares.print_hours,
         cake_litres: shares.cake_litres,
         part_litres: shares.part_litres,
+        price: shares.price(profile, copies),
         delays: find_delays(profile, reading, (&base, planned.as_ref().unwrap_or(&earliest)), &order, now),
     }
 }
@@ -180,6 +184,8 @@ struct OrderShares {
     open: Option<BuildId>,
     builds: u32,
     height_mm: f64,
+    /// Height that is theirs by volume, mm.
+    own_mm: f64,
     added_mm: f64,
     share: f64,
     print_hours: f64,
@@ -209,12 +215,22 @@ impl OrderShares {
             open: with.first().and_then(|build| build.build).filter(|_| with.len() == 1),
             builds: u32::try_from(with.len()).unwrap_or(u32::MAX),
             height_mm,
+            own_mm,
             added_mm: (sum_mm(&plan.builds) - sum_mm(base)).max(0.0),
             share: own_mm / height_mm.max(1e-9),
             print_hours: facts.outlook.times.print_hours(own_mm),
             cake_litres: 1e-6 * base_mm2 * own_mm,
             part_litres: 1e-6 * with.iter().map(|build| volume_mm3(build)).sum::<f64>(),
         }
+    }
+}
+
+impl OrderShares {
+    /// What they cost, as their builds are priced later.
+    fn price(&self, profile: &MachineProfile, copies: u32) -> Option<PriceSum> {
+        let hours = self.own_mm * profile.space.print_hours_per_mm;
+        let price = Money::rounded(profile.costs.price(hours, self.part_litres, copies));
+        profile.costs.has_prices().then(|| PriceSum { price, currency: profile.costs.currency.clone() })
     }
 }
 
@@ -280,6 +296,7 @@ impl OrderQuote {
             self.cake_litres,
             self.part_litres
         ));
+        sentences.extend(self.price.iter().map(|price| format!("That costs about {price}.")));
         for delay in &self.delays {
             let of = if delay.order.is_empty() { delay.parts.join(", ") } else { delay.order.clone() };
             sentences

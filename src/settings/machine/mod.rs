@@ -1,5 +1,6 @@
 //! A machine and its printers as their file describes them, with their calendar and the zones that stay free.
 
+pub(super) mod cost_rules;
 pub(super) mod farm_zone;
 pub(super) mod keep_out;
 pub(super) mod materials;

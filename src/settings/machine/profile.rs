@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     build::MachineSpec,
-    settings::{FarmZone, KeepOutZone, Materials, PrinterRules, PrintingRules},
+    settings::{CostRules, FarmZone, KeepOutZone, Materials, PrinterRules, PrintingRules},
 };
 
 /// The folders of a machine profile.
@@ -112,6 +112,8 @@ pub struct MachineProfile {
     /// The rules of its prints.
     #[serde(flatten)]
     pub printing: PrintingRules,
+    /// What its builds cost.
+    pub costs: CostRules,
 }
 
 /// The space that a machine builds in, with the rules for distances and layers.

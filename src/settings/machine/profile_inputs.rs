@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::printer::PrinterInputs;
 use crate::settings::{
-    ApprovalPolicy, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
+    ApprovalPolicy, CostRules, DuplicatePolicy, KeepOutZone, MeshErrorPolicy, WithdrawalPolicy,
     reading::{
         duration::DurationSecs,
         option_group::{option_group, read_option_table, read_options},
@@ -37,13 +37,14 @@ pub(crate) struct ProfileInputs {
     pub folders: ProfileFolders,
     pub trigger: TriggerInputs,
     pub delivery: DeliveryInputs,
+    pub costs: CostRules,
     /// Only in the file of a machine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub printer: Vec<PrinterInputs>,
 }
 
 read_options!(
-    ProfileInputs: folders trigger delivery printer,
+    ProfileInputs: folders trigger delivery costs printer,
     groups space: SpaceInputs turning: TurningInputs intake: IntakeInputs search: SearchInputs output: OutputInputs
     printing: PrintingInputs
 );

@@ -26,7 +26,7 @@ Each option is shown with its default.
 const MACHINE: &str = "
 ## A machine's file
 
-Each file in `profiles/` is a machine. It may give every option of `[defaults]`, at its top level or under `[trigger]`, `[delivery]` and `[nest]`,
+Each file in `profiles/` is a machine. It may give every option of `[defaults]`, at its top level or under `[trigger]`, `[delivery]`, `[costs]` and `[nest]`,
 and these:
 
 - `volume_mm`: the printable box, as in `[200, 200, 200]`; the only option without a default

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::{printer_validation, validation_rules};
 use crate::settings::{
-    BuildSpace, KeepOutZone, MachineFolders, MachineProfile, machine::profile_inputs::ProfileInputs,
+    BuildSpace, CostRules, KeepOutZone, MachineFolders, MachineProfile, machine::profile_inputs::ProfileInputs,
     reading::validator::ConfigValidator,
 };
 
@@ -28,6 +28,8 @@ struct ProfileSnapshot {
     layer_mm: Option<f64>,
     layer_area_cap: Option<Option<f64>>,
     delivery: Option<build_file::DeliveryKind>,
+    print_hours_per_mm: Option<f64>,
+    costs: Option<CostRules>,
     nest: NestingSnapshot,
 }
 
@@ -40,7 +42,8 @@ struct NestingSnapshot {
 }
 
 impl MachineProfile {
-    /// Returns the profile at the time of a build: what its proof depends on comes from `snapshot` (JSON), everything else from `now`.
+    /// Returns the profile at the time of a build: what its proof and its cost depend on comes from `snapshot` (JSON), everything
+    /// else from `now`.
     /// If the machine is not configured any more, the folders come from the snapshot too.
     /// Without a snapshot nothing is known of such a machine, and its volume is zero.
     pub fn from_snapshot(name: &str, snapshot: Option<&str>, now: Option<&Self>) -> Self {
@@ -59,6 +62,8 @@ impl MachineProfile {
         space.clearance_z_extra_mm = stored.clearance_z_extra_mm.unwrap_or(space.clearance_z_extra_mm);
         space.layer_mm = stored.layer_mm.unwrap_or(space.layer_mm);
         space.layer_area_cap = stored.layer_area_cap.unwrap_or(space.layer_area_cap);
+        space.print_hours_per_mm = stored.print_hours_per_mm.unwrap_or(space.print_hours_per_mm);
+        profile.costs = stored.costs.unwrap_or(profile.costs);
         profile.output.delivery = stored.delivery.unwrap_or(profile.output.delivery);
         nest.method = stored.nest.method.unwrap_or(nest.method);
         nest.interlock = stored.nest.interlock.unwrap_or(nest.interlock);

@@ -136,13 +136,25 @@ pub(super) fn validate_profile(
     }
     validate_values(&inputs, validator);
     let volume_mm = validate_volume(&inputs.space, validator);
-    let ProfileInputs { space, turning, intake, search, output, printing, folders: _, trigger, delivery, printer: _ } =
-        inputs;
+    let ProfileInputs {
+        space,
+        turning,
+        intake,
+        search,
+        output,
+        printing,
+        folders: _,
+        trigger,
+        delivery,
+        costs,
+        printer: _,
+    } = inputs;
     MachineProfile {
         name: name.to_owned(),
         folders,
         printers,
         printing: validate_printing(&printing, validator),
+        costs,
         time_zone: FarmZone::default(),
         materials: Materials::default(),
         text: String::new(),
@@ -204,6 +216,7 @@ fn validate_values(inputs: &ProfileInputs, validator: &mut ConfigValidator) {
     }
     crate::settings::machine::keep_out::validate_zones(&inputs.space.keep_out, inputs.space.volume_mm, validator);
     validate_search(&inputs.search, validator);
+    inputs.costs.validate(validator);
 }
 
 fn validate_folders(folders: &ProfileFolders, validator: &mut ConfigValidator) {

@@ -1,5 +1,6 @@
 //! The tables that people see, one file each.
 
+pub(super) mod cost_list;
 pub(super) mod event_list;
 pub(super) mod history;
 pub(super) mod month;

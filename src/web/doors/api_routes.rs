@@ -20,12 +20,12 @@ use super::{
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
 use crate::{
-    farm::{DatedBuild, DatedOrder, MachinePlan, OrderQuote},
+    farm::{CostReport, DatedBuild, DatedOrder, MachinePlan, OrderQuote},
     tables::PickList,
     web::{
         base::query::refuse_query,
         core::state::DashboardState,
-        pages::{history, month, order, part, pick_page},
+        pages::{costs, history, month, order, part, pick_page},
     },
 };
 
@@ -34,7 +34,7 @@ const ORDER: RequestBody = RequestBody::Form("order", schema_of::<order_request:
 const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
-const QUESTIONS: [ApiRoute; 13] = [
+const QUESTIONS: [ApiRoute; 14] = [
     ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, |method| {
         on(method, api::get_farm)
     }),
@@ -109,6 +109,16 @@ const QUESTIONS: [ApiRoute; 13] = [
             "What each machine made in a month and in the one before, what came late and what failed",
             schema_of::<month::MonthResponse>,
             |method| on(method, month::get_month),
+        )
+    },
+    ApiRoute {
+        query: Some(schema_of::<costs::CostQuestion>),
+        ..ask(
+            "/api/v1/costs",
+            "costs",
+            "What the builds of a month, an order or one build cost, and which order bears what of it",
+            schema_of::<CostReport>,
+            |method| on(method, costs::get_costs),
         )
     },
     ApiRoute {

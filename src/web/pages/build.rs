@@ -8,7 +8,10 @@ use language::say;
 use ledger::{BuildRow, BuildState, MachineStatus, OutcomeRow, PartRow};
 use maud::{Markup, html};
 
-use super::downloads::downloads_sheet;
+use super::{
+    costs::{CostQuestion, cost_figure},
+    downloads::downloads_sheet,
+};
 use crate::{
     farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans},
     settings::MachineProfile,
@@ -62,9 +65,10 @@ pub(crate) async fn show_build(
     };
     let plans = read_plans(&web.ledger, &machine, Timestamp::now()).await?;
     let fact = build_fact(&build, &plans);
+    let cost = cost_figure(&web, CostQuestion::of_build(build.id)).await?;
     let content = html! {
         h1 { (say!("build-on", build = build.id.to_string(), printer = &build.machine)) " " (chip(&fact.word)) }
-        (figures(&build, &fact, &rows, &profile, &view))
+        (figures((&build, &fact), &rows, &profile, cost.as_ref(), &view))
         (second_files(&web, &build).await?)
         @if is_unseen { (unseen_failure(&web, &build)) }
         @else if !build.reason.is_empty() {
@@ -100,10 +104,10 @@ fn act_group(label: &str, buttons: &Markup) -> Markup {
 
 /// The build in numbers.
 fn figures(
-    build: &BuildRow,
-    fact: &BuildFact,
+    (build, fact): (&BuildRow, &BuildFact),
     rows: &[CountedPart],
     profile: &MachineProfile,
+    cost: Option<&(String, String)>,
     view: &TimeView,
 ) -> Markup {
     let copies: u32 = rows.iter().map(|row| row.copies).sum();
@@ -115,6 +119,7 @@ fn figures(
             (figure(&copies.to_string(), &say!("figure-copies", count = copies), None))
             @if bad > 0 { (figure_link(&bad.to_string(), &say!("figure-bad", count = bad), Some(Tone::Wrong), "#parts")) }
             @if let Some(density) = fields::DENSITY.with_unit(build.measures.density) { (figure(&density, &say!("figure-dense"), None)) }
+            @if let Some((cost, address)) = cost { (figure_link(cost, &say!("figure-cost"), None, address)) }
             @if let Some(ends) = fact.ends_at { (figure(&view.estimate_text(ends), &say!("figure-unpacked"), None)) }
         }
     }

@@ -1,6 +1,7 @@
 //! The pages, one file each. A page decides nothing: what it shows comes from the ledger or the farm.
 
 pub(super) mod build;
+pub(super) mod costs;
 pub(super) mod downloads;
 pub(super) mod farm;
 pub(super) mod flush;

@@ -68,13 +68,13 @@ pub(crate) struct MonthResponse {
 }
 
 /// A month of a farm.
-struct FarmMonth {
+pub(super) struct FarmMonth {
     first: Date,
     zone: FarmZone,
 }
 
 impl FarmMonth {
-    fn parse(text: &str, zone: &FarmZone, now: Timestamp) -> HandlerResult<Self> {
+    pub(super) fn parse(text: &str, zone: &FarmZone, now: Timestamp) -> HandlerResult<Self> {
         let today = now.to_zoned(zone.time_zone().clone()).date();
         let first = match text.trim() {
             "" => Some(today.first_of_month()),
@@ -97,7 +97,7 @@ impl FarmMonth {
         begin.map_or(Timestamp::MIN, |begin| begin.timestamp())
     }
 
-    fn span(&self) -> (Timestamp, Timestamp) {
+    pub(super) fn span(&self) -> (Timestamp, Timestamp) {
         (self.begins_at(), self.later(1).begins_at())
     }
 
@@ -114,7 +114,7 @@ impl FarmMonth {
         self.later(1).begins_at() <= now
     }
 
-    fn key(&self) -> String {
+    pub(super) fn key(&self) -> String {
         self.first.strftime("%Y-%m").to_string()
     }
 
@@ -189,6 +189,7 @@ pub(crate) async fn show_month(
         p.links {
             a href=(format!("/month.csv?at={}", month.key())) { "CSV" }
             a href=(format!("/month.json?at={}", month.key())) { "JSON" }
+            a href=(format!("/costs?at={}", month.key())) { (say!("costs")) }
         }
     };
     Ok(html_page(&month.name(), "/month", None, &content))

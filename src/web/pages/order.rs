@@ -15,6 +15,7 @@ use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::costs::{CostQuestion, cost_figure};
 use crate::{
     farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, RiskCause, copy_counts, customer_note},
     tables::{
@@ -220,9 +221,11 @@ pub(crate) async fn show_order(
     let waiting: u32 = lines.iter().map(|line| line.copies.waiting).sum();
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
+    let cost = cost_figure(&web, CostQuestion::of_order(&name)).await?;
     let content = html! {
         h1 { (say!("order-title", order = &name)) " " (chip(order.fact.word.word())) }
         (order_summary(&order, &view))
+        @if let Some((cost, address)) = &cost { p { (phrase!("order-costs", cost = html! { a href=(address) { (cost) } })) } }
         (order_forms(&web, &order.order, &lines, order.arriving.len()))
         section.card aria-label=(fields::CUSTOMER_NOTE.said()) {
             h2 { (say!("send-to-customer")) }

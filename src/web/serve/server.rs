@@ -45,7 +45,8 @@ use crate::{
         help::pages as help,
         labels::label_form,
         pages::{
-            build, downloads, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search,
+            build, costs, downloads, farm as farm_page, flush, history, live, month, needs, order, part, pick_page,
+            search,
         },
     },
 };
@@ -153,6 +154,10 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/history", get(history::show_history))
         .route("/history.csv", get(history::download_csv))
         .route("/history.json", get(history::download_json))
+        .route("/costs", get(costs::show_costs))
+        .route("/costs.csv", get(costs::download_csv))
+        .route("/costs-by-build.csv", get(costs::download_shares_csv))
+        .route("/costs.json", get(costs::get_costs))
         .route("/month", get(month::show_month))
         .route("/month.csv", get(month::download_csv))
         .route("/month.json", get(month::get_month))

@@ -95,6 +95,7 @@ fn is_data(word: &str) -> bool {
         "mm",
         "mm³",
         "cm3",
+        "EUR",
         "kB",
         "h",
         "s",

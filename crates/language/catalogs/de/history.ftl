@@ -78,3 +78,15 @@ more-machines =
 height-curve = Höhe während der Suche, mm über Sekunden
 height-over-time = Höhe im Verlauf
 all-machines = alle Maschinen
+
+costs = Kosten
+costs-by-order = Was jeder Auftrag trägt
+costs-by-build = Was jeder Auftrag von jedem Baujob trägt
+costs-text = Maschinenzeit und Pulver eines Baujobs werden nach dem Volumen der Teile geteilt; Liter und Stückzahlen gehören jedem Auftrag selbst. Schlechte Stücke trägt die Farm. Es gelten die Sätze, die galten, als der Baujob gemacht wurde. Pulver ist das frische Pulver, das die Baujobs brauchten.
+no-prices = Nichts hat einen Preis. Die Sätze stehen unter `[costs]` in der Datei einer Maschine.
+figure-cost = Kosten
+order-costs = Er kostet bisher { $cost }.
+farm-bears-bad-copies = schlechte Stücke: trägt die Farm
+csv-by-order = CSV nach Aufträgen
+csv-by-build = CSV nach Baujobs
+this-month = Dieser Monat

@@ -76,3 +76,15 @@ more-machines =
 height-curve = Height while it was searched, mm over seconds
 height-over-time = Height over time
 all-machines = all machines
+
+costs = Costs
+costs-by-order = What each order bears
+costs-by-build = What each order bears of each build
+costs-text = Machine time and powder of a build are shared by the volume of the parts; litres and copies are each order's own. The farm bears copies that came out bad. Rates are those that held when the build was made. Powder is the fresh powder that builds took.
+no-prices = Nothing has a price. The rates stand in `[costs]` of a machine's file.
+figure-cost = cost
+order-costs = It costs { $cost } so far.
+farm-bears-bad-copies = bad copies: borne by the farm
+csv-by-order = CSV by order
+csv-by-build = CSV by build
+this-month = This month

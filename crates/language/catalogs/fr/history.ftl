@@ -77,3 +77,15 @@ more-machines =
 height-curve = Hauteur pendant la recherche, mm par seconde écoulée
 height-over-time = Hauteur dans le temps
 all-machines = toutes les machines
+
+costs = Coûts
+costs-by-order = Part de chaque commande
+costs-by-build = Part de chaque commande dans chaque plateau
+costs-text = Le temps machine et la poudre d'un plateau sont répartis selon le volume des pièces ; litres et exemplaires sont ceux de chaque commande. Les exemplaires ratés sont à la charge de l'atelier. Les tarifs sont ceux du moment où le plateau a été préparé. La poudre est la poudre neuve que les plateaux ont prise.
+no-prices = Rien n'a de prix. Les tarifs sont dans `[costs]` du fichier d'une machine.
+figure-cost = de coût
+order-costs = Elle coûte { $cost } jusqu'ici.
+farm-bears-bad-copies = exemplaires ratés : à la charge de l'atelier
+csv-by-order = CSV par commande
+csv-by-build = CSV par plateau
+this-month = Ce mois

@@ -59,3 +59,15 @@ more-machines = ほか装置 { $count } 台(表のみ)
 height-curve = 探索中の高さ、mm と秒
 height-over-time = 高さの推移
 all-machines = すべての装置
+
+costs = 費用
+costs-by-order = 注文ごとの費用
+costs-by-build = ビルドごとの注文の費用
+costs-text = ビルドの装置時間と粉末は、部品の体積で分けます。リットルと個数は各注文のものです。不良品の分は工場が負担します。単価はビルドを作ったときのものです。粉末はビルドに使った新しい粉末です。
+no-prices = 価格が設定されていません。単価は装置のファイルの `[costs]` にあります。
+figure-cost = 費用
+order-costs = これまでの費用は { $cost } です。
+farm-bears-bad-copies = 不良品：工場が負担
+csv-by-order = 注文ごとの CSV
+csv-by-build = ビルドごとの CSV
+this-month = 今月

@@ -1,5 +1,6 @@
-//! The farm as a whole: machines, nodes, printers, events and who receives them, status, history, months.
+//! The farm as a whole: machines, nodes, printers, events and who receives them, status, history, months, costs.
 
+pub(super) mod cost_basis;
 pub(super) mod event;
 pub(super) mod experience;
 pub(super) mod history;

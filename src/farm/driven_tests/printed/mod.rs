@@ -1,6 +1,7 @@
 //! What lies in the queues, and what people say of it.
 
 pub(super) mod closed_orders;
+mod costs;
 pub(super) mod deliveries;
 mod kept_builds;
 pub(super) mod life;

@@ -11,7 +11,7 @@ pub use columns::cell_value::CellValue;
 pub use columns::field_definition::{FieldDefinition, SheetFact};
 pub use columns::table_column::{TableColumn, csv_of, for_people, people_columns};
 pub use columns::time_view::{GivenDate, PromisedDate, TimeView};
-pub use lists::cost_list::{COST_SHARE_COLUMNS, ORDER_COST_COLUMNS};
+pub use lists::cost_list::{COST_SHARE_COLUMNS, LEAST_COST_COLUMNS, ORDER_COST_COLUMNS};
 pub use lists::event_list::gathered_events;
 pub use lists::history::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, HISTORY_PAGE_KEYS};
 pub use lists::month::{MONTH_COLUMNS, MachineOutput};

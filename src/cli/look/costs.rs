@@ -16,7 +16,7 @@ use crate::{
         },
     },
     farm::CostReport,
-    tables::{COST_SHARE_COLUMNS, ORDER_COST_COLUMNS, TimeView, csv_of},
+    tables::{COST_SHARE_COLUMNS, LEAST_COST_COLUMNS, ORDER_COST_COLUMNS, TimeView, csv_of},
 };
 
 /// Arguments of the command.
@@ -79,10 +79,13 @@ pub fn run(common: &CommonArgs, args: &CostsArgs) -> Result<CommandExit> {
         CostFormat::Table if report.shares.is_empty() => print_text("No published builds.")?,
         CostFormat::Table => {
             let columns = output_columns(args.wide);
-            let mut text = match args.by_build {
-                true => TextTable::of(COST_SHARE_COLUMNS, &report.shares, &view).fit_columns(columns),
-                false => TextTable::of(ORDER_COST_COLUMNS, &report.orders, &view).fit_columns(columns),
-            };
+            let mut text =
+                match args.by_build {
+                    true => TextTable::of(COST_SHARE_COLUMNS, &report.shares, &view)
+                        .fit_essentials(columns, LEAST_COST_COLUMNS),
+                    false => TextTable::of(ORDER_COST_COLUMNS, &report.orders, &view)
+                        .fit_essentials(columns, LEAST_COST_COLUMNS),
+                };
             match report.totals.is_empty() {
                 true => text += "\nNothing has a price: the rates stand in [costs] of a machine's file.\n",
                 false => report.totals.iter().for_each(|sum| text += &format!("\nIn all {sum}")),

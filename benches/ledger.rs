@@ -103,6 +103,7 @@ fn part(number: u64) -> NewPartRow {
         terms: NewTerms {
             order_name: format!("order-{}", number / 12),
             customer: String::new(),
+            email: String::new(),
             material: String::new(),
             priority: 50,
             due_at: None,

@@ -64,6 +64,7 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
         terms: PartTerms {
             order_name: String::new(),
             customer: String::new(),
+            email: String::new(),
             material: String::new(),
             priority: 50,
             due_at: None,

@@ -85,6 +85,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
         terms: NewTerms {
             order_name: String::new(),
             customer: String::new(),
+            email: String::new(),
             material: String::new(),
             priority: 50,
             due_at: None,

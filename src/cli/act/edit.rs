@@ -60,6 +60,9 @@ pub struct EditArgs {
     /// Who it is for, or ""; can also be changed where nothing waits any more
     #[arg(long, value_name = "NAME")]
     customer: Option<String>,
+    /// Where the customer gets e-mail when the order is complete, or ""; can also be changed where nothing waits any more
+    #[arg(long, value_name = "ADDRESS")]
+    email: Option<String>,
 }
 
 /// Runs `nestd edit`.
@@ -98,6 +101,7 @@ impl EditArgs {
             copies: self.copies,
             order_name: self.order.clone(),
             customer: self.customer.clone(),
+            email: self.email.clone(),
             material: self.material.as_deref().map(|word| if is_none(word) { String::new() } else { word.to_owned() }),
             priority: self.priority,
             due: due.transpose()?,
@@ -194,6 +198,7 @@ mod tests {
             note: None,
             order: None,
             customer: None,
+            email: None,
             material: None,
         };
         let due = |text: &str| args(text).to_edit(&berlin).unwrap().due.unwrap();

@@ -262,6 +262,7 @@ pub(crate) fn terms_of(part: &PartRow) -> NewTerms {
     NewTerms {
         order_name: part.terms.order_name.clone(),
         customer: part.terms.customer.clone(),
+        email: part.terms.email.clone(),
         material: part.terms.material.clone(),
         priority: part.terms.priority,
         due_at: part.terms.due_at.map(|at| at.0),
@@ -303,6 +304,7 @@ pub(crate) fn new_part_row(
         terms: NewTerms {
             order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
             customer: ticket.customer.unwrap_or_default(),
+            email: ticket.email.unwrap_or_default(),
             material: profile.materials.name_of(&ticket.material.unwrap_or_default()),
             priority: ticket.priority.unwrap_or(50),
             due_at,

@@ -153,6 +153,7 @@ fn quoted_row(
     let terms = PartTerms {
         order_name: String::new(),
         customer: String::new(),
+        email: String::new(),
         material: profile.materials.name_of(file.ticket.material.as_deref().unwrap_or_default()),
         priority: file.ticket.priority.unwrap_or(USUAL_PRIORITY),
         due_at: None,

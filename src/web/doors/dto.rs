@@ -148,6 +148,8 @@ struct PartTermsFields {
     order: String,
     /// Who it is for; "" = not said.
     customer: String,
+    /// Where the customer gets e-mail; "" = not said.
+    email: String,
     /// What it is to be made of; "" = anything.
     material: String,
     /// Whether it waits because its machine has another material loaded, or none.
@@ -308,6 +310,7 @@ impl From<PartRow> for PartResource {
             terms: PartTermsFields {
                 order: terms.order_name,
                 customer: terms.customer,
+                email: terms.email,
                 material: terms.material,
                 awaits_material: row.owed.awaits_material,
                 priority: terms.priority,

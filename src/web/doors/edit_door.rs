@@ -62,6 +62,8 @@ pub(crate) struct EditRequest {
     material: Option<String>,
     /// Who it is for; can also be changed where nothing waits any more.
     customer: Option<String>,
+    /// Where the customer gets e-mail when the order is complete; can also be changed where nothing waits any more.
+    email: Option<String>,
 }
 
 /// A field that may be null is told from one that is left out.
@@ -102,6 +104,7 @@ impl EditRequest {
             copies: self.copies,
             order_name: self.order.clone(),
             customer: self.customer.clone(),
+            email: self.email.clone(),
             material: self.material.clone(),
             priority: self.priority,
             due: self.due.as_ref().map(due).transpose()?,

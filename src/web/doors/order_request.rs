@@ -26,6 +26,9 @@ pub(crate) struct OrderRequest {
     /// Who it is for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub customer: Option<String>,
+    /// Where the customer gets e-mail when the order is complete.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub email: Option<String>,
     /// When lines are due that do not say it themselves: a day, or a time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<String>")]
@@ -205,6 +208,7 @@ impl LineRequest {
             ("copies", Some(copies)),
             ("order", Some(json!(order.order.trim()))),
             ("customer", order.customer.as_ref().map(|customer| json!(customer))),
+            ("email", order.email.as_ref().map(|email| json!(email))),
             ("due", self.due.clone().or_else(|| order.due.clone())),
             ("priority", self.priority.clone().or_else(|| order.priority.clone())),
             ("orientation", self.orientation.clone()),
@@ -247,7 +251,7 @@ mod tests {
     #[test]
     fn a_line_becomes_the_ticket_that_a_person_would_write() {
         let order = request(
-            r#"{"machine":"cube","order":" K-12 ","customer":"Brandt","due":"2026-11-25","priority":70,"lines":[
+            r#"{"machine":"cube","order":" K-12 ","customer":"Brandt","email":"anna@brandt.example","due":"2026-11-25","priority":70,"lines":[
                 {"name":"hinge_x4.stl","content":"HASH","material":"PA12","note":"for the door"},
                 {"name":"cover.3mf","content":"HASH","copies":2,"due":"2026-11-26T17:00:00Z","orientation":"upright",
                  "keep_up":[{"direction":[0,0,1],"within_deg":30}],"clearance_mm":1.5,"unit":"inch","priority":100}]}"#,
@@ -259,6 +263,7 @@ mod tests {
         assert_eq!(hinge.ticket.note.as_deref(), Some("for the door"));
         assert_eq!(hinge.ticket.material.as_deref(), Some("PA12"));
         assert_eq!(hinge.ticket.customer.as_deref(), Some("Brandt"));
+        assert_eq!(hinge.ticket.email.as_deref(), Some("anna@brandt.example"));
         assert_eq!(hinge.ticket.due.unwrap().to_string(), "2026-11-25");
         assert_eq!((cover.copies, cover.ticket.priority, cover.ticket.clearance_mm), (2, Some(100), Some(1.5)));
         assert_eq!(Ticket::from_json(&cover.ticket_text, "t").unwrap(), cover.ticket);

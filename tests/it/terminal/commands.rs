@@ -38,6 +38,7 @@ fn farm() -> tempfile::TempDir {
                 due_text: String::new(),
                 order_name: "kit 7".into(),
                 customer: String::new(),
+                email: String::new(),
                 material: String::new(),
                 priority: 50,
                 due_at: None,

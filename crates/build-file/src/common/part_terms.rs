@@ -12,6 +12,9 @@ pub const MAX_CLEARANCE_MM: f64 = 100.0;
 /// Maximum length of a name of an order or a customer, and of a note, bytes.
 pub const MAX_TEXT_BYTES: usize = 4096;
 
+/// Maximum length of an address for e-mail, bytes: what SMTP carries (RFC 5321, 4.5.3.1.3).
+const MAX_EMAIL_BYTES: usize = 254;
+
 /// A number of copies.
 pub fn check_copies(copies: i64) -> Result<u32, String> {
     match u32::try_from(copies) {
@@ -39,6 +42,26 @@ pub fn check_clearance(clearance_mm: f64) -> Result<f64, String> {
 /// The name of an order or of a customer, without what cannot be seen; `word` is what it is called in the sentence.
 pub fn check_name(word: &str, name: &str) -> Result<String, String> {
     check_text(word, escape_invisible(name.trim()))
+}
+
+/// An address for e-mail, "" = none.
+pub fn check_email(email: &str) -> Result<String, String> {
+    let email = email.trim();
+    let (user, host) = email.rsplit_once('@').unwrap_or_default();
+    let is_plain = |c: char| !c.is_whitespace() && !c.is_control() && !"@<>()[],;:\\\"".contains(c);
+    let is_host = host.contains('.') && host.split('.').all(|label| !label.is_empty());
+    match email.is_empty()
+        || email.len() <= MAX_EMAIL_BYTES
+            && !user.is_empty()
+            && is_host
+            && email.replacen('@', "", 1).chars().all(is_plain)
+    {
+        true => Ok(email.to_owned()),
+        false => Err(format!(
+            "email = {:?}; write one address such as name@example.org, or leave it out",
+            escape_invisible(email)
+        )),
+    }
 }
 
 /// A note, of one line or several.

@@ -20,6 +20,7 @@ pub(crate) enum ListColumn {
     Clearance,
     Note,
     Customer,
+    Email,
     Material,
 }
 
@@ -37,13 +38,14 @@ impl ListColumn {
             Self::Clearance => "clearance",
             Self::Note => "note",
             Self::Customer => "customer",
+            Self::Email => "email",
             Self::Material => "material",
         }
     }
 }
 
 /// Header words with one clear meaning, in the languages of customers. [`plain`] is applied to them.
-const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
+const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
     (
         ListColumn::File,
         "file filename path filepath datei dateiname dateipfad fichier nomdufichier nomfichier nomdefichier archivo \
@@ -102,6 +104,11 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
          besteller endkunde cliente nomduclient nomclient nombredelcliente nomecliente klant klantnaam kund kundnamn klient \
          zákazník zleceniodawca nazwaklienta asiakas müşteri 顧客 顧客名 客先 客先名 得意先 お客様 お客様名 \
          客户 客户名称 客戶 고객 고객명 клиент заказчик",
+    ),
+    (
+        ListColumn::Email,
+        "email emailaddress mailaddress contactemail customeremail emailadresse mailadresse courriel adressemail adresseemail \
+         correoelectrónico eメール メール メールアドレス 电子邮件 邮箱 이메일",
     ),
     (
         ListColumn::Material,

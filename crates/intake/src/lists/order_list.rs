@@ -4,7 +4,9 @@
 
 use std::{collections::HashMap, ffi::OsStr};
 
-use build_file::{check_clearance, check_copies, check_name, check_note, check_priority, escape_invisible};
+use build_file::{
+    check_clearance, check_copies, check_email, check_name, check_note, check_priority, escape_invisible,
+};
 
 use super::{
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
@@ -361,6 +363,7 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
         orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
         order: cell(ListColumn::Order).map(|order| check_name("order", order)).transpose()?,
         customer: cell(ListColumn::Customer).map(|name| check_name("customer", name)).transpose()?,
+        email: cell(ListColumn::Email).map(check_email).transpose()?,
         material: cell(ListColumn::Material).map(|name| check_name("material", name)).transpose()?,
         unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
         clearance_mm: cell(ListColumn::Clearance)

@@ -1,7 +1,8 @@
 //! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
 use build_file::{
-    LengthUnit, check_clearance, check_copies, check_name, check_note, check_priority, escape_invisible_lines,
+    LengthUnit, check_clearance, check_copies, check_email, check_name, check_note, check_priority,
+    escape_invisible_lines,
 };
 use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
 use serde::Deserialize;
@@ -18,6 +19,8 @@ pub struct Ticket {
     pub order: Option<String>,
     /// Who it is for.
     pub customer: Option<String>,
+    /// Where that customer gets e-mail.
+    pub email: Option<String>,
     /// What it is to be made of.
     pub material: Option<String>,
     /// When it is due.
@@ -77,6 +80,7 @@ struct TicketFields {
     copies: Option<toml::Value>,
     order: Option<toml::Value>,
     customer: Option<toml::Value>,
+    email: Option<String>,
     material: Option<toml::Value>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
@@ -108,6 +112,7 @@ impl Ticket {
             copies: self.copies.or(weaker.copies),
             order: self.order.or(weaker.order),
             customer: self.customer.or(weaker.customer),
+            email: self.email.or(weaker.email),
             material: self.material.or(weaker.material),
             due: self.due.or(weaker.due),
             priority: self.priority.or(weaker.priority),
@@ -125,6 +130,7 @@ impl Ticket {
             copies: words.copies.map(|value| check_copies(whole_number("copies", value)?)).transpose()?,
             order: words.order.map(|order| parse_name("order", order)).transpose()?,
             customer: words.customer.map(|customer| parse_name("customer", customer)).transpose()?,
+            email: words.email.as_deref().map(check_email).transpose()?,
             material: words.material.map(|material| parse_name("material", material)).transpose()?,
             due: words.due.map(parse_due_value).transpose()?,
             priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
@@ -210,9 +216,9 @@ mod tests {
 
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
-        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nmaterial = \"PA12\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
+        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nemail = \"anna@brandt.example\"\nmaterial = \"PA12\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
                     keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
-        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","material":"PA12","due":"2026-11-25","priority":100,"orientation":"upright",
+        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","email":"anna@brandt.example","material":"PA12","due":"2026-11-25","priority":100,"orientation":"upright",
                        "keep_up":[{"direction":[0,0,1],"within_deg":30}],
                        "not_down":[{"direction":[1,0,0],"spare_deg":45}],
                        "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
@@ -220,6 +226,7 @@ mod tests {
             copies: Some(10),
             order: Some("A-7".into()),
             customer: Some("Brandt".into()),
+            email: Some("anna@brandt.example".into()),
             material: Some("PA12".into()),
             due: Some(DueDate::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
@@ -249,6 +256,7 @@ mod tests {
             ("clearance_mm = \"2.5\"", "without the quotes: clearance_mm = 2.5"),
             ("order = 1.5", "in quotes"),
             ("customer = true", "customer = \"1042\""),
+            ("email = \"Anna Brandt\"", "name@example.org"),
             ("priority = 101", "0 to 100"),
             ("priority = -1", "0 to 100"),
             ("orientation = \"sideways\"", "sideways"),

@@ -57,7 +57,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let set = sql::query(
             "UPDATE part SET customer = $1, material = $2, material_key = $3, priority = $4, due_at = $5, due_text = $6, orientation = $7, \
-             tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12 WHERE claim = $13",
+             tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12, email = $13 WHERE claim = $14",
         );
         set.bind(&terms.customer)
             .bind(&terms.material)
@@ -71,6 +71,7 @@ impl Ledger {
             .bind(terms.unit)
             .bind(terms.read_unit)
             .bind(&terms.note)
+            .bind(&terms.email)
             .bind(claim)
             .execute(change.db())
             .await?;

@@ -20,10 +20,11 @@ pub(super) fn with_words_of_now(mut row: JsonRow) -> JsonRow {
 }
 
 /// Columns of a part that say what was asked for, and what was read of it.
-const ASKED_AND_READ: [&str; 22] = [
+const ASKED_AND_READ: [&str; 23] = [
     "machine",
     "order_name",
     "customer",
+    "email",
     "material",
     "material_key",
     "reference",

@@ -160,6 +160,14 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
+    /// Where the customers of an order get e-mail, each address once.
+    pub async fn emails_of_order(&self, name: &str) -> Result<Vec<String>> {
+        let query = sql::query_scalar(
+            "SELECT DISTINCT email FROM part WHERE order_name = $1 AND order_name <> '' AND email <> '' ORDER BY email",
+        );
+        Ok(query.bind(name).fetch_all(self.reader()?).await?)
+    }
+
     /// Lists the orders that match the query: by due date, those without one after that, and last those that are over.
     pub async fn list_orders(&self, query: &OrderQuery) -> Result<Vec<OrderRow>> {
         let rows = sql::select_as(ORDER_LIST);

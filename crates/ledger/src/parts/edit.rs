@@ -17,7 +17,7 @@ pub struct EditedPart {
 }
 
 impl Ledger {
-    /// Changes what was asked with a part. A part that is built can be ordered in more copies and for another customer, nothing else.
+    /// Changes what was asked with a part. A part that is built can be ordered in more copies and for another customer with another address, nothing else.
     pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
         let mut change = self.begin_change().await?;
         let edited = edit_part(&mut change, id, edit, by).await?;
@@ -143,6 +143,11 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         let set = sql::query("UPDATE part SET customer = $1 WHERE id = $2").bind(customer).bind(id);
         set.execute(change.db()).await?;
         changes.push(difference("customer", &part.terms.customer, customer));
+    }
+    if let Some(email) = edit.email.as_ref().filter(|email| **email != part.terms.email) {
+        let set = sql::query("UPDATE part SET email = $1 WHERE id = $2").bind(email).bind(id);
+        set.execute(change.db()).await?;
+        changes.push(difference("email", &part.terms.email, email));
     }
     if let Some(copies) = edit.copies {
         let was_asked = change.end_copies_question(&part).await?;

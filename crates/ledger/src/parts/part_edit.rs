@@ -1,6 +1,6 @@
 //! What a person asks to change of a part, and what may be asked.
 
-use build_file::{LengthUnit, check_clearance, check_copies, check_name, check_note, check_priority};
+use build_file::{LengthUnit, check_clearance, check_copies, check_email, check_name, check_note, check_priority};
 use jiff::Timestamp;
 use nester::OrientationRule;
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,8 @@ pub struct PartEdit {
     pub order_name: Option<String>,
     /// Who it is for, "" = not said. It can always be changed.
     pub customer: Option<String>,
+    /// Where that customer gets e-mail, "" = not said. It can always be changed.
+    pub email: Option<String>,
     /// What it is to be made of, "" = anything.
     pub material: Option<String>,
     /// Priority from 0 to 100.
@@ -55,6 +57,7 @@ impl PartEdit {
             priority: self.priority.map(|priority| check_priority(priority.into())).transpose()?,
             order_name: name("order", self.order_name)?,
             customer: name("customer", self.customer)?,
+            email: self.email.as_deref().map(check_email).transpose()?,
             material: name("material", self.material)?,
             note: self.note.as_deref().map(check_note).transpose()?,
             ..self
@@ -70,11 +73,11 @@ impl PartEdit {
     pub fn possible_in(&self, state: PartState) -> Self {
         match state {
             PartState::Waiting | PartState::Claimed => self.clone(),
-            _ => Self { customer: self.customer.clone(), ..Self::default() },
+            _ => Self { customer: self.customer.clone(), email: self.email.clone(), ..Self::default() },
         }
     }
 
     pub(crate) fn changes_terms(&self) -> bool {
-        Self { copies: None, customer: None, ..self.clone() } != Self::default()
+        Self { copies: None, customer: None, email: None, ..self.clone() } != Self::default()
     }
 }

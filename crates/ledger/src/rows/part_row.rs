@@ -62,6 +62,9 @@ pub struct NewTerms {
     /// Who it is for, "" = not said.
     #[serde(default)]
     pub customer: String,
+    /// Where that customer gets e-mail, "" = not said.
+    #[serde(default)]
+    pub email: String,
     /// What it is to be made of, "" = anything.
     #[serde(default)]
     pub material: String,
@@ -255,6 +258,8 @@ pub struct PartTerms {
     pub order_name: String,
     /// Who it is for, "" = not said.
     pub customer: String,
+    /// Where that customer gets e-mail, "" = not said.
+    pub email: String,
     /// What it is to be made of, "" = anything.
     pub material: String,
     /// Priority from 0 to 100.
@@ -280,6 +285,7 @@ pub struct PartTerms {
 sql_row!(PartTerms {
     order_name,
     customer,
+    email,
     material,
     priority,
     due_at,

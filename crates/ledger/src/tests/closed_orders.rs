@@ -216,3 +216,25 @@ async fn copies_whose_file_is_asked_for_again_can_be_cancelled() {
     assert_eq!(ledger.line_of_part(part).await.unwrap().copies.waiting, 0);
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
 }
+
+#[tokio::test]
+async fn each_address_of_the_lines_of_an_order_gets_mail_once_and_can_always_be_changed() {
+    let ledger = fresh().await;
+    let ask = |email: &'static str| {
+        move |terms: &mut NewTerms| (terms.order_name, terms.email) = ("K-1".to_owned(), email.to_owned())
+    };
+    let first = drop_line(&ledger, "a", 1, ask("ann@example.org")).await;
+    drop_line(&ledger, "b", 1, ask("ann@example.org")).await;
+    drop_line(&ledger, "c", 1, ask("")).await;
+    drop_line(&ledger, "d", 1, |terms| terms.email = "nobody@example.org".to_owned()).await;
+    assert_eq!(ledger.emails_of_order("K-1").await.unwrap(), ["ann@example.org"]);
+    assert!(ledger.emails_of_order("").await.unwrap().is_empty());
+    print(&ledger, &[(first, 0)]).await;
+    let edit = |email: &str| PartEdit { email: Some(email.to_owned()), ..PartEdit::default() };
+    let edited = ledger.edit_part(first, &edit("bo@example.org"), "ann@farm").await.unwrap();
+    assert_eq!(edited.changes, ["email bo@example.org instead of ann@example.org"]);
+    assert_eq!(ledger.emails_of_order("K-1").await.unwrap(), ["ann@example.org", "bo@example.org"]);
+    for (wrong, is_right) in [("bo", false), ("a b@example.org", false), ("bo@example", false), ("", true)] {
+        assert_eq!(edit(wrong).checked().is_ok(), is_right, "{wrong}");
+    }
+}

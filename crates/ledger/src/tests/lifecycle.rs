@@ -27,6 +27,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let terms = NewTerms {
         order_name: "kit 7".into(),
         customer: "Brandt".into(),
+        email: "ann@brandt.example".to_owned(),
         material: "PA12".into(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
@@ -45,6 +46,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         (row.terms.order_name.as_str(), row.terms.customer.as_str(), row.terms.priority, row.file.bytes),
         ("kit 7", "Brandt", 100, 684)
     );
+    assert_eq!(row.terms.email, "ann@brandt.example");
     assert_eq!(row.terms.due_at.map(|t| t.0), part.terms.due_at);
     assert_eq!(
         (row.terms.orientation, &row.terms.tilts, row.terms.unit),

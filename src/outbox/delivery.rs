@@ -2,6 +2,7 @@
 //! it, waits longer after each failure, and drops events that are older than the settings allow.
 
 use std::{
+    collections::BTreeSet,
     sync::{Arc, PoisonError},
     time::{Duration, Instant},
 };
@@ -13,13 +14,14 @@ use tracing::{info, warn};
 
 use super::{
     EventMessage,
-    message::event_kinds,
-    send::{configured_receivers, send_message},
+    send::{configured_receivers, kinds_for, send_message},
 };
 use crate::settings::{Settings, SharedSettings};
 
 /// Interval of the checks for new events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// The same for mails, which nobody waits for by the second.
+const LOOK_FOR_MAILS: Duration = Duration::from_secs(2);
 /// The same while another node delivers.
 const LOOK_BESIDE_OTHER: Duration = Duration::from_secs(10);
 /// Wait after the first failure, and maximum wait.
@@ -33,7 +35,7 @@ const POSITION_WRITE_INTERVAL: Duration = Duration::from_secs(60);
 /// attempt for this long after the longest one.
 const DUTY_GRACE: Duration = Duration::from_secs(30);
 /// Time allowed beyond the timeout; a sending thread that takes longer is abandoned.
-const SEND_GRACE: Duration = Duration::from_secs(5);
+pub(super) const SEND_GRACE: Duration = Duration::from_secs(5);
 
 /// Delivers events to the configured receivers until the future is dropped. Calls `report_failure` with a message when a
 /// receiver fails for long, and with `None` when it works.
@@ -42,8 +44,18 @@ pub async fn deliver_events(
     ledger: LedgerOnDemand,
     report_failure: impl Fn(ReceiverKind, Option<String>),
 ) {
-    let deliver = |receiver| ReceiverDelivery::new(settings.clone(), ledger.clone(), receiver).run(&report_failure);
-    tokio::join!(deliver(ReceiverKind::Webhook), deliver(ReceiverKind::Command));
+    // In the heap: together they would not fit onto the stack of a small thread.
+    let deliver =
+        |receiver| Box::pin(ReceiverDelivery::new(settings.clone(), ledger.clone(), receiver).run(&report_failure));
+    let mails = async {
+        tokio::join!(
+            deliver(ReceiverKind::EmailAlert),
+            deliver(ReceiverKind::EmailRefused),
+            deliver(ReceiverKind::EmailAtRisk),
+            deliver(ReceiverKind::EmailOrderComplete)
+        )
+    };
+    tokio::join!(deliver(ReceiverKind::Webhook), deliver(ReceiverKind::Command), mails);
 }
 
 /// Deletes the positions of receivers that are not configured. For a process that delivers nothing.
@@ -53,10 +65,8 @@ pub async fn deliver_events(
 pub async fn forget_unconfigured_receivers(settings: &SharedSettings) -> Result<()> {
     let settings = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
     let known = configured_receivers(&settings.interfaces.notify);
-    let others: Vec<ReceiverKind> = [ReceiverKind::Webhook, ReceiverKind::Command]
-        .into_iter()
-        .filter(|receiver| !known.contains(receiver))
-        .collect();
+    let others: Vec<ReceiverKind> =
+        ReceiverKind::ALL.into_iter().filter(|receiver| !known.contains(receiver)).collect();
     forget_receivers(&settings, &others).await
 }
 
@@ -75,11 +85,13 @@ async fn forget_receivers(settings: &Settings, receivers: &[ReceiverKind]) -> Re
 }
 
 /// Result of one step.
-enum DeliveryStep {
+pub(super) enum DeliveryStep {
     /// No event to deliver, or the receiver is not configured.
     Idle,
     /// Another node delivers.
     OfOther,
+    /// Events are gathered for the next mail.
+    Gathering,
     /// One event was delivered.
     Delivered,
     /// Delivery failed; with a message if a person must act.
@@ -87,20 +99,24 @@ enum DeliveryStep {
 }
 
 /// Delivery to one receiver.
-struct ReceiverDelivery {
+pub(super) struct ReceiverDelivery {
     settings: SharedSettings,
-    receiver: ReceiverKind,
+    pub(super) receiver: ReceiverKind,
     ledger: LedgerOnDemand,
     /// Id of the last event when there was nothing left to deliver; `None` = that is not known.
     idle_at: Option<i64>,
     /// Id of the last event that was delivered or skipped; `None` = not read from the ledger yet.
-    position: Option<i64>,
+    pub(super) position: Option<i64>,
     /// The position stored in the ledger, and when it was stored.
-    recorded_position: (i64, Instant),
+    pub(super) recorded_position: (i64, Instant),
     /// Whether the ledger records that the receiver is not configured.
     is_forgotten: bool,
+    /// When an event was delivered last; `None` = none was yet.
+    pub(super) told_at: Option<Timestamp>,
+    /// Events that went by mail to an address, although the position is not past them yet.
+    pub(super) mailed: BTreeSet<(i64, String)>,
     /// Why the last delivery failed; "" = it did not.
-    last_error: String,
+    pub(super) last_error: String,
 }
 
 impl ReceiverDelivery {
@@ -114,6 +130,8 @@ impl ReceiverDelivery {
             position: at,
             recorded_position: (0, Instant::now()),
             is_forgotten: false,
+            told_at: None,
+            mailed: BTreeSet::new(),
             last_error: failing,
         }
     }
@@ -128,9 +146,9 @@ impl ReceiverDelivery {
             let settings = self.current_settings();
             match self.deliver_next(&settings).await {
                 // No event is due, or the receiver was removed from the configuration.
-                Ok(DeliveryStep::Idle) => {
+                Ok(DeliveryStep::Idle | DeliveryStep::Gathering) => {
                     report_failure(self.receiver, None);
-                    tokio::time::sleep(LOOK_EVERY).await;
+                    tokio::time::sleep(self.look_every()).await;
                 }
                 Ok(DeliveryStep::OfOther) => {
                     report_failure(self.receiver, None);
@@ -147,12 +165,19 @@ impl ReceiverDelivery {
                 }
                 Err(failure) => {
                     // The ledger does not exist yet or is damaged; the farm reports that.
-                    tracing::debug!("Nothing can be delivered to the {} now: {failure:#}.", self.receiver);
+                    tracing::debug!("Nothing can be delivered to the {} now: {failure:#}.", self.receiver.noun());
                     (self.position, self.idle_at) = (None, None);
                     self.wait_before_retry(wait, &settings).await;
                     wait = (2 * wait).min(LONGEST_WAIT);
                 }
             }
+        }
+    }
+
+    fn look_every(&self) -> Duration {
+        match self.receiver {
+            ReceiverKind::Webhook | ReceiverKind::Command => LOOK_EVERY,
+            _ => LOOK_FOR_MAILS,
         }
     }
 
@@ -190,17 +215,24 @@ impl ReceiverDelivery {
             None => {
                 let row = ledger.find_or_add_receiver(self.receiver).await?;
                 (self.position, self.recorded_position) = (Some(row.delivered_id), (row.delivered_id, Instant::now()));
+                self.told_at = row.told_at.map(|at| at.0);
                 row.delivered_id
             }
         };
         if last > at
-            && let Some(event) = ledger.next_event(at, &event_kinds(&settings.interfaces.notify.events)).await?
+            && let Some(event) = ledger.next_event(at, &kinds_for(self.receiver, &settings.interfaces.notify)).await?
         {
-            return self.deliver_event(settings, &ledger, &event).await;
+            return match (self.receiver, &settings.interfaces.notify.email) {
+                (ReceiverKind::Webhook | ReceiverKind::Command, _) | (_, None) => {
+                    Box::pin(self.deliver_event(settings, &ledger, &event)).await
+                }
+                (_, Some(email)) if self.is_gathering(email) => Ok(DeliveryStep::Gathering),
+                (_, Some(email)) => Box::pin(self.deliver_mails((settings, email), &ledger, at)).await,
+            };
         }
         self.position = Some(last.max(at));
         if last > self.recorded_position.0 && self.recorded_position.1.elapsed() >= POSITION_WRITE_INTERVAL {
-            ledger.mark_delivered(self.receiver, last).await?;
+            ledger.pass_events(self.receiver, last).await?;
             self.recorded_position = (last, Instant::now());
         }
         self.idle_at = Some(last);
@@ -227,18 +259,23 @@ impl ReceiverDelivery {
         };
         match sent {
             Ok(()) => {
-                ledger.mark_delivered(receiver, event.id).await?;
-                (self.position, self.recorded_position) = (Some(event.id), (event.id, Instant::now()));
-                if !std::mem::take(&mut self.last_error).is_empty() {
-                    info!("The {receiver} accepts messages again.");
-                }
+                self.record_delivery(ledger, event.id).await?;
                 Ok(DeliveryStep::Delivered)
             }
             Err(failure) => self.record_failure(settings, ledger, event, format!("{failure:#}")).await,
         }
     }
 
-    async fn record_failure(
+    pub(super) async fn record_delivery(&mut self, ledger: &Ledger, event: i64) -> Result<()> {
+        ledger.mark_delivered(self.receiver, event).await?;
+        (self.position, self.recorded_position) = (Some(event), (event, Instant::now()));
+        if !std::mem::take(&mut self.last_error).is_empty() {
+            info!("The {} accepts messages again.", self.receiver.noun());
+        }
+        Ok(())
+    }
+
+    pub(super) async fn record_failure(
         &mut self,
         settings: &Settings,
         ledger: &Ledger,
@@ -247,18 +284,19 @@ impl ReceiverDelivery {
     ) -> Result<DeliveryStep> {
         let receiver = self.receiver;
         if why != self.last_error {
-            warn!("Event {} could not be delivered to the {receiver}; it is retried: {why}.", event.id);
+            warn!("Event {} could not be delivered to the {}; it is retried: {why}.", event.id, receiver.noun());
         }
         ledger.record_delivery_failure(receiver, &why).await?;
         let now = Timestamp::now();
         let keep =
             SignedDuration::try_from_secs_f64(settings.interfaces.notify.keep_secs).unwrap_or(SignedDuration::MAX);
-        let mut message = format!("the {receiver}: {why}");
+        let mut message = format!("the {}: {why}", receiver.noun());
         if now.duration_since(event.at.0) > keep {
             let before = now.checked_sub(keep).unwrap_or(Timestamp::UNIX_EPOCH);
             let dropped =
-                ledger.drop_undelivered(receiver, before, &event_kinds(&settings.interfaces.notify.events)).await?;
-            warn!("{dropped} messages to the {receiver} were dropped: they are older than notify.keep_secs.");
+                ledger.drop_undelivered(receiver, before, &kinds_for(receiver, &settings.interfaces.notify)).await?;
+            let noun = receiver.noun();
+            warn!("{dropped} messages to the {noun} were dropped: they are older than notify.keep_secs.");
             message += &format!("; {dropped} messages were dropped");
             self.position = None;
         }

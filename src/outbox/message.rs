@@ -3,8 +3,10 @@
 use anyhow::{Context, Result};
 use build_file::format_count;
 use jiff::Timestamp;
-use ledger::{BuildRow, EventKind, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp};
-use serde_json::{Value, json};
+use ledger::{BuildRow, BuildState, EventKind, EventRow, Ledger, PartRow, PartState, RefusalCause, UtcTimestamp};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::json;
 
 use crate::settings::NotificationKind;
 
@@ -32,10 +34,83 @@ pub enum MessageKind {
     PutOut,
     /// Copies of the highest priority find no place in the next build.
     NoRoom,
+    /// Something needs a person.
+    Alert,
     /// Messages were dropped.
     Dropped,
     /// A test of the receivers.
     Test,
+}
+
+/// A message as JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "Message")]
+pub struct MessageBody {
+    /// Its unique id: the number of its event, and its time. It is the same at every delivery, and stays unique when the ledger is
+    /// restored from a backup.
+    pub id: String,
+    /// What happened: published, refused, unavailable, available, at-risk, order-complete, order-short, put-out, no-room, alert or dropped.
+    pub kind: &'static str,
+    /// When it happened.
+    pub at: UtcTimestamp,
+    /// The server that tells it.
+    pub host: String,
+    /// Machine; "" = none.
+    pub machine: String,
+    /// One sentence for people.
+    pub text: String,
+    /// Of a refusal its cause, of an alert its kind, one word.
+    pub reason: Option<String>,
+    /// Further details.
+    pub detail: String,
+    /// The part that it is about, as it is now.
+    pub part: Option<MessagePart>,
+    /// The build that it is about, as it is now.
+    pub build: Option<MessageBuild>,
+}
+
+/// The part that a message is about.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MessagePart {
+    /// Its number.
+    number: i64,
+    /// Name of its file.
+    name: String,
+    /// Name of the object in that file; "" = it has none.
+    object_name: String,
+    /// Order; "" = none.
+    order: String,
+    /// Who it is for; "" = not said.
+    customer: String,
+    /// Copies wanted.
+    copies: u32,
+    /// Its state.
+    state: PartState,
+    /// When it is due.
+    due_at: Option<UtcTimestamp>,
+    /// That date as it was given; "" = none.
+    due_text: String,
+    /// Free text of the ticket.
+    note: String,
+}
+
+/// The build that a message is about.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MessageBuild {
+    /// Its number.
+    number: i64,
+    /// Name of its file.
+    file: Option<String>,
+    /// Its state.
+    state: BuildState,
+    /// Number of placed copies.
+    copies: Option<u32>,
+    /// Its height, mm.
+    height_mm: Option<f64>,
+    /// Its density.
+    density: Option<f64>,
+    /// Number of its layers.
+    layers: Option<u32>,
 }
 
 /// What a receiver gets for one event.
@@ -55,6 +130,8 @@ pub struct EventMessage {
     /// One sentence for people.
     pub text: String,
     /// The whole message as a JSON object.
+    pub json: MessageBody,
+    /// The same as text.
     pub body: String,
 }
 
@@ -69,8 +146,14 @@ pub fn event_kinds(events: &[NotificationKind]) -> Vec<EventKind> {
         NotificationKind::OrderShort => vec![EventKind::OrderShort],
         NotificationKind::PutOut => vec![EventKind::PutOut],
         NotificationKind::NoRoom => vec![EventKind::NoRoom],
+        NotificationKind::Alert => vec![EventKind::Alert],
     };
     events.iter().flat_map(kinds_of).chain([EventKind::MessagesDropped]).collect()
+}
+
+/// The id of the message about an event.
+pub fn message_id(event: &EventRow) -> String {
+    format!("{}@{}", event.id, event.at)
 }
 
 impl EventMessage {
@@ -89,47 +172,50 @@ impl EventMessage {
         };
         let detail: String = event.detail.chars().take(MAX_DETAIL).collect();
         let text = message_text(event, &detail, part.as_ref(), build.as_ref());
-        let message = Self {
-            id: format!("{}@{}", event.id, event.at),
-            kind: MessageKind::of_event(&event.kind),
+        let json = MessageBody {
+            id: message_id(event),
+            kind: MessageKind::of_event(&event.kind).word(),
+            at: event.at,
+            host: host_name(),
             machine: event.machine.clone(),
-            part: event.part_id.map(|id| id.0),
-            build: event.build_id.map(|id| id.0),
             text,
-            body: String::new(),
+            reason: Some(event.cause.clone()).filter(|cause| !cause.is_empty()),
+            detail,
+            part: part.as_ref().map(MessagePart::from),
+            build: build.as_ref().map(MessageBuild::from),
         };
-        let more = json!({
-            "reason": if event.cause.is_empty() { Value::Null } else { json!(event.cause) },
-            "detail": detail,
-            "part": part.as_ref().map(part_json),
-            "build": build.as_ref().map(build_json),
-        });
-        Ok(message.with_body(event.at, more))
+        Ok(Self::of_json(MessageKind::of_event(&event.kind), json))
     }
 
     /// A message for a test of the receivers.
     pub fn trial_message() -> Self {
         let now = UtcTimestamp(Timestamp::now());
-        let text = format!("A test message from nestd on {}.", host_name());
-        let (id, kind, machine) = (format!("trial@{now}"), MessageKind::Test, String::new());
-        let message = Self { id, kind, machine, part: None, build: None, text, body: String::new() };
-        message.with_body(now, json!({ "reason": null, "detail": "", "part": null, "build": null }))
+        let json = MessageBody {
+            id: format!("trial@{now}"),
+            kind: MessageKind::Test.word(),
+            at: now,
+            host: host_name(),
+            machine: String::new(),
+            text: format!("A test message from nestd on {}.", host_name()),
+            reason: None,
+            detail: String::new(),
+            part: None,
+            build: None,
+        };
+        Self::of_json(MessageKind::Test, json)
     }
 
-    fn with_body(mut self, at: UtcTimestamp, more: Value) -> Self {
-        let mut body = json!({
-            "id": self.id,
-            "kind": self.kind.word(),
-            "at": at,
-            "host": host_name(),
-            "machine": self.machine,
-            "text": self.text,
-        });
-        if let (Some(body), Value::Object(more)) = (body.as_object_mut(), more) {
-            body.extend(more);
+    fn of_json(kind: MessageKind, json: MessageBody) -> Self {
+        Self {
+            id: json.id.clone(),
+            kind,
+            machine: json.machine.clone(),
+            part: json.part.as_ref().map(|part| part.number),
+            build: json.build.as_ref().map(|build| build.number),
+            text: json.text.clone(),
+            body: json!(json).to_string(),
+            json,
         }
-        self.body = body.to_string();
-        self
     }
 }
 
@@ -146,6 +232,7 @@ impl MessageKind {
             EventKind::OrderShort => Self::OrderShort,
             EventKind::PutOut => Self::PutOut,
             EventKind::NoRoom => Self::NoRoom,
+            EventKind::Alert => Self::Alert,
             _ => Self::Dropped,
         }
     }
@@ -162,6 +249,7 @@ impl MessageKind {
             Self::OrderShort => "order-short",
             Self::PutOut => "put-out",
             Self::NoRoom => "no-room",
+            Self::Alert => "alert",
             Self::Dropped => "dropped",
             Self::Test => "test",
         }
@@ -193,26 +281,70 @@ fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: O
         (MessageKind::AtRisk | MessageKind::PutOut | MessageKind::NoRoom, ..) => format!("{machine}: {first}"),
         (MessageKind::OrderComplete, ..) => format!("Complete: {first}."),
         (MessageKind::OrderShort, ..) => format!("Short: {first}."),
+        (MessageKind::Alert, ..) => alert_text(machine, detail),
         _ => format!("Messages were dropped: {first}."),
     }
 }
 
-fn part_json(part: &PartRow) -> Value {
-    json!({
-        "number": part.id, "name": part.name, "object_name": part.solid.object_name, "order": part.terms.order_name,
-        "customer": part.terms.customer,
-        "copies": part.owed.copies, "state": part.state, "due_at": part.terms.due_at,
-        "due_text": part.terms.due_text, "note": part.terms.note,
-    })
+/// An alert as one text: what is wrong, what was found, and what to do.
+fn alert_text(machine: &str, detail: &str) -> String {
+    let words = AlertWords::of_detail(detail);
+    let place = if machine.is_empty() { String::new() } else { format!("{machine}: ") };
+    let found = if words.found.is_empty() { String::new() } else { format!(": {}", words.found) };
+    format!("{place}{}{found}. {}", words.headline, words.remedy)
 }
 
-fn build_json(build: &BuildRow) -> Value {
-    json!({
-        "number": build.id, "file": build.staged.file_name, "state": build.state, "copies": build.measures.copies,
-        "height_mm": build.measures.height_mm, "density": build.measures.density, "layers": build.measures.layers,
-    })
+/// What the event of an alert says, a line for each.
+pub(super) struct AlertWords<'e> {
+    /// What is wrong in general.
+    pub headline: &'e str,
+    /// What was found; "" = the headline says everything.
+    pub found: &'e str,
+    /// What to do.
+    pub remedy: &'e str,
 }
 
-fn host_name() -> String {
+impl<'e> AlertWords<'e> {
+    /// Takes the lines of an event's detail.
+    pub fn of_detail(detail: &'e str) -> Self {
+        let mut lines = detail.lines();
+        let mut next = || lines.next().unwrap_or_default();
+        Self { headline: next(), found: next(), remedy: next() }
+    }
+}
+
+impl From<&PartRow> for MessagePart {
+    fn from(part: &PartRow) -> Self {
+        Self {
+            number: part.id.0,
+            name: part.name.clone(),
+            object_name: part.solid.object_name.clone(),
+            order: part.terms.order_name.clone(),
+            customer: part.terms.customer.clone(),
+            copies: part.owed.copies,
+            state: part.state,
+            due_at: part.terms.due_at,
+            due_text: part.terms.due_text.clone(),
+            note: part.terms.note.clone(),
+        }
+    }
+}
+
+impl From<&BuildRow> for MessageBuild {
+    fn from(build: &BuildRow) -> Self {
+        Self {
+            number: build.id.0,
+            file: build.staged.file_name.clone(),
+            state: build.state,
+            copies: build.measures.copies,
+            height_mm: build.measures.height_mm,
+            density: build.measures.density,
+            layers: build.measures.layers,
+        }
+    }
+}
+
+/// The name of this server.
+pub(super) fn host_name() -> String {
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }

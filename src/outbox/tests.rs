@@ -23,18 +23,18 @@ use hook::TestWebhook;
 const SECRET: &str = "a-key-of-32-letters-or-so-it-is-ok";
 
 /// The reports on receivers, in order.
-type ReceiverReports = Vec<(ReceiverKind, Option<String>)>;
+pub(super) type ReceiverReports = Vec<(ReceiverKind, Option<String>)>;
 
 /// A farm with receivers, and its ledger.
-struct OutboxFixture {
-    ledger: fixtures::TestLedger,
-    folder: tempfile::TempDir,
-    settings: SharedSettings,
-    failures: Arc<Mutex<ReceiverReports>>,
+pub(super) struct OutboxFixture {
+    pub(super) ledger: fixtures::TestLedger,
+    pub(super) folder: tempfile::TempDir,
+    pub(super) settings: SharedSettings,
+    pub(super) failures: Arc<Mutex<ReceiverReports>>,
 }
 
 impl OutboxFixture {
-    async fn new(notify: &str) -> Self {
+    pub(super) async fn new(notify: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let secret = folder.path().join("secret");
         fs::write(&secret, format!("{SECRET}\n")).unwrap();
@@ -48,12 +48,12 @@ impl OutboxFixture {
         Self::new(&format!("webhook = \"{}\"\nsecret_file = \"SECRET\"\n{more}\n", hook.url)).await
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(super) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// Starts the delivery and waits until the receivers have their positions.
-    async fn tell(&self, receivers: usize) -> JoinHandle<()> {
+    pub(super) async fn tell(&self, receivers: usize) -> JoinHandle<()> {
         let failures = self.failures.clone();
         let ledger = ledger::LedgerOnDemand::for_user(ledger::LedgerUser::Monitoring);
         let telling = deliver_events(self.settings.clone(), ledger, move |receiver, why| {
@@ -66,7 +66,7 @@ impl OutboxFixture {
         task
     }
 
-    async fn refuse(&self, ledger: &Ledger, name: &str) {
+    pub(super) async fn refuse(&self, ledger: &Ledger, name: &str) {
         let claim = format!("{name}{}", ledger.last_event_id().await.unwrap());
         let part = NewPartRow { name: name.to_owned(), machine: "cube".to_owned(), ..fixtures::new_part(&claim, 2) };
         let id = ledger.record_claim(&part).await.unwrap().id;
@@ -79,7 +79,7 @@ impl OutboxFixture {
     }
 }
 
-fn read(folder: &Path, ledger: &Path, notify: &str) -> Settings {
+pub(super) fn read(folder: &Path, ledger: &Path, notify: &str) -> Settings {
     fs::create_dir_all(folder.join("profiles")).unwrap();
     fs::write(folder.join("profiles/cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
     let notify = notify.replace("SECRET", &folder.join("secret").display().to_string());

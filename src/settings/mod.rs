@@ -14,6 +14,7 @@ pub use machine::work_calendar::WorkCalendar;
 pub use reading::duration::parse_secs;
 pub use reading::notification_kind::NotificationKind;
 pub use reading::problem::ConfigProblem;
+pub use service::email::{EmailSettings, MailEncryption};
 pub use service::logging::{LogFormat, LogSettings, parse_log_filter};
 pub use service::metrics::MetricsFile;
 pub use service::node::NodeSettings;

@@ -10,6 +10,7 @@ pub mod manifest;
 pub mod random;
 pub mod samples;
 pub mod small_disk;
+pub mod smtp;
 pub mod trace;
 pub mod trial;
 pub mod webhook;

@@ -83,6 +83,9 @@ pub enum SecretError {
     /// It is too short.
     #[error("the secret in {} is shorter than {LEAST_SECRET} letters", .0.display())]
     TooShort(PathBuf),
+    /// It holds nothing.
+    #[error("there is no secret in {}", .0.display())]
+    Empty(PathBuf),
     /// Everybody may read it.
     #[error("everybody may read the secret in {}: chmod 640 it", .0.display())]
     WorldReadable(PathBuf),
@@ -93,10 +96,22 @@ pub enum SecretError {
 /// # Errors
 /// The file cannot be read, the secret is too short, or everybody may read the file.
 pub fn read_secret(file: &Path) -> Result<String, SecretError> {
-    let failed = |error| SecretError::Unreadable(file.to_owned(), error);
-    let secret = fs::read_to_string(file).map_err(failed)?.trim().to_owned();
+    let secret = read_password(file)?;
     if secret.len() < LEAST_SECRET {
         return Err(SecretError::TooShort(file.to_owned()));
+    }
+    Ok(secret)
+}
+
+/// Same as [`read_secret`] for a password that somebody else chose: it may be short.
+///
+/// # Errors
+/// The file cannot be read or holds nothing, or everybody may read it.
+pub fn read_password(file: &Path) -> Result<String, SecretError> {
+    let failed = |error| SecretError::Unreadable(file.to_owned(), error);
+    let secret = fs::read_to_string(file).map_err(failed)?.trim().to_owned();
+    if secret.is_empty() {
+        return Err(SecretError::Empty(file.to_owned()));
     }
     if fs::metadata(file).map_err(failed)?.permissions().mode() & 0o007 != 0 {
         return Err(SecretError::WorldReadable(file.to_owned()));

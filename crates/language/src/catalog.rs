@@ -38,6 +38,7 @@ pub(crate) static AREAS: &[Area] = &areas![
     "history",
     "break_out",
     "labels",
+    "mails",
     "help",
     "scripts",
     "status",

@@ -11,8 +11,8 @@ use crate::{
             table::{print_text, print_to_stderr},
         },
     },
-    outbox::{EventMessage, configured_receivers, event_kinds, send_message},
-    settings::NotifySettings,
+    outbox::{configured_receivers, kinds_for, send_trial},
+    settings::{NotifySettings, Settings},
 };
 
 /// Arguments of the command.
@@ -25,21 +25,22 @@ pub struct NotifyArgs {
 
 /// Runs the command: exit code 1 when a trial message did not arrive.
 pub fn run(common: &CommonArgs, args: &NotifyArgs) -> Result<CommandExit> {
-    let notify = load_settings(common)?.interfaces.notify;
+    let settings = load_settings(common)?;
+    let notify = &settings.interfaces.notify;
     if !notify.is_enabled() {
-        print_text("No messages are sent: [notify] names neither a webhook nor a command.")?;
+        print_text("No messages are sent: [notify] names no webhook, no command and no mail server.")?;
         return Ok(CommandExit::Success);
     }
-    if args.test { send_trial(&notify) } else { show_delivery(common, &notify) }
+    if args.test { try_receivers(&settings) } else { show_delivery(common, notify) }
 }
 
-fn send_trial(notify: &NotifySettings) -> Result<CommandExit> {
-    let message = EventMessage::trial_message();
+fn try_receivers(settings: &Settings) -> Result<CommandExit> {
     let mut exit = CommandExit::Success;
-    for receiver in configured_receivers(notify) {
-        match send_message(notify, receiver, &message) {
-            Ok(()) => print_text(&format!("The {receiver} has the message {}.", message.id))?,
+    for receiver in configured_receivers(&settings.interfaces.notify) {
+        match send_trial(settings, receiver) {
+            Ok(done) => print_text(&done)?,
             Err(failure) => {
+                let receiver = receiver.noun();
                 print_to_stderr(&format!("the {receiver} did not receive the message: {failure:#}"));
                 exit = CommandExit::Failure;
             }
@@ -49,15 +50,15 @@ fn send_trial(notify: &NotifySettings) -> Result<CommandExit> {
 }
 
 fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<CommandExit> {
-    let kinds = event_kinds(&notify.events);
     let lines = with_ledger_to_read(common, async |settings, ledger| {
         let rows = ledger.list_receivers().await?;
         let mut lines = Vec::new();
         for receiver in configured_receivers(notify) {
             let Some(row) = rows.iter().find(|row| row.name == receiver) else {
-                lines.push(format!("{receiver}: receives messages once the daemon runs."));
+                lines.push(format!("{}: receives messages once the daemon runs.", receiver.noun()));
                 continue;
             };
+            let kinds = kinds_for(row.name, notify);
             let waiting = ledger.count_events_after(row.delivered_id, &kinds).await?;
             let failing = match row.failing_at {
                 Some(since) => {
@@ -65,7 +66,7 @@ fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<Command
                 }
                 None => String::new(),
             };
-            lines.push(format!("{receiver}: {waiting} messages wait, {} were dropped{failing}", row.dropped));
+            lines.push(format!("{}: {waiting} messages wait, {} were dropped{failing}", receiver.noun(), row.dropped));
         }
         Ok(lines.join("\n"))
     })?;

@@ -115,6 +115,16 @@ impl AlertKind {
         matches!(self, Incomplete | PrintFailed | Question | Refused | ReleaseDue | Stray)
     }
 
+    /// Whether nothing else that happened tells it: the refusal of a file is an event already.
+    pub(crate) fn has_no_other_event(self) -> bool {
+        self != Self::Refused
+    }
+
+    /// The word in files, events and programs.
+    pub(crate) fn word(self) -> String {
+        serde_json::to_value(self).ok().and_then(|word| word.as_str().map(str::to_owned)).unwrap_or_default()
+    }
+
     /// Every kind.
     pub const ALL: [Self; 40] = [
         Self::LedgerDamaged,

@@ -2,7 +2,7 @@
 //! status`, and shown in the hot folders. The file does not need the ledger, which may itself be the cause.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs, io,
     io::Write,
     os::unix::fs::FileExt,
@@ -47,10 +47,17 @@ struct RepeatedFailure {
     logged: Instant,
 }
 
+/// Most alerts that are kept until the ledger can record them.
+const MAX_UNRECORDED: usize = 100;
+
 /// All alerts, and the failures that may become alerts.
 #[derive(Debug, Default)]
 pub struct AlertRegistry {
     active: BTreeMap<AlertKey, (FarmAlert, Instant)>,
+    /// Alerts that were raised, and have no event in the ledger yet.
+    unrecorded: Vec<FarmAlert>,
+    /// Kind and machine of the alerts of the last run, of which there is an event.
+    of_last_run: BTreeSet<(AlertKind, String)>,
     failures: BTreeMap<AlertKey, RepeatedFailure>,
     last_written: Option<Vec<FarmAlert>>,
     time: TimeSource,
@@ -60,6 +67,12 @@ impl AlertRegistry {
     /// Notices whose ages these clocks measure.
     pub fn by(time: TimeSource) -> Self {
         Self { time, ..Self::default() }
+    }
+
+    /// Same as [`AlertRegistry::by`] for a farm: what the last run stored needs no second event.
+    pub fn after_last_run(time: TimeSource, state_dir: &Path) -> Self {
+        let stored = read_stored_alerts(state_dir).into_iter();
+        Self { of_last_run: stored.map(|alert| (alert.kind, alert.machine)).collect(), ..Self::by(time) }
     }
 
     /// Raises an alert, which stays until it is cleared.
@@ -80,13 +93,28 @@ impl AlertRegistry {
                 self.time.instant()
             }
         };
+        if known.is_none() && kind.has_no_other_event() && !self.of_last_run.remove(&(kind, machine.to_owned())) {
+            self.unrecorded.push(alert.clone());
+            self.unrecorded.truncate(MAX_UNRECORDED);
+        }
         self.active.insert(key, (alert, logged));
+    }
+
+    /// The alerts that were raised and have no event in the ledger yet.
+    pub fn unrecorded(&self) -> &[FarmAlert] {
+        &self.unrecorded
+    }
+
+    /// The first of them has its event.
+    pub fn mark_recorded(&mut self) {
+        self.unrecorded.remove(0);
     }
 
     /// Clears an alert.
     pub fn clear(&mut self, kind: AlertKind, machine: &str, about: &str) {
         let key = (kind, machine.to_owned(), about.to_owned());
         self.failures.remove(&key);
+        self.of_last_run.remove(&(kind, machine.to_owned()));
         if let Some((alert, _)) = self.active.remove(&key) {
             info!(machine, "Resolved: {}", alert.alert_text());
         }
@@ -268,6 +296,24 @@ mod tests {
         assert!(!alerts.status_text_for("b").contains("not mounted"));
         alerts.retain_machines(AlertKind::Refused, &["c".to_owned()]);
         assert_eq!(alerts.active_alerts().count(), 1);
+    }
+
+    #[test]
+    fn an_alert_has_one_event_over_restarts_until_it_is_over() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let mut alerts = AlertRegistry::default();
+        alerts.raise(AlertKind::QueueAway, "p", "", "not mounted");
+        alerts.raise(AlertKind::QueueAway, "p", "", "still not mounted");
+        alerts.raise(AlertKind::Refused, "p", "", "the refusal has an event of its own");
+        assert_eq!(alerts.unrecorded().len(), 1);
+        alerts.mark_recorded();
+        alerts.write_if_changed(dir.path());
+        let mut next = AlertRegistry::after_last_run(TimeSource::default(), dir.path());
+        next.raise(AlertKind::QueueAway, "p", "", "not mounted");
+        assert_eq!(next.unrecorded(), []);
+        next.clear(AlertKind::QueueAway, "p", "");
+        next.raise(AlertKind::QueueAway, "p", "", "not mounted");
+        assert_eq!(next.unrecorded().len(), 1);
     }
 
     #[test]

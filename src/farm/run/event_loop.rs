@@ -138,7 +138,7 @@ async fn show_life<T>(ledger: &Ledger, signals: &mut SignalListener, work: impl 
 pub(crate) async fn run_tick(farm: &mut Farm) {
     systemd::notify_watchdog();
     let now = farm.now();
-    status::publish_alerts(&mut farm.desk());
+    status::publish_alerts(&mut farm.desk()).await;
     if !farm.lifecycle.is_halted
         && let Err(replaced @ (LedgerError::Replaced { .. } | LedgerError::Overwritten { .. })) =
             farm.ledger.ensure_in_place().await

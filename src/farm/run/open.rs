@@ -158,7 +158,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
             next_settings: None,
             _lock: parts.lock,
         },
-        alerts: AlertRegistry::by(time.clone()),
+        alerts: AlertRegistry::after_last_run(time.clone(), &settings.state_dir),
         schedule: LoopSchedule::starting_now(settings.scan_secs, time),
         settings,
     }

@@ -124,7 +124,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
 
 /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
 /// scan does.
-pub(super) fn publish_alerts(desk: &mut Showing<'_>) {
+pub(super) async fn publish_alerts(desk: &mut Showing<'_>) {
     let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * desk.shared.settings.scan_secs));
     desk.shared.alerts.clear_expired_failures(over);
     for ((kind, about), why) in desk.shared.lifecycle.services.service_reports() {
@@ -133,9 +133,9 @@ pub(super) fn publish_alerts(desk: &mut Showing<'_>) {
             Some(why) => desk.shared.alerts.raise(kind, "", &about, &why),
         }
     }
+    let is_cut_off = status_alerts::is_cut_off(&desk.shared);
+    status_alerts::record_alerts(&mut desk.shared).await;
     desk.shared.alerts.write_if_changed(&desk.shared.settings.state_dir);
-    let is_cut_off =
-        AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && desk.shared.alerts.is_active(kind, "", ""));
     if !(desk.shared.lifecycle.is_halted || is_cut_off)
         || desk.display.updated_at.is_some_and(|at| desk.shared.schedule.time.passed_since(at) < STATUS_INTERVAL)
     {

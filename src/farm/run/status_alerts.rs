@@ -7,6 +7,7 @@ use anyhow::Result;
 use build_file::format_count;
 use jiff::Timestamp;
 use ledger::{BuildState, Ledger, MachineRow, MachineStatus, PauseCause};
+use tracing::debug;
 
 use crate::farm::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
@@ -18,6 +19,27 @@ use crate::farm::{
 
 /// Maximum number of parts or builds that an alert names.
 const MAX_NAMED: usize = 3;
+
+/// Whether the ledger cannot be reached or changed, until that is over by itself.
+pub(super) fn is_cut_off(shared: &Shared<'_>) -> bool {
+    AlertKind::ALL.iter().any(|&kind| kind.cuts_ledger_off() && shared.alerts.is_active(kind, "", ""))
+}
+
+/// Writes the event of each alert that was raised. One that cannot be written now is written by a later tick.
+pub(super) async fn record_alerts(shared: &mut Shared<'_>) {
+    if shared.lifecycle.is_halted || is_cut_off(shared) {
+        return;
+    }
+    while let Some(alert) = shared.alerts.unrecorded().first() {
+        let line = |text: &str| text.lines().collect::<Vec<_>>().join(" ");
+        let detail =
+            [alert.kind.headline(), alert.detail.clone(), alert.kind.remedy()].map(|text| line(&text)).join("\n");
+        match shared.ledger.record_alert(&alert.machine, &alert.kind.word(), &detail).await {
+            Ok(()) => shared.alerts.mark_recorded(),
+            Err(failure) => return debug!("An alert could not be recorded in the ledger: {failure}."),
+        }
+    }
+}
 
 /// Raises the alerts that follow from the ledger: so they are known after a restart too.
 pub(super) async fn update_ledger_alerts(

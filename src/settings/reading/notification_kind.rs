@@ -22,4 +22,21 @@ pub enum NotificationKind {
     PutOut,
     /// Copies of the highest priority find no place in the next build.
     NoRoom,
+    /// Something needs a person.
+    Alert,
+}
+
+impl NotificationKind {
+    /// Every kind.
+    pub const ALL: [Self; 9] = [
+        Self::Published,
+        Self::Refused,
+        Self::Unavailable,
+        Self::AtRisk,
+        Self::OrderComplete,
+        Self::OrderShort,
+        Self::PutOut,
+        Self::NoRoom,
+        Self::Alert,
+    ];
 }

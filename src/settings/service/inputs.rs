@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::email::EmailInputs;
 use crate::settings::{
     LogFormat, NotificationKind,
     machine::profile_inputs::ProfileInputs,
@@ -213,6 +214,7 @@ pub(crate) struct NotifyInputs {
     pub command: Vec<String>,
     pub timeout_secs: DurationSecs,
     pub keep_secs: DurationSecs,
+    pub email: EmailInputs,
 }
 
 impl Default for NotifyInputs {
@@ -231,6 +233,7 @@ impl Default for NotifyInputs {
             command: Vec::new(),
             timeout_secs: DurationSecs(10.0),
             keep_secs: DurationSecs(604_800.0),
+            email: EmailInputs::default(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Settings of the daemon itself: folders, log, pages, metrics, notifications, nodes.
 
+pub(super) mod email;
 pub(super) mod folders;
 pub(super) mod inputs;
 pub(super) mod logging;

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::inputs::NotifyInputs;
+use super::{
+    email::{EmailSettings, validate_email},
+    inputs::NotifyInputs,
+};
 use crate::settings::{NotificationKind, reading::validator::ConfigValidator};
 
 /// Settings of notifications.
@@ -20,6 +23,8 @@ pub struct NotifySettings {
     pub timeout_secs: f64,
     /// Time after which an undelivered event is dropped, seconds.
     pub keep_secs: f64,
+    /// E-mail; `None` = none is sent.
+    pub email: Option<EmailSettings>,
 }
 
 /// Settings of a webhook.
@@ -34,7 +39,7 @@ pub struct WebhookSettings {
 impl NotifySettings {
     /// Whether there is any receiver.
     pub fn is_enabled(&self) -> bool {
-        self.webhook.is_some() || self.command.is_some()
+        self.webhook.is_some() || self.command.is_some() || self.email.is_some()
     }
 }
 
@@ -65,5 +70,7 @@ pub(crate) fn validate_notify(inputs: &NotifyInputs, validator: &mut ConfigValid
         validator.report_problem("notify.command", text, remedy);
     }
     let events = inputs.events.clone();
-    NotifySettings { events, webhook, command, timeout_secs: inputs.timeout_secs.0, keep_secs: inputs.keep_secs.0 }
+    let email = validate_email(&inputs.email, validator);
+    let (timeout_secs, keep_secs) = (inputs.timeout_secs.0, inputs.keep_secs.0);
+    NotifySettings { events, webhook, command, timeout_secs, keep_secs, email }
 }

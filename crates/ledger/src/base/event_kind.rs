@@ -105,6 +105,8 @@ pub enum EventKind {
     OrderComplete,
     /// An order ended with fewer copies than were wanted.
     OrderShort,
+    /// Something needs a person; the cause is the word of its alert.
+    Alert,
     /// A person closed an order as it was, or its refused part with it.
     OrderClosed,
     /// A kind that another version of nestd wrote.

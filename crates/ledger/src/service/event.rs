@@ -28,7 +28,7 @@ pub struct EventRow {
     pub build_id: Option<BuildId>,
     /// Further details.
     pub detail: String,
-    /// For a refusal: its [`RefusalCause`] as a word; "" otherwise.
+    /// For a refusal: its [`RefusalCause`] as a word; for an alert: its kind; "" otherwise.
     pub cause: String,
 }
 
@@ -56,10 +56,22 @@ impl Ledger {
         change.commit().await
     }
 
+    /// Records that something needs a person. `alert` is the word of its kind.
+    pub async fn record_alert(&self, machine: &str, alert: &str, detail: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.write_caused_event(EventKind::Alert, machine, None, alert, detail).await?;
+        change.commit().await
+    }
+
     /// When the latest event happened.
     pub async fn last_event_at(&self) -> Result<Option<UtcTimestamp>> {
         let query = sql::query_scalar("SELECT at FROM event ORDER BY id DESC LIMIT 1");
         Ok(query.fetch_optional(self.reader()?).await?)
+    }
+
+    /// Finds an event by its number.
+    pub async fn find_event(&self, id: i64) -> Result<Option<EventRow>> {
+        Ok(sql::select_as("FROM event WHERE id = $1").bind(id).fetch_optional(self.reader()?).await?)
     }
 
     /// Number of the latest event; 0 if there is none.

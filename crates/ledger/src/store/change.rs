@@ -288,7 +288,19 @@ impl LedgerChange {
         cause: RefusalCause,
         reason: &str,
     ) -> Result<()> {
-        self.write_event(EventKind::Refused, machine, part, None, reason).await?;
+        self.write_caused_event(EventKind::Refused, machine, part, &cause.to_string(), reason).await
+    }
+
+    /// Writes an event with its cause, one word.
+    pub async fn write_caused_event(
+        &mut self,
+        kind: EventKind,
+        machine: &str,
+        part: Option<PartId>,
+        cause: &str,
+        detail: &str,
+    ) -> Result<()> {
+        self.write_event(kind, machine, part, None, detail).await?;
         let cause = sql::query("UPDATE event SET cause = $1 WHERE id = $2").bind(cause).bind(self.last_event);
         cause.execute(self.db()).await?;
         Ok(())

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::report::CheckReport;
-use crate::settings::{Settings, WebhookSettings};
+use crate::settings::{EmailSettings, Settings, WebhookSettings};
 
 /// A host that does not answer within this time gets a warning.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -17,7 +17,10 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 pub fn check_receivers(settings: &Settings, report: &mut CheckReport) {
     if let Some(webhook) = &settings.interfaces.notify.webhook {
         check_secret(webhook, report);
-        check_webhook(webhook, report);
+        connect("webhook of [notify]", &host_and_port(&webhook.url), report);
+    }
+    if let Some(email) = &settings.interfaces.notify.email {
+        check_mail_server(email, report);
     }
     if let Some([program, ..]) = settings.interfaces.notify.command.as_deref() {
         let what = "command of [notify]";
@@ -27,6 +30,21 @@ pub fn check_receivers(settings: &Settings, report: &mut CheckReport) {
             Err(error) => report.add_problem(what, format!("{program}: {error}"), "name a program that is there"),
         }
     }
+}
+
+/// Checks the password of the mail server, and connects to it.
+fn check_mail_server(email: &EmailSettings, report: &mut CheckReport) {
+    let what = "password of [notify.email]";
+    match email.login.as_ref().map(|(_, file)| (file, access::read_password(file))) {
+        None => {}
+        Some((file, Ok(_))) => report.add_ok(what, file.display().to_string()),
+        Some((_, Err(error))) => {
+            let remedy = "make it a file that nestd's user may read and others may not, with the password";
+            report.add_problem(what, format!("{:#}", anyhow::Error::from(error)), remedy);
+        }
+    }
+    let host = if email.host.contains(':') { format!("[{}]", email.host) } else { email.host.clone() };
+    connect("mail server of [notify]", &format!("{host}:{}", email.port), report);
 }
 
 fn check_secret(webhook: &WebhookSettings, report: &mut CheckReport) {
@@ -44,10 +62,8 @@ fn check_secret(webhook: &WebhookSettings, report: &mut CheckReport) {
     }
 }
 
-/// Connects to the webhook's host. A host that is down now may be up later, so a failure is only a warning.
-fn check_webhook(webhook: &WebhookSettings, report: &mut CheckReport) {
-    let what = "webhook of [notify]";
-    let address = host_and_port(&webhook.url);
+/// Connects to a host. One that is down now may be up later, so a failure is only a warning.
+fn connect(what: &'static str, address: &str, report: &mut CheckReport) {
     let remedy = "see that the host is up and may be reached from here; under systemd see docs/integrator.md";
     let found = address.to_socket_addrs().map(Iterator::collect::<Vec<_>>);
     let tried =

@@ -205,6 +205,7 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/orders", "/api/v1/orders?find=RACK&state=open&limit=7"),
         ("/api/v1/orders/{order}", "/api/v1/orders/bracket.stl"),
         ("/api/v1/orders/{order}/lines/{line}", "/api/v1/orders/bracket.stl/lines/1"),
+        ("/api/v1/events", "/api/v1/events?limit=3"),
     ] {
         let text = dashboard.get(asked).await.text;
         let TwiceNamed(twice) = serde_json::from_str(&text).unwrap();
@@ -368,12 +369,11 @@ async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_t
 #[tokio::test]
 async fn a_parameter_that_an_address_does_not_have_is_refused_by_its_name_and_a_former_one_with_that_of_now() {
     let dashboard = with_a_build("bracket.stl").await;
-    let asking =
-        ["builds", "heights", "parts", "plan", "orders", "month", "costs"].map(|name| format!("/api/v1/{name}"));
-    let pages = ["/history", "/history.csv", "/history.json", "/parts", "/orders", "/month", "/month.csv"];
+    let asking = "builds heights parts plan orders month costs events".split(' ').map(|name| format!("/api/v1/{name}"));
+    let asking: Vec<String> = asking.collect();
+    let pages = ["/history", "/history.csv", "/history.json", "/parts", "/orders", "/month", "/month.csv", "/costs"];
     let pages = pages.iter().chain(&[
         "/month.json",
-        "/costs",
         "/costs.csv",
         "/costs-by-build.csv",
         "/costs.json",

@@ -1,6 +1,7 @@
 //! The door for programs: content, orders, keys, roles, and how they are refused.
 
 use access::{TokenRole, add_token};
+use ledger::EventKind;
 use serde_json::{Value, json};
 
 use super::*;
@@ -334,4 +335,48 @@ async fn who_floods_is_told_when_to_ask_again_and_others_do_not_notice() {
         send(&dashboard, request.header("upload-length", bytes), "").await.status
     };
     assert_eq!((begin(30).await, begin(30).await), (StatusCode::CREATED, StatusCode::TOO_MANY_REQUESTS));
+}
+
+#[tokio::test]
+async fn a_program_that_remembers_the_last_event_misses_none_and_sees_none_twice() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let ask = async |query: &str| -> serde_json::Value {
+        let answer = dashboard.get(&format!("/api/v1/events{query}")).await;
+        serde_json::from_str(&answer.text).unwrap()
+    };
+    let first = ask("").await;
+    assert_eq!(first["events"][0]["kind"], "published");
+    assert_eq!(first["events"][0]["build"]["number"], 1);
+    let write = async |kind: EventKind, text: &str| {
+        dashboard.ledger.write_event(kind, "cube", None, None, text).await.unwrap();
+    };
+    // Kinds that no message has are passed over.
+    for text in ["one", "two", "three"] {
+        write(EventKind::NoRoom, text).await;
+        write(EventKind::Seen, "nobody is told").await;
+    }
+    let (mut last, mut details) = (first["last"].as_str().unwrap().to_owned(), Vec::new());
+    for wanted in [2, 1, 0, 0] {
+        let page = ask(&format!("?limit=2&after={last}")).await;
+        let events = page["events"].as_array().unwrap();
+        assert_eq!(events.len(), wanted, "{page}");
+        details.extend(events.iter().map(|event| event["detail"].as_str().unwrap().to_owned()));
+        last = page["last"].as_str().unwrap().to_owned();
+    }
+    assert_eq!(details, ["one", "two", "three"]);
+    assert_eq!(ask(&format!("?after={}", last.split('@').next().unwrap())).await["events"], serde_json::json!([]));
+    // Somebody waits, and is answered when something happens.
+    let waits = ask(&format!("?wait=1&after={last}")).await;
+    assert_eq!(waits["events"], serde_json::json!([]));
+    for (query, status, why) in [
+        ("?after=9999", StatusCode::CONFLICT, "put back to an earlier time"),
+        ("?after=1@2020-01-01T00:00:00.000Z", StatusCode::CONFLICT, "put back to an earlier time"),
+        ("?after=yesterday", StatusCode::BAD_REQUEST, "id of an event"),
+        ("?limit=0", StatusCode::BAD_REQUEST, "1 to 500"),
+        ("?wait=60", StatusCode::BAD_REQUEST, "at most 8"),
+    ] {
+        let answer = dashboard.get(&format!("/api/v1/events{query}")).await;
+        assert_eq!(answer.status, status, "{query}");
+        assert!(answer.text.contains(why), "{query}: {}", answer.text);
+    }
 }

@@ -1,13 +1,14 @@
 //! The JSON interface: what the pages show, for machines. `openapi` says at which addresses, and describes it.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use axum::{
     Json,
     extract::{Path, State},
+    http::StatusCode,
 };
 use jiff::Timestamp;
-use ledger::{BuildState, HeightSummary, MachineStatus, NodeRow, PartId, UtcTimestamp};
+use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow, PartId, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,8 @@ use crate::{
         AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts,
         dates_at_risk, load_placed_parts, read_plans, read_stored_alerts,
     },
-    settings::MachineProfile,
+    outbox::{EventMessage, MessageBody, event_kinds, message_id},
+    settings::{MachineProfile, NotificationKind},
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::{
@@ -27,6 +29,7 @@ use crate::{
         core::{cached_render::find_build, state::DashboardState},
         pages::{
             history::{self, HistoryFilter},
+            live::MAX_LISTENERS,
             part,
         },
     },
@@ -161,6 +164,105 @@ pub(super) async fn get_part(
 /// Converts rows of the ledger to their JSON form.
 fn convert_rows<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
     rows.into_iter().map(R::from).collect()
+}
+
+/// Most events of an answer, and as many as it has where nobody says it.
+const MAX_EVENTS: u32 = 500;
+const USUAL_EVENTS: u32 = 100;
+/// A question waits for events no longer than this, seconds: a connection without an answer is cut.
+const MAX_WAIT_SECS: u32 = 8;
+
+/// Which events are asked for.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(inline)]
+pub(crate) struct EventQuestion {
+    /// Only events after this one: `last` of the answer before, an id, or a number; empty = from the first.
+    after: String,
+    /// Most events of the answer, 1 to 500.
+    limit: u32,
+    /// How long to wait for an event where there is none yet, seconds; at most 8.
+    wait: u32,
+}
+
+impl Default for EventQuestion {
+    fn default() -> Self {
+        Self { after: String::new(), limit: USUAL_EVENTS, wait: 0 }
+    }
+}
+
+/// Events in the order of their numbers.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct EventsResponse {
+    /// The events, as a webhook gets them.
+    events: Vec<MessageBody>,
+    /// What to ask for next, as `after`: nothing up to this one is missing.
+    last: String,
+}
+
+/// The events after one, each once.
+pub(super) async fn get_events(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<EventQuestion>,
+) -> HandlerResult<Json<EventsResponse>> {
+    if !(1..=MAX_EVENTS).contains(&asked.limit) || asked.wait > MAX_WAIT_SECS {
+        let text = format!("limit is 1 to {MAX_EVENTS}, and wait at most {MAX_WAIT_SECS} seconds");
+        return Err(HandlerError::Refused(StatusCode::BAD_REQUEST, text));
+    }
+    let deadline = tokio::time::Instant::now() + Duration::from_secs(asked.wait.into());
+    // Whoever finds no place among those who wait is answered at once.
+    let mut changes = (asked.wait > 0 && web.changes.receiver_count() < MAX_LISTENERS).then(|| web.changes.subscribe());
+    loop {
+        let answer = read_events(&web.ledger, &asked).await?;
+        let Some(changes) = changes.as_mut().filter(|_| answer.events.is_empty()) else { return Ok(Json(answer)) };
+        if !matches!(tokio::time::timeout_at(deadline, changes.changed()).await, Ok(Ok(()))) {
+            return Ok(Json(answer));
+        }
+    }
+}
+
+async fn read_events(ledger: &Ledger, asked: &EventQuestion) -> HandlerResult<EventsResponse> {
+    // Before the events: what is written meanwhile belongs to the next answer.
+    let latest = ledger.last_event_id().await?;
+    let after = number_of_event(ledger, &asked.after, latest).await?;
+    let rows = ledger.events_after(after, &event_kinds(&NotificationKind::ALL), asked.limit).await?;
+    let is_all = rows.len() < asked.limit as usize;
+    let rows: Vec<EventRow> = rows.into_iter().filter(|row| row.id <= latest).collect();
+    let last = match rows.last() {
+        Some(row) if !is_all => Some(row.clone()),
+        _ => ledger.find_event(latest).await?,
+    };
+    let mut events = Vec::new();
+    for row in &rows {
+        events.push(EventMessage::from_event(row, ledger).await?.json);
+    }
+    Ok(EventsResponse { events, last: last.map_or_else(|| "0".to_owned(), |row| message_id(&row)) })
+}
+
+/// The number of the event that was the last for whoever asks. A ledger that has another event of this number, or none yet, was put back
+/// to an earlier time: the events after that number are not those that follow what the program knows.
+async fn number_of_event(ledger: &Ledger, after: &str, latest: i64) -> HandlerResult<i64> {
+    let number = after.split('@').next().unwrap_or_default();
+    let Ok(number) = (if number.is_empty() { Ok(0) } else { number.parse::<i64>() }) else {
+        return Err(HandlerError::Refused(
+            StatusCode::BAD_REQUEST,
+            "after is the id of an event, or its number".to_owned(),
+        ));
+    };
+    let is_known = match after.contains('@') {
+        true => ledger.find_event(number).await?.is_some_and(|row| message_id(&row) == after),
+        false => number <= latest,
+    };
+    match is_known {
+        true => Ok(number),
+        false => {
+            let text = format!(
+                "this ledger does not have the event {after}: it was put back to an earlier time. Its latest event is {latest}; ask without after \
+                 and drop what you know"
+            );
+            Err(HandlerError::Refused(StatusCode::CONFLICT, text))
+        }
+    }
 }
 
 /// Whose plan is asked for.

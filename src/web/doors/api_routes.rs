@@ -34,7 +34,7 @@ const ORDER: RequestBody = RequestBody::Form("order", schema_of::<order_request:
 const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
-const QUESTIONS: [ApiRoute; 14] = [
+const QUESTIONS: [ApiRoute; 15] = [
     ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, |method| {
         on(method, api::get_farm)
     }),
@@ -129,6 +129,16 @@ const QUESTIONS: [ApiRoute; 14] = [
             "The builds to come of each machine, if nothing more arrives, and the due dates at risk",
             schema_of::<Vec<MachinePlan>>,
             |method| on(method, api::get_plans),
+        )
+    },
+    ApiRoute {
+        query: Some(schema_of::<api::EventQuestion>),
+        ..ask(
+            "/api/v1/events",
+            "events",
+            "What happened, each event once in the order of their numbers, as a webhook gets it; last says what to ask for next",
+            schema_of::<api::EventsResponse>,
+            |method| on(method, api::get_events),
         )
     },
     ask(

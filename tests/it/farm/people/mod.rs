@@ -2,6 +2,7 @@
 
 pub mod attention;
 pub mod dashboard;
+pub mod mails;
 pub mod one_truth;
 pub mod operations;
 pub mod orders;

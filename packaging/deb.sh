@@ -6,6 +6,10 @@ cd "$(dirname "$0")/.."
 binary=${1:-target/release/nestd}
 out=${2:-target/debian}
 version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
+# Between releases, the number of commits: a newer package is installed over an older one, and the release over both.
+if [ -e .git ] && ! git describe --exact-match --match "v$version" HEAD >/dev/null 2>&1; then
+    version="$version~dev.$(git rev-list --count HEAD)+g$(git rev-parse --short=10 HEAD)"
+fi
 arch=$(dpkg --print-architecture)
 tree=$(mktemp -d)
 trap 'rm -r "$tree"' EXIT
@@ -20,8 +24,9 @@ put 0644 systemd/nestd.service usr/lib/systemd/system/nestd.service
 put 0644 systemd/nestd-web.socket usr/lib/systemd/system/nestd-web.socket
 put 0644 systemd/nestd.sysusers usr/lib/sysusers.d/nestd.conf
 put 0644 systemd/nestd.tmpfiles usr/lib/tmpfiles.d/nestd.conf
-put 0644 config/server/nestd.toml etc/nestd/nestd.toml
 doc=usr/share/doc/nestd
+# Written to /etc/nestd by postinst, once: each farm changes it, and an upgrade must not ask about that.
+put 0644 config/server/nestd.toml $doc/examples/nestd.toml
 put 0644 config/nestd.toml $doc/nestd.toml
 for machine in config/profiles/*.toml; do put 0644 "$machine" "$doc/examples/profiles/${machine##*/}"; done
 # Placed as in the repository, so that their links work, except those to how nestd is made and measured.
@@ -45,7 +50,7 @@ find "$tree/usr/share" -type f -exec chmod 0644 {} +
 
 mkdir "$tree/DEBIAN"
 for script in postinst prerm postrm; do install -m 0755 "packaging/$script" "$tree/DEBIAN/$script"; done
-(cd "$tree" && find etc -type f -printf '/%p\n' >DEBIAN/conffiles && find usr -type f -exec md5sum {} + >DEBIAN/md5sums)
+(cd "$tree" && find usr -type f -exec md5sum {} + >DEBIAN/md5sums)
 # The oldest glibc whose symbols the binary names; everything else is linked in.
 glibc=$(objdump -T "$tree/usr/bin/nestd" | sed -n 's/.*GLIBC_\([0-9.]*\)).*/\1/p' | sort -uV | tail -1)
 cat >"$tree/DEBIAN/control" <<END

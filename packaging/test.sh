@@ -10,7 +10,7 @@ REPO=$(realpath "$(dirname "$0")/..")
 skip() { echo "skipped: $*"; exit 77; }
 fail() { echo "FAILED: $*"; exit 1; }
 [ "$(id -u)" = 0 ] || skip "needs root"
-for program in unshare dpkg-deb systemd-sysusers; do command -v $program >/dev/null || skip "needs $program"; done
+for program in unshare dpkg-deb systemd-sysusers git; do command -v $program >/dev/null || skip "needs $program"; done
 if [ -z "${NESTD_IN_NAMESPACE:-}" ]; then
     export NESTD_IN_NAMESPACE=1
     exec unshare --mount --propagation private "$0" "$BINARY"
@@ -28,12 +28,18 @@ rm -rf "$ROOT"/etc/nestd "$ROOT"/srv/nestd "$ROOT"/var/lib/nestd
 
 sh "$REPO/packaging/deb.sh" "$BINARY" "$WORK/first" >/dev/null
 FIRST=$(echo "$WORK"/first/*.deb)
-# The next version: the same files under a higher number.
-dpkg-deb -R "$FIRST" "$WORK/tree"
-sed -i 's/^Version: .*/&+next/' "$WORK/tree/DEBIAN/control"
-dpkg-deb --root-owner-group --build "$WORK/tree" "$WORK/second/next.deb" >/dev/null
+# The next version: that of a repository with one more commit, which changes the farm file.
+git -c safe.directory="$REPO/.git" clone -q "$REPO" "$WORK/next"
+echo "# A line of the next version." >>"$WORK/next/config/server/nestd.toml"
+git -C "$WORK/next" -c user.name=test -c user.email=test@localhost commit -q --all --message "a newer farm file"
+sh "$WORK/next/packaging/deb.sh" "$BINARY" "$WORK/second" >/dev/null
+SECOND=$(echo "$WORK"/second/*.deb)
+version() { dpkg-deb -f "$1" Version; }
+OLD=$(version "$FIRST") NEW=$(version "$SECOND") RELEASE=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' "$REPO/Cargo.toml")
+dpkg --compare-versions "$NEW" gt "$OLD" || fail "$NEW is not newer than $OLD"
+dpkg --compare-versions "$NEW" lt "$RELEASE" || fail "the release $RELEASE would not be newer than $NEW"
 cp "$FIRST" "$ROOT/tmp/first.deb"
-cp "$WORK/second/next.deb" "$ROOT/tmp/next.deb"
+cp "$SECOND" "$ROOT/tmp/next.deb"
 inside() { chroot "$ROOT" env -u NESTD_ROOT PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive "$@"; }
 
 inside dpkg -i /tmp/first.deb >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not installed"; }
@@ -42,7 +48,7 @@ inside getent passwd nestd >/dev/null || fail "there is no user nestd"
 [ "$(inside stat -c '%U:%G %a' /srv/nestd/inbox)" = "nestd:nestd 2770" ] || fail "the inbox is not the group's"
 for file in usr/lib/systemd/system/nestd.service usr/share/man/man1/nestd-status.1.gz usr/share/bash-completion/completions/nestd \
     usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/examples/profiles/mjf-5200.toml \
-    usr/share/doc/nestd/docs/servers.md; do
+    usr/share/doc/nestd/docs/servers.md etc/nestd/nestd.toml; do
     [ -s "$ROOT/$file" ] || fail "$file is missing"
 done
 inside nestd -c /etc/nestd/nestd.toml machine new hp --model mjf-5200 >/dev/null || fail "a machine cannot be added"
@@ -54,7 +60,10 @@ fi
 sed -i 's/^time_zone = .*/time_zone = "Europe\/Berlin"/' "$ROOT/etc/nestd/nestd.toml"
 echo "a part" >"$ROOT/srv/nestd/inbox/part.stl"
 inside dpkg -i /tmp/next.deb >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not upgraded"; }
-inside dpkg-query -W -f '${Version}' nestd | grep -q '+next$' || fail "the version is not the next one"
+[ "$(inside dpkg-query -W -f '${Version}' nestd)" = "$NEW" ] || fail "the version is not the next one"
+! grep -q 'next version' "$ROOT/etc/nestd/nestd.toml" || fail "the upgrade changed the farm file"
+grep -q 'next version' "$ROOT/usr/share/doc/nestd/examples/nestd.toml" || fail "the newer example is not there"
+[ -z "$(inside dpkg-query -W -f '${Conffiles}' nestd)" ] || fail "a conffile would stop an upgrade"
 grep -q Berlin "$ROOT/etc/nestd/nestd.toml" || fail "the upgrade overwrote the configuration"
 [ -s "$ROOT/etc/nestd/profiles/hp.toml" ] || fail "the upgrade took a machine away"
 

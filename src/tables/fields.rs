@@ -143,6 +143,8 @@ pub const NAME: FieldDefinition = FieldDefinition::text("Name");
 pub const ORDER: FieldDefinition = FieldDefinition::text("Order");
 /// Who an order or a part is for.
 pub const CUSTOMER: FieldDefinition = FieldDefinition::text("Customer");
+/// Where a customer gets e-mail.
+pub const EMAIL: FieldDefinition = FieldDefinition::text("E-mail");
 /// What a part or a build is made of.
 pub const MATERIAL: FieldDefinition = FieldDefinition::text("Material");
 /// What is loaded in a machine.

@@ -100,19 +100,28 @@ async fn the_forms_of_an_order_command_every_line_that_waits() {
 async fn an_order_is_for_a_customer_who_can_be_changed_also_when_all_of_it_is_built() {
     let dashboard = with_a_build("bracket.stl").await;
     dashboard.claim("b", "bracket.stl").await;
-    let form = [("key", "key"), ("customer", "Brandt & Co"), ("was_customer", ""), ("priority", "90")];
+    let form = [
+        ("key", "key"),
+        ("customer", "Brandt & Co"),
+        ("was_customer", ""),
+        ("email", "anna@brandt.example"),
+        ("was_email", ""),
+        ("priority", "90"),
+    ];
     dashboard.post_to("/orders/bracket.stl/edit", &form).await;
     let commands = dashboard.ledger.pending_commands().await.unwrap();
-    let customer = Some("Brandt & Co".to_owned());
+    let (customer, email) = (Some("Brandt & Co".to_owned()), Some("anna@brandt.example".to_owned()));
     let asked: Vec<_> =
         commands.iter().map(|command| (command.part_id, command.read_argument().edit.unwrap())).collect();
-    assert_eq!(asked[0], (Some(PartId(1)), ledger::PartEdit { customer: customer.clone(), ..Default::default() }));
-    assert_eq!(asked[1].1, ledger::PartEdit { customer, priority: Some(90), ..Default::default() });
+    let address = ledger::PartEdit { customer, email, ..Default::default() };
+    assert_eq!(asked[0], (Some(PartId(1)), address.clone()));
+    assert_eq!(asked[1].1, ledger::PartEdit { priority: Some(90), ..address });
     for (part, edit) in asked {
         dashboard.ledger.edit_part(part.unwrap(), &edit, "ann@farm").await.unwrap();
     }
     let page = dashboard.get("/orders/bracket.stl").await.text;
     assert!(page.contains("href=\"/orders?customer=Brandt+%26+Co\">Brandt &amp; Co"), "{page}");
+    assert!(page.contains("name=\"was_email\" value=\"anna@brandt.example\""), "{page}");
     for (asked, found) in [("brandt", 1), ("müller", 0)] {
         let orders = dashboard.json(&format!("/api/v1/orders?customer={asked}")).await;
         assert_eq!(orders.as_array().unwrap().len(), found, "{asked}");

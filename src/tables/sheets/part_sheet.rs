@@ -29,6 +29,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         fields::MACHINE.fact(&row.machine),
         fields::ORDER.fact(&row.terms.order_name),
         fields::CUSTOMER.fact(&row.terms.customer),
+        fields::EMAIL.fact(&row.terms.email),
         fields::MATERIAL.fact(&row.terms.material),
         Some(fields::COPIES.fact_of(copies)),
         fields::PRIORITY.fact(row.terms.priority),

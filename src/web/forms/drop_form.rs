@@ -21,6 +21,7 @@ pub(crate) struct DropFields {
     pub(crate) key: String,
     order: String,
     customer: String,
+    email: String,
     material: String,
     copies: String,
     due: String,
@@ -37,6 +38,7 @@ impl DropFields {
             "key" => &mut self.key,
             "order" => &mut self.order,
             "customer" => &mut self.customer,
+            "email" => &mut self.email,
             "material" => &mut self.material,
             "copies" => &mut self.copies,
             "due" => &mut self.due,
@@ -63,6 +65,7 @@ impl DropFields {
         };
         set("order", &self.order);
         set("customer", &self.customer);
+        set("email", &self.email);
         set("material", &self.material);
         set("orientation", &self.orientation);
         set("note", &self.note);
@@ -116,6 +119,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
                     @for (word, text) in orientations() { option value=(word) { (text) } }
                 } }
                 label { (say!("drop-priority")) input name="priority" type="number" min="0" max="100"; }
+                label { (fields::EMAIL.said()) input name="email" type="email" maxlength="200"; }
                 label { (fields::MATERIAL.said()) input name="material" maxlength="200"; }
                 label { (fields::NOTE.said()) input name="note" maxlength="500"; }
             }
@@ -160,6 +164,7 @@ mod tests {
         let said = [
             ("order", "10\"42\n\\"),
             ("customer", "Brandt"),
+            ("email", "anna@brandt.example"),
             ("material", "PA 12"),
             ("copies", "12"),
             ("due", "2026-11-27"),
@@ -170,8 +175,10 @@ mod tests {
         let read = Ticket::from_toml(&text, "t").unwrap();
         assert_eq!((read.copies, read.due.unwrap().to_string()), (Some(12), "2026-11-27 17:00".to_owned()));
         assert_eq!(read.material.as_deref(), Some("PA 12"));
+        assert_eq!(read.email.as_deref(), Some("anna@brandt.example"));
         assert!(read.order.unwrap().starts_with("10\"42") && read.customer.as_deref() == Some("Brandt"));
         for wrong in [
+            ("email", "nobody"),
             ("copies", "0"),
             ("copies", "many"),
             ("due", "tomorrow"),

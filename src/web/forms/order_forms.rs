@@ -55,8 +55,14 @@ fn waiting_lines(lines: &[OrderLine]) -> impl Iterator<Item = &OrderLine> {
     lines.iter().filter(|line| line.state == PartState::Waiting)
 }
 
-/// The forms that concern a whole order, each a button with its sheet. `arriving` = lines that are no parts yet.
-pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[OrderLine], arriving: usize) -> Markup {
+/// The forms that concern a whole order, each a button with its sheet. `emails` = where its customer gets e-mail, `arriving` = lines that
+/// are no parts yet.
+pub(crate) fn order_forms(
+    web: &DashboardState,
+    (order, emails): (&OrderRow, &[String]),
+    lines: &[OrderLine],
+    arriving: usize,
+) -> Markup {
     let address = order_address(&order.name);
     let waiting = waiting_lines(lines).count() as u32;
     let read = lines.iter().filter(|line| line.state == PartState::Claimed).count();
@@ -65,7 +71,7 @@ pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[Order
     html! {
         @if web.orders {
             div.buttons.acts {
-                (sheet("change", &say!("change-order"), false, &edit_form(web, order, &address, waiting)))
+                (sheet("change", &say!("change-order"), false, &edit_form(web, (order, emails), &address, waiting)))
                 @if waiting > 0 && web.current_settings().profiles.len() > 1 {
                     (sheet("move", &say!("move-to"), false, &move_form(web, &address, waiting)))
                 }
@@ -77,12 +83,16 @@ pub(crate) fn order_forms(web: &DashboardState, order: &OrderRow, lines: &[Order
     }
 }
 
-fn edit_form(web: &DashboardState, order: &OrderRow, address: &str, waiting: u32) -> Markup {
+fn edit_form(web: &DashboardState, (order, emails): (&OrderRow, &[String]), address: &str, waiting: u32) -> Markup {
+    // Of several, none stands for all.
+    let email = if let [one] = emails { one } else { "" };
     html! {
         form.tell method="post" action=(format!("{address}/edit")) {
             (key_field(web))
             label { (fields::CUSTOMER.said()) input name="customer" value=(order.customer) maxlength=(MAX_NOTE); }
             input type="hidden" name="was_customer" value=(order.customer);
+            label { (fields::EMAIL.said()) input name="email" type="email" value=(email) maxlength=(MAX_NOTE); }
+            input type="hidden" name="was_email" value=(email);
             @if waiting > 0 {
                 p { (say!("change-order-text", parts = waiting)) }
                 label { (say!("due-example-none")) input name="due" maxlength=(MAX_NOTE); }

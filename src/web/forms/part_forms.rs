@@ -48,6 +48,8 @@ pub(crate) struct PartEditForm {
     was_note: String,
     customer: String,
     was_customer: String,
+    email: String,
+    was_email: String,
     material: String,
     was_material: String,
 }
@@ -105,6 +107,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                     p { (say!("no-copy-waits")) }
                 }
                 (field(&fields::CUSTOMER.said(), "customer", &part.terms.customer))
+                (field(&fields::EMAIL.said(), "email", &part.terms.email))
                 button type="submit" { (say!("change")) }
             }
     }
@@ -200,6 +203,7 @@ impl PartEditForm {
             due: changed(&self.due, &self.was_due).map(due).transpose()?,
             note: changed(&self.note, &self.was_note),
             customer: changed(&self.customer, &self.was_customer),
+            email: changed(&self.email, &self.was_email),
             material: changed(&self.material, &self.was_material),
             ..PartEdit::default()
         };

@@ -222,11 +222,12 @@ pub(crate) async fn show_order(
     let events = order_events(&web, &lines).await?;
     let view = web.time_view();
     let cost = cost_figure(&web, CostQuestion::of_order(&name)).await?;
+    let emails = web.ledger.emails_of_order(&name).await?;
     let content = html! {
         h1 { (say!("order-title", order = &name)) " " (chip(order.fact.word.word())) }
         (order_summary(&order, &view))
         @if let Some((cost, address)) = &cost { p { (phrase!("order-costs", cost = html! { a href=(address) { (cost) } })) } }
-        (order_forms(&web, &order.order, &lines, order.arriving.len()))
+        (order_forms(&web, (&order.order, &emails), &lines, order.arriving.len()))
         section.card aria-label=(fields::CUSTOMER_NOTE.said()) {
             h2 { (say!("send-to-customer")) }
             p #customer-note { (order.customer_note) }

@@ -176,6 +176,7 @@ field-content = Inhalt
 field-made = Erstellt
 field-name = Name
 field-order = Auftrag
+field-e-mail = E-Mail
 field-customer = Kunde
 field-material = Werkstoff
 field-loaded = Geladen

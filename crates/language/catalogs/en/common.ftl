@@ -180,6 +180,7 @@ field-content = Content
 field-made = Made
 field-name = Name
 field-order = Order
+field-e-mail = E-mail
 field-customer = Customer
 field-material = Material
 field-loaded = Loaded

@@ -196,6 +196,7 @@ field-content = Contenu
 field-made = Création
 field-name = Nom
 field-order = Commande
+field-e-mail = E-mail
 field-customer = Client
 field-material = Matériau
 field-loaded = Chargé

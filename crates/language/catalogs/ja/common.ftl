@@ -128,6 +128,7 @@ field-content = 内容
 field-made = 作成
 field-name = 名前
 field-order = 注文
+field-e-mail = メール
 field-customer = 顧客
 field-material = 材料
 field-loaded = 入っている材料

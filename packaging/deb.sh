@@ -1,6 +1,6 @@
 #!/bin/sh
 # Builds the Debian package of nestd from a built binary: sh packaging/deb.sh [BINARY [OUT_DIR]]
-# Needs dpkg-deb. It holds the binary, the unit with its users and folders, the machines as examples, manual pages and completions.
+# Needs dpkg-deb, and cargo for the notices. It holds the binary, the unit with its users and folders, the machines as examples, manual pages and completions.
 set -eu
 cd "$(dirname "$0")/.."
 binary=${1:-target/release/nestd}
@@ -34,10 +34,13 @@ for text in README.md systemd/README.md systemd/webhook.conf docs/*.md docs/*.pn
     put 0644 "$text" "$doc/$text"
 done
 put 0644 packaging/copyright $doc/copyright
+sh packaging/notices.sh | gzip -9n >"$tree/$doc/third-party-notices.txt.gz"
 
 # What nestd says of itself.
 "$tree/usr/bin/nestd" man "$tree/usr/share/man/man1" >/dev/null
-gzip -9n "$tree"/usr/share/man/man1/*.1
+mkdir -p "$tree/usr/share/man/man5"
+mv "$tree/usr/share/man/man1/nestd.toml.5" "$tree/usr/share/man/man5"
+gzip -9n "$tree"/usr/share/man/man[15]/*
 mkdir -p "$tree/usr/share/bash-completion/completions" "$tree/usr/share/zsh/vendor-completions" "$tree/usr/share/fish/vendor_completions.d"
 "$tree/usr/bin/nestd" completions bash >"$tree/usr/share/bash-completion/completions/nestd"
 "$tree/usr/bin/nestd" completions zsh >"$tree/usr/share/zsh/vendor-completions/_nestd"

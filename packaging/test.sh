@@ -46,14 +46,16 @@ inside dpkg -i /tmp/first.deb >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it i
 inside nestd --version | grep -q '^nestd ' || fail "nestd does not run"
 inside getent passwd nestd >/dev/null || fail "there is no user nestd"
 [ "$(inside stat -c '%U:%G %a' /srv/nestd/inbox)" = "nestd:nestd 2770" ] || fail "the inbox is not the group's"
-for file in usr/lib/systemd/system/nestd.service usr/share/man/man1/nestd-status.1.gz usr/share/bash-completion/completions/nestd \
-    usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/examples/profiles/mjf-5200.toml \
+for file in usr/lib/systemd/system/nestd.service usr/share/man/man1/nestd-status.1.gz usr/share/man/man5/nestd.toml.5.gz usr/share/bash-completion/completions/nestd \
+    usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/third-party-notices.txt.gz usr/share/doc/nestd/examples/profiles/mjf-5200.toml \
     usr/share/doc/nestd/docs/servers.md etc/nestd/nestd.toml; do
     [ -s "$ROOT/$file" ] || fail "$file is missing"
 done
 inside nestd -c /etc/nestd/nestd.toml machine new hp --model mjf-5200 >/dev/null || fail "a machine cannot be added"
 if inside sh -c 'command -v man' >/dev/null; then
     inside man -l --warnings /usr/share/man/man1/nestd-status.1.gz >"$WORK/man" 2>"$WORK/man-warnings" || fail "the manual page does not render"
+    inside man -l --warnings /usr/share/man/man5/nestd.toml.5.gz >>"$WORK/man" 2>>"$WORK/man-warnings" || fail "nestd.toml(5) does not render"
+    grep -q scan_secs "$WORK/man" || fail "nestd.toml(5) does not name scan_secs"
     grep -q -e '--watch' "$WORK/man" || fail "the manual page does not name --watch"
 fi
 

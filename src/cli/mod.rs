@@ -246,7 +246,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Init(args) => serve::new_farm::run_init(args),
         CliCommand::Machine(command) => act::machine::run(common, command),
         CliCommand::Completions { shell } => serve::completions::print_completions(*shell),
-        CliCommand::Man { dir } => serve::completions::write_manual(CommandLine::command(), dir),
+        CliCommand::Man { dir } => serve::manual::write_manual(CommandLine::command(), dir),
         CliCommand::ReadPart => {
             farm::answer_read_request(std::io::stdin(), std::io::stdout()).map(|()| CommandExit::Success)
         }

@@ -20,6 +20,7 @@ mod serve;
 #[cfg(test)]
 mod tests;
 
+pub use help::SETTINGS_CHAPTER;
 pub use pages::report::{HtmlReport, ReportSource};
 pub use serve::server::serve_dashboard;
 

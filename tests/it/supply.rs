@@ -143,6 +143,32 @@ fn a_first_build_compiles_no_more_crates_than_it_must() {
 }
 
 #[test]
+fn the_notices_of_the_package_name_each_linked_crate_with_its_licence_and_a_text_of_it() {
+    let output = Command::new("sh").arg("packaging/notices.sh").current_dir(root()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let notices = String::from_utf8(output.stdout).unwrap();
+    let lines: BTreeSet<&str> = notices.lines().collect();
+    let with_text: BTreeSet<&str> =
+        notices.lines().filter_map(|line| line.strip_prefix("----- ")).flat_map(|crates| crates.split(", ")).collect();
+    let linked = tree(&["--package", "nestd", "--edges", "normal", "--format", "{p}"]);
+    let mut found = 0;
+    for package in packages("x86_64-unknown-linux-gnu") {
+        let text = |key: &str| package[key].as_str().unwrap_or_default();
+        let (name, version, licence) = (text("name"), text("version"), text("license"));
+        let is_linked = |line: &String| line.split(" (").next() == Some(&format!("{name} v{version}"));
+        if text("source").is_empty() || !linked.iter().any(is_linked) {
+            continue;
+        }
+        found += 1;
+        assert!(lines.contains(format!("{name} {version}: {licence}").as_str()), "{name} {version} is not named");
+        // The texts of these two come with others.
+        let has_text = with_text.contains(format!("{name} {version}").as_str());
+        assert!(has_text || is_allowed(licence, &["MIT", "Apache-2.0"]), "{name} {version} has no text of {licence}");
+    }
+    assert!(found > 150, "{found}");
+}
+
+#[test]
 fn tests_compile_again_no_crate_that_the_program_has_compiled() {
     let of_the_program = tree(&["--package", "nestd", "--edges", "normal,build", "--format", "{p} [{f}]"]);
     let of_the_tests = tree(&["--workspace", "--edges", "normal,build,dev", "--format", "{p} [{f}]"]);

@@ -5,6 +5,7 @@ mod farm;
 
 use std::{
     fs,
+    io::IsTerminal,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -30,6 +31,9 @@ pub struct DemoArgs {
     /// Folder of the demo's farm: a new or empty one, or that of an earlier demo. Nothing in it is deleted
     #[arg(long, value_name = "DIR", default_value = "nestd-demo")]
     pub dir: PathBuf,
+    /// Serve the farm until Ctrl-C once it is shown, also where no person sits at a terminal
+    #[arg(long)]
+    pub stay: bool,
 }
 
 /// Runs the command.
@@ -39,7 +43,7 @@ pub fn run(common: &CommonArgs, args: &DemoArgs) -> Result<CommandExit> {
     }
     let farm = DemoFarm::open_or_make(&args.dir)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    match runtime.block_on(play_demo(&farm)) {
+    match runtime.block_on(play_demo(&farm, args.stay || is_at_terminal())) {
         Ok(()) => Ok(CommandExit::Success),
         Err(error) if error.is::<UsageError>() => Err(error),
         Err(error) => {
@@ -50,8 +54,13 @@ pub fn run(common: &CommonArgs, args: &DemoArgs) -> Result<CommandExit> {
     }
 }
 
-/// Runs the whole demo.
-async fn play_demo(farm: &DemoFarm) -> Result<()> {
+/// Whether a person reads what is printed, and can end it.
+fn is_at_terminal() -> bool {
+    std::io::stdin().is_terminal() && std::io::stdout().is_terminal()
+}
+
+/// Runs the whole demo. If it stays, the daemon runs on until somebody ends it.
+async fn play_demo(farm: &DemoFarm, stays: bool) -> Result<()> {
     expect_no_daemon(farm).await?;
     println!("A demo farm in {}", farm.root.display());
     let mut daemon = DemoDaemon::start(&farm.config_file(), &farm.root, &farm.log_file())?;
@@ -71,14 +80,20 @@ async fn play_demo(farm: &DemoFarm) -> Result<()> {
     watch.until_all_are_built(farm).await?;
     show_results(farm, &watch).await?;
     watch.ledger.close().await;
+    if stays {
+        println!("\nThe farm runs until you press Ctrl-C. Drop parts of your own on its page, or into its hot folder:");
+        println!("  {}", farm.machine_folder("inbox").display());
+        farm.page().iter().for_each(|page| println!("  {page}"));
+        daemon.run_until_stopped().await?;
+    }
     daemon.stop()?;
     println!(
         "\nThe daemon has stopped. Start it again, look at its page, and drop parts of your own there or into its hot folder:"
     );
     let program = std::env::current_exe().context("cannot find this program")?;
     println!("  {} run{} -c {}", program.display(), root_option(), farm.config_file().display());
-    farm.page().iter().for_each(|page| println!("  {page}"));
     println!("  {}", farm.machine_folder("inbox").display());
+    farm.page().iter().for_each(|page| println!("  {page}"));
     Ok(())
 }
 

@@ -5,6 +5,7 @@ pub(super) mod check;
 pub(super) mod completions;
 pub(super) mod demo;
 pub(super) mod ledger;
+pub(super) mod manual;
 pub(super) mod nest;
 pub(super) mod new_farm;
 pub(super) mod run;

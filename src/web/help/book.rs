@@ -32,7 +32,7 @@ pub(super) const CHAPTERS: [Chapter; 14] = [
     chapter!("monitoring", "docs/monitoring.md"),
     chapter!("symptoms", "docs/symptoms.md"),
     chapter!("commands", "docs/commands.md"),
-    chapter!("settings", "docs/settings.md"),
+    Chapter { name: "settings", file: "docs/settings.md", text: super::SETTINGS_CHAPTER },
     chapter!("measurements", "docs/measurements.md"),
     chapter!("benchmark", "docs/benchmark.md"),
     chapter!("reliability", "docs/reliability.md"),

@@ -2,6 +2,9 @@
 //! without a network and without scripts. This folder decides how Markdown becomes a page, where its links lead, and what a search finds;
 //! it owns no words of its own and asks neither ledger nor farm.
 
+/// The chapter of settings, Markdown.
+pub const SETTINGS_CHAPTER: &str = include_str!("../../../docs/settings.md");
+
 mod book;
 mod markdown;
 pub(super) mod pages;

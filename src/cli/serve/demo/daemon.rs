@@ -10,9 +10,12 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 use rustix::process::{Pid, Signal, kill_process};
+use tokio::signal::unix::{SignalKind, signal};
 
 /// An orderly stop takes 10 s at most; this is a little more, for a busy machine.
 const STOP_SECS: u64 = 15;
+/// Time between two looks at the daemon.
+const LOOK_INTERVAL: Duration = Duration::from_secs(1);
 /// Lines of the log that are shown after a failure.
 const TAIL_LINES: usize = 30;
 
@@ -24,7 +27,7 @@ pub(super) struct DemoDaemon {
 }
 
 impl DemoDaemon {
-    /// Starts this program as the daemon; its log is appended to `log`.
+    /// Starts this program as the daemon; its log is appended to `log`. Ctrl-C reaches it, too.
     pub(super) fn start(config: &Path, root: &Path, log: &Path) -> Result<Self> {
         let out = File::options().create(true).append(true).open(log);
         let out = out.with_context(|| format!("cannot write {}", log.display()))?;
@@ -50,6 +53,21 @@ impl DemoDaemon {
             bail!("the daemon ended by itself ({status})");
         }
         Ok(())
+    }
+
+    /// Waits until somebody ends the demo.
+    ///
+    /// # Errors
+    /// When the daemon has ended by itself.
+    pub(super) async fn run_until_stopped(&mut self) -> Result<()> {
+        let (mut interrupt, mut terminate) = (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
+        loop {
+            tokio::select! {
+                _ = interrupt.recv() => return Ok(()),
+                _ = terminate.recv() => return Ok(()),
+                () = tokio::time::sleep(LOOK_INTERVAL) => self.expect_running()?,
+            }
+        }
     }
 
     /// Asks the daemon to stop and waits for it.

@@ -51,7 +51,7 @@ pub use facts::cost_fact::{CostReport, CostShare, OrderCost};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;
 pub use facts::machine_fact::{MachineFact, MachineWord, asked_text, machine_fact};
-pub use facts::material_fact::MaterialReading;
+pub use facts::material_fact::{MaterialReading, with_lot};
 pub use facts::order_fact::{DatedOrder, OrderFact, OrderWord, delay_text};
 pub use facts::part_fact::{part_fact, read_part_facts, said_state};
 pub use facts::printer_fact::{PrinterFact, PrinterWord};

@@ -121,6 +121,7 @@ pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
         volume_mm3: 1000.0,
         size_mm: [10.0, 20.0, 30.0],
         question: String::new(),
+        copy_of: String::new(),
         warnings: Vec::new(),
     }
 }

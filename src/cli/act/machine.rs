@@ -22,15 +22,18 @@ pub enum MachineCommand {
         machine: String,
         /// Its material, as in PA12, or none
         material: String,
+        /// The lot of its powder
+        #[arg(long, value_name = "LOT", default_value = "", hide_default_value = true)]
+        lot: String,
     },
 }
 
 /// Runs the command.
 pub fn run(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit> {
-    let (machine, material) = match command {
+    let (machine, material, lot) = match command {
         MachineCommand::New(args) => return run_machine(common, args),
-        MachineCommand::Load { machine, material } => (machine.clone(), material.clone()),
+        MachineCommand::Load { machine, material, lot } => (machine.clone(), material.clone(), lot.clone()),
     };
     let material = if is_none(&material) { String::new() } else { material };
-    say(common, &[OperatorWord::Load { machine, material }], false)
+    say(common, &[OperatorWord::Load { machine, material, lot }], false)
 }

@@ -17,6 +17,14 @@ pub struct MaterialReading {
     materials: Materials,
 }
 
+/// What is loaded, with its lot where one is said.
+pub fn with_lot(material: &str, lot: &str) -> String {
+    match lot {
+        "" => material.to_owned(),
+        lot => say!("material-lot", material = material, lot = lot),
+    }
+}
+
 impl MaterialReading {
     /// Reads what is loaded. `materials` are those that the settings name.
     ///
@@ -74,7 +82,8 @@ impl MaterialReading {
 
     /// The lines of `STATUS.txt` on what is loaded, and on what waits for another material.
     pub(crate) fn status_lines(&self, row: &MachineStatus) -> String {
-        let loaded = (!row.material.is_empty()).then(|| say!("status-loaded", material = &row.material) + "\n");
+        let loaded = (!row.material.is_empty())
+            .then(|| say!("status-loaded", material = with_lot(&row.material, &row.lot)) + "\n");
         let awaiting = row.awaiting.iter().map(|awaiting| {
             let waits = say!("copies-await-material", copies = awaiting.copies, material = &awaiting.material);
             format!("{waits}. {}\n", self.where_loaded(&awaiting.material))

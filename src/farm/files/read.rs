@@ -117,6 +117,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         size_mm: solid.mesh.bounds().size().to_array(),
         read_unit: LengthUnit::default(),
         question: String::new(),
+        copy_of: String::new(),
         warnings,
         request: None,
     }

@@ -29,6 +29,8 @@ struct FileLook {
     place: QueuePlace,
     /// Where its copies lie visible besides.
     others: Vec<String>,
+    /// Where second files were seen, in queues that could not be looked into.
+    unseen: Vec<String>,
 }
 
 /// Where the file of a build is, as far as this process can see.
@@ -76,12 +78,13 @@ pub async fn operate(
 
 /// A word with the name of the material that is loaded, as the settings call it.
 fn with_known_material(settings: &Settings, word: &OperatorWord) -> Result<OperatorWord, LedgerError> {
-    let OperatorWord::Load { machine, material } = word else { return Ok(word.clone()) };
+    let OperatorWord::Load { machine, material, lot } = word else { return Ok(word.clone()) };
     if !settings.profiles.contains_key(machine) {
         return Err(MaterialError::NoMachine(machine.clone()).into());
     }
     let material = check_name("material", material).map_err(LedgerError::UnusableTerm)?;
-    Ok(OperatorWord::Load { machine: machine.clone(), material: settings.materials.require_name(&material)? })
+    let lot = check_name("lot", lot).map_err(LedgerError::UnusableTerm)?;
+    Ok(OperatorWord::Load { machine: machine.clone(), material: settings.materials.require_name(&material)?, lot })
 }
 
 /// A build that does not fit its machine any more is made again before it is published: nobody can say yes to it.
@@ -104,13 +107,16 @@ async fn see_file(
 ) -> Result<Option<SeenFile>, LedgerError> {
     let second = ledger.second_files(build.id).await?;
     let is_second = !second.is_empty();
-    let FileLook { place: seen, others } = look_for_file(settings, &build, second.clone()).await;
+    let FileLook { place: seen, others, unseen } = look_for_file(settings, &build, second.clone()).await;
     if let QueuePlace::Visible { printer, queue_id, .. } = &seen {
         ledger.record_back_in_queue(build.id, printer, queue_id).await?;
     }
     if !others.is_empty() {
         let own = if let QueuePlace::Visible { printer, .. } = seen { Some(printer) } else { None };
         return Ok(Some(SeenFile::Copied { own, is_second, others }));
+    }
+    if !unseen.is_empty() {
+        return Ok(Some(SeenFile::SecondUnseen { places: unseen }));
     }
     let place = &build.place;
     let is_out = match seen {
@@ -136,7 +142,7 @@ async fn see_file(
 
 /// Looks into the queues of the machine of a build.
 async fn look_for_file(settings: &Settings, build: &BuildRow, second: Vec<String>) -> FileLook {
-    let unknown = FileLook { place: QueuePlace::Unknown, others: Vec::new() };
+    let unknown = FileLook { place: QueuePlace::Unknown, others: Vec::new(), unseen: second.clone() };
     let Some(profile) = settings.profiles.get(&build.machine) else { return unknown };
     let queues: Vec<(String, QueueAddress)> =
         profile.printers.iter().map(|printer| (printer.name.clone(), printer.queue.clone())).collect();
@@ -159,11 +165,13 @@ fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow, second: &[St
     let was_withdrawn = published_in.is_some_and(|(_, queue)| queue.holds_taken_back(name));
     let files = BuildFiles::find(&queues, &sought);
     let others = files.other_places();
+    let is_unseen = |place: &&String| !queues.iter().any(|(printer, _)| place.ends_with(&format!(" at {printer}")));
+    let unseen = second.iter().filter(is_unseen).cloned().collect();
     if let Some(VisibleFile { printer, queue, .. }) = files.own {
         let mut reader = ContentReader::new(1);
         let is_proved = queue.stamp(name).is_none_or(|stamp| is_proved(build, (&*queue, name, stamp), &mut reader));
         let place = QueuePlace::Visible { printer, queue_id: queue.id().to_owned(), is_proved };
-        return Some(FileLook { place, others });
+        return Some(FileLook { place, others, unseen });
     }
     let place = match published_in {
         // The marker once more: the folder may have been unmounted in between.
@@ -175,5 +183,5 @@ fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow, second: &[St
         }
         _ => QueuePlace::Unknown,
     };
-    Some(FileLook { place, others })
+    Some(FileLook { place, others, unseen })
 }

@@ -23,6 +23,9 @@ pub(super) async fn ask_about_doubts(
         ask_about_places(ledger, part, solids).await?;
     }
     let copy = intake::read_copy_name(&part.name);
+    if let (Some(copy), Some(first)) = (&copy, solids.first_mut()) {
+        first.copy_of.clone_from(&copy.original);
+    }
     let names = names_in_formats(copy.as_ref().map_or(&part.name, |copy| &copy.original));
     if names.is_empty() || ledger.has_ticket(part.id).await? {
         return Ok(());
@@ -33,7 +36,7 @@ pub(super) async fn ask_about_doubts(
         Some(copy) => copy_doubt(&copy, &namesakes),
         None => match format_doubt(part, &namesakes) {
             Some(doubt) => Some(doubt),
-            None => original_doubt(&names, &ledger.parts_with_stem(part, stem_of(&part.name), since).await?),
+            None => original_doubt(&ledger.copies_of_files(part, &names, since).await?),
         },
     };
     doubt.iter().for_each(|doubt| add_question(solids, doubt));
@@ -89,17 +92,9 @@ fn copy_doubt(copy: &CopyName, namesakes: &[Namesake]) -> Option<String> {
 }
 
 /// A file of which a copy came first. What a ticket or a row orders is wanted.
-fn original_doubt(names: &[String], others: &[Namesake]) -> Option<String> {
-    let is_copy = |other: &&Namesake| {
-        let copy = intake::read_copy_name(&other.name);
-        !other.has_ticket && copy.is_some_and(|copy| names.contains(&copy.original))
-    };
-    let copy = others.iter().find(is_copy)?;
+fn original_doubt(copies: &[Namesake]) -> Option<String> {
+    let copy = copies.iter().find(|copy| !copy.has_ticket)?;
     Some(format!("{} (part {}) has the name of a copy of it", copy.name, copy.id))
-}
-
-fn stem_of(name: &str) -> &str {
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }
 
 /// A part that was dropped before, or is ordered by a ticket, in another format.

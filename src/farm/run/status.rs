@@ -333,6 +333,7 @@ fn status_json(
         "dates_at_risk": risks,
         "paused": row.paused.is_some(),
         "material": row.material,
+        "lot": row.lot,
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,

@@ -184,7 +184,9 @@ impl QueueFileLook<'_> {
         found: &mut QueueFileFindings,
     ) -> String {
         let (id, place) = (build.id, file.place());
-        let is_other_there = files.own.is_some() || files.taken_back.is_some() || build.place.is_on_its_way();
+        // Of what a person moved while a word waits for it, there is no other.
+        let is_elsewhere = files.own.as_ref().is_some_and(|own| own.to_string() != place);
+        let is_other_there = is_elsewhere || files.taken_back.is_some() || build.place.move_to.is_some();
         if is_other_there && !second.contains(&place) {
             found.second.push((id, place));
         }

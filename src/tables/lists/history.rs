@@ -45,6 +45,7 @@ pub const HISTORY_COLUMNS: &[TableColumn<DatedBuild>] = &[
     TableColumn::for_programs("version", fields::VERSION, |dated| dated.row.search.version.as_ref().into()),
     TableColumn::for_programs("repeats", fields::REPEATS, |dated| dated.row.search.repeats.into()),
     TableColumn::for_programs("material", fields::MATERIAL, |dated| (&dated.row.material).into()),
+    TableColumn::for_programs("lot", fields::LOT, |dated| (&dated.row.lot).into()),
     TableColumn::for_programs("fired_by", fields::FIRED_BY, |dated| (&dated.row.fired_by).into()),
     TableColumn::for_programs("file_name", fields::FILE, |dated| dated.row.result.file_name.as_ref().into()),
     TableColumn::for_programs("reason", fields::REASON, |dated| CellValue::Prose(dated.row.result.reason.clone())),

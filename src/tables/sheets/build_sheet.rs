@@ -91,6 +91,7 @@ pub fn build_facts(
         optional_fact(fields::LAYERS, layers.map(|layers| of_all(layers.to_string(), thick))),
         fields::DENSITY.fact(row.measures.density),
         fields::MATERIAL.fact(&row.material),
+        fields::LOT.fact(&row.lot),
         Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
         optional_fact(fields::CLEARANCE, clearance(row, machine)),
         optional_fact(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     farm::{
         FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text,
-        build_fact, held_text, night_text,
+        build_fact, held_text, night_text, with_lot,
     },
     settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
@@ -100,7 +100,7 @@ impl MachineRowOnBoard<'_> {
         html! {
             div.machine-head {
                 h2 { (name) " " (chip(self.fact.state.word())) }
-                @if !status.material.is_empty() { p.soft { (say!("material-loaded", material = &status.material)) } }
+                @if !status.material.is_empty() { p.soft { (say!("material-loaded", material = with_lot(&status.material, &status.lot))) } }
                 // Of a machine with one printer, its lane says it.
                 @if let Some(free) = self.fact.free_at.filter(|free| free.0 > now && self.fact.printers.len() > 1) { p.soft { (phrase!("free-time", time = estimate_of(free, view))) } }
                 (machine_warnings(status, self.observed, view))

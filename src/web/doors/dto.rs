@@ -60,6 +60,8 @@ pub(crate) struct BuildResource {
     reason: String,
     /// What it is made of: what was loaded when it fired; "" = not known, or it has not fired.
     material: String,
+    /// The lot of its powder, "" = not said.
+    lot: String,
     /// Trigger that fired it: full, fill, copies, max_wait, due, at, flush.
     fired_by: String,
     /// How often its nesting was started.
@@ -273,6 +275,7 @@ impl BuildResource {
             fact,
             reason: row.reason,
             material: row.material,
+            lot: row.lot,
             fired_by: row.fired_by,
             attempts: row.attempts,
             times: row.times,

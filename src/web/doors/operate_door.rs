@@ -120,6 +120,9 @@ pub(super) async fn post_close(
 pub(crate) struct LoadRequest {
     /// The material; empty = nothing.
     material: String,
+    /// The lot of its powder; empty = not said.
+    #[serde(default)]
+    lot: String,
 }
 
 /// Says what is loaded in a machine.
@@ -133,7 +136,7 @@ pub(super) async fn post_load(
     if !web.current_settings().profiles.contains_key(&machine) {
         return Err(HandlerError::NotFound(format!("machine {machine}")));
     }
-    say(&web, &OperatorWord::Load { machine, material: request.material }, &by, false).await
+    say(&web, &OperatorWord::Load { machine, material: request.material, lot: request.lot }, &by, false).await
 }
 
 /// Nests and publishes the waiting parts of a machine.

@@ -32,6 +32,8 @@ const MAX_LETTERS: usize = 60;
 #[derive(Debug, Deserialize)]
 pub(crate) struct LoadForm {
     material: String,
+    #[serde(default)]
+    lot: String,
 }
 
 /// Whether a printer is in use.
@@ -96,6 +98,7 @@ pub(crate) fn load_form(web: &DashboardState, status: &MachineStatus) -> Markup 
             form.tell method="post" action=(format!("/machines/{}/load", status.machine)) {
                 (key_field(web))
                 label { (fields::LOADED.said()) input name="material" value=(status.material) maxlength=(MAX_LETTERS); }
+                label { (fields::LOT.said()) input name="lot" value=(status.lot) maxlength=(MAX_LETTERS); }
                 p { (say!("load-text")) }
                 button type="submit" { (say!("load")) span.unseen { " " (say!("unseen-of", name = &status.machine)) } }
             }
@@ -113,7 +116,8 @@ pub(crate) async fn post_load(
     if !web.current_settings().profiles.contains_key(&machine) {
         return Err(HandlerError::NotFound(say!("machine-named", machine = &machine)));
     }
-    let word = OperatorWord::Load { machine, material: form.material.trim().to_owned() };
+    let (material, lot) = (form.material.trim().to_owned(), form.lot.trim().to_owned());
+    let word = OperatorWord::Load { machine, material, lot };
     say_word(&web, &word, &by, false, "/").await
 }
 

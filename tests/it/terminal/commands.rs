@@ -56,6 +56,7 @@ fn farm() -> tempfile::TempDir {
         let id = ledger.record_claim(&part).await.unwrap().id;
         let solid = SolidFacts {
             request: None,
+            copy_of: String::new(),
             question: String::new(),
             object_index: 0,
             object_name: String::new(),

@@ -179,6 +179,7 @@ field-order = Auftrag
 field-e-mail = E-Mail
 field-customer = Kunde
 field-material = Werkstoff
+field-lot = Charge
 field-loaded = Geladen
 field-priority = Priorität
 field-due = Fällig

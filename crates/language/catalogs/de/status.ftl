@@ -42,6 +42,7 @@ material-elsewhere = { $material } ist geladen auf { $machines }.
 material-nowhere = { $material } ist auf keiner Maschine geladen.
 material-unknown = [materials] in nestd.toml nennt { $material } nicht, nur { $known }.
 material-remedy = `{ $load }` meldet es als geladen, `nestd move { $part } --to MACHINE` verschiebt das Teil, `nestd edit { $part } --material NAME` berichtigt es.
+material-lot = { $material }, Charge { $lot }
 status-loaded = Geladen: { $material }.
 status-question = Frage: Wie viele Stück? Für Teil { $part } ({ $name }) gilt vorerst 1; antworten mit `{ $command }`.
 status-questions-more =

@@ -183,6 +183,7 @@ field-order = Order
 field-e-mail = E-mail
 field-customer = Customer
 field-material = Material
+field-lot = Lot
 field-loaded = Loaded
 field-priority = Priority
 field-due = Due

@@ -42,6 +42,7 @@ material-elsewhere = { $material } is loaded on { $machines }.
 material-nowhere = { $material } is loaded on no machine.
 material-unknown = [materials] in nestd.toml does not name { $material }, only { $known }.
 material-remedy = `{ $load }` says that it is loaded, `nestd move { $part } --to MACHINE` moves the part, `nestd edit { $part } --material NAME` corrects it.
+material-lot = { $material }, lot { $lot }
 status-loaded = Loaded: { $material }.
 status-question = Question: How many copies? part { $part } ({ $name }) is taken as 1; answer with `{ $command }`.
 status-questions-more =

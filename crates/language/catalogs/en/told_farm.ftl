@@ -372,6 +372,7 @@ told-retry-first = `nestd retry { $part }` takes it back first
 told-edit-orders-more = `nestd edit { $part } --copies N` orders more of it
 told-lies-untouched = the file of build { $build } lies untouched in the queue of { $printer }, as if nobody had printed it. Look whether the number is right. If it is, insist ({ $insist }): nestd takes the file out of the queue first, so that nobody prints it a second time
 told-lies-untouched-untold = the file of build { $build } lies untouched in the queue, and nobody told how it was printed. If it was not printed, take it back: `nestd withdraw { $build }`. If it was, tell its outcome first with the copies that are bad: `nestd outcome { $build } complete --bad PART=N`
+told-second-unseen = a second file of build { $build } was seen in the queue as { $places }, and nestd cannot look there now. Look yourself: take it out if it lies there. Where nobody printed it, `nestd dismiss b{ $build }`, and say it again
 told-second-gone = a second file of build { $build } lay in the queue as { $places }, and is gone. Where that one is or was printed, take the file in the queue of { $printer } out and say it again. Where nobody printed it, `nestd dismiss b{ $build }`, and say it again
 told-lies-other-file = what lies in the queue of { $printer } as the file of build { $build } is not the file that was proved. Take it out of the queue, look whether it was printed, and say it again
 told-on-its-way = the file of build { $build } is on its way to another printer: say it again when it is there

@@ -199,6 +199,7 @@ field-order = Commande
 field-e-mail = Adresse e-mail
 field-customer = Client
 field-material = Matériau
+field-lot = Lot de poudre
 field-loaded = Chargé
 field-priority = Priorité
 field-due = Échéance

@@ -42,6 +42,7 @@ material-elsewhere = { $material } est chargé sur { $machines }.
 material-nowhere = { $material } n’est chargé sur aucune machine.
 material-unknown = [materials] dans nestd.toml ne nomme pas { $material }, seulement { $known }.
 material-remedy = `{ $load }` dit qu’il est chargé, `nestd move { $part } --to MACHINE` déplace la pièce, `nestd edit { $part } --material NAME` la corrige.
+material-lot = { $material }, lot de poudre { $lot }
 status-loaded = Chargé : { $material }.
 status-question = Question : combien d’exemplaires ? La pièce { $part } ({ $name }) compte pour 1 ; répondre avec `{ $command }`.
 status-questions-more =

@@ -372,6 +372,7 @@ told-retry-first = `nestd retry { $part }` la reprend d’abord
 told-edit-orders-more = `nestd edit { $part } --copies N` en demande plus
 told-lies-untouched = le fichier du plateau { $build } est intact dans la file de { $printer }, comme si personne ne l’avait imprimé. Vérifier le numéro. S’il est juste, insister ({ $insist }) : nestd retire d’abord le fichier de la file, pour que personne ne l’imprime une seconde fois
 told-lies-untouched-untold = le fichier du plateau { $build } est intact dans la file, et personne n’a signalé le résultat. S’il n’a pas été imprimé, le retirer : `nestd withdraw { $build }`. Sinon, signaler d’abord le résultat avec les mauvais exemplaires : `nestd outcome { $build } complete --bad PART=N`
+told-second-unseen = un second fichier du plateau { $build } a été vu dans la file ({ $places }), et nestd ne peut pas y regarder en ce moment. Aller voir, et le retirer s’il s’y trouve. Si personne ne l’a imprimé : `nestd dismiss b{ $build }`, puis le redire
 told-second-gone = un second fichier du plateau { $build } se trouvait dans la file ({ $places }) et n’y est plus. S’il est ou a été imprimé, retirer le fichier de la file de { $printer } et le redire. Si personne ne l’a imprimé : `nestd dismiss b{ $build }`, puis le redire
 told-lies-other-file = ce qui est dans la file de { $printer } comme fichier du plateau { $build } n’est pas le fichier vérifié. Le retirer de la file, regarder s’il a été imprimé, et le redire
 told-on-its-way = le fichier du plateau { $build } va vers une autre imprimante : le redire quand il y est

@@ -131,6 +131,7 @@ field-order = 注文
 field-e-mail = メール
 field-customer = 顧客
 field-material = 材料
+field-lot = ロット
 field-loaded = 入っている材料
 field-priority = 優先度
 field-due = 納期

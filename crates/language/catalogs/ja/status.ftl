@@ -30,6 +30,7 @@ material-elsewhere = { $material } が入っている装置: { $machines }。
 material-nowhere = { $material } が入っている装置はありません。
 material-unknown = nestd.toml の [materials] に { $material } はなく、{ $known } だけがあります。
 material-remedy = 入れたことの記録は `{ $load }`、パーツの移動は `nestd move { $part } --to MACHINE`、材料の訂正は `nestd edit { $part } --material NAME`。
+material-lot = { $material }(ロット { $lot })
 status-loaded = 入っている材料: { $material }。
 status-question = 確認事項: 何個必要ですか? パーツ { $part }({ $name })は今 1 個として扱っています。`{ $command }` で答えてください。
 status-questions-more = ほかのパーツ { $parts } 件にも同じ確認事項があります。

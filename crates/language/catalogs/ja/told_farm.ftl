@@ -282,6 +282,7 @@ told-retry-first = 先に `nestd retry { $part }` で戻してください
 told-edit-orders-more = 追加は `nestd edit { $part } --copies N`
 told-lies-untouched = ビルド { $build } のファイルは { $printer } のキューに手つかずで残っており、造形されていないように見えます。番号が正しいか確認してください。正しければ強行してください({ $insist })。2 回造形されないよう、先にファイルをキューから取り出します
 told-lies-untouched-untold = ビルド { $build } のファイルはキューに手つかずで残っており、結果も記録されていません。造形していない場合は `nestd withdraw { $build }` で取り下げ、造形した場合は先に `nestd outcome { $build } complete --bad PART=N` で不良の数とともに結果を記録してください
+told-second-unseen = ビルド { $build } の 2 つ目のファイルがキューにありましたが({ $places })、nestd は今そこを確認できません。ご自身で確認し、そこにあれば取り出してください。誰も造形していなければ `nestd dismiss b{ $build }` の後、もう一度伝えてください
 told-second-gone = ビルド { $build } の 2 つ目のファイルがキューにありましたが({ $places })、なくなっています。それを造形中または造形済みなら、{ $printer } のキューからファイルを取り出して、もう一度伝えてください。誰も造形していなければ `nestd dismiss b{ $build }` の後、もう一度伝えてください
 told-lies-other-file = { $printer } のキューにビルド { $build } として置かれているのは、検証済みのファイルではありません。取り出し、造形されたか確かめて、もう一度指示してください
 told-on-its-way = ビルド { $build } のファイルは別のプリンターに移動中です。着いてから、もう一度指示してください

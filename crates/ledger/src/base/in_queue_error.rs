@@ -58,6 +58,18 @@ pub enum InQueueError {
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
     },
+    /// A second file of it was seen in a queue folder that cannot be looked into now.
+    #[error(
+        "a second file of build {build} was seen in the queue as {}, and nestd cannot look there now. Look yourself: take it out if it lies \
+         there. Where nobody printed it, `nestd dismiss b{build}`, and say it again",
+        join_with_and(.places)
+    )]
+    SecondUnseen {
+        /// The build.
+        build: BuildId,
+        /// Where second files were seen, as `job.3mf at left`.
+        places: Vec<String>,
+    },
     /// A second file of it lay in a queue folder and is gone, while its own lies there: it may be printed from the second one.
     #[error(
         "a second file of build {build} lay in the queue as {}, and is gone. Where that one is or was printed, take the file in the queue \

@@ -20,7 +20,8 @@ impl Ledger {
         // A layout that lacks some of them tells nothing of their height.
         sql::query(
             "UPDATE build SET attempts = 1, fired_by = $1, \
-             material = coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = build.machine), ''), height_mm = CASE WHEN copies = $2 THEN height_mm END, \
+             material = coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = build.machine), ''), \
+             lot = coalesce((SELECT l.lot FROM loaded_material l WHERE l.machine = build.machine), ''), height_mm = CASE WHEN copies = $2 THEN height_mm END, \
              density = CASE WHEN copies = $2 THEN density END, \
              part_volume_mm3 = CASE WHEN copies = $2 THEN part_volume_mm3 END, copies = $2 WHERE id = $3",
         )

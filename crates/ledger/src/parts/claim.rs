@@ -337,7 +337,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
          volume_mm3 = $4, size_x_mm = $5, size_y_mm = $6, size_z_mm = $7, warnings = $8, \
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
-         THEN '' ELSE $9 END, file_copies = $10, read_unit = $11, size_differs = FALSE WHERE id = $12",
+         THEN '' ELSE $9 END, file_copies = $10, read_unit = $11, copy_of = $12, size_differs = FALSE WHERE id = $13",
     )
     .bind(copies)
     .bind(&solid.object_name)
@@ -350,6 +350,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(&solid.question)
     .bind(solid.file_copies)
     .bind(solid.read_unit)
+    .bind(&solid.copy_of)
     .bind(part.id)
     .execute(change.db())
     .await?;

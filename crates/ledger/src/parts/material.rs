@@ -26,13 +26,15 @@ pub struct LoadedMaterial {
     pub machine: String,
     /// What is loaded there.
     pub material: String,
+    /// Its lot; "" = not said.
+    pub lot: String,
     /// Who said so, user@host; "" = its file.
     pub loaded_by: String,
     /// Since when that is said.
     pub loaded_at: UtcTimestamp,
 }
 
-sql_row!(LoadedMaterial { machine, material, loaded_by, loaded_at });
+sql_row!(LoadedMaterial { machine, material, lot, loaded_by, loaded_at });
 
 /// By what materials are compared: the word without case, spaces, hyphens and underscores. "" = any.
 pub fn material_key(word: &str) -> String {
@@ -63,25 +65,28 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?.unwrap_or_default())
     }
 
-    /// A person says what is loaded in a machine, "" = nothing. Returns what follows from that, in sentences.
-    pub(crate) async fn load_material(&self, machine: &str, material: &str, by: &str) -> Result<Vec<String>> {
+    /// A person says what is loaded in a machine, "" = nothing, and of which lot, "" = not said. Returns what follows from that, in
+    /// sentences. What no printer has taken yet is printed from this lot.
+    pub(crate) async fn load_material(&self, machine: &str, loaded: (&str, &str), by: &str) -> Result<Vec<String>> {
+        let (material, lot) = loaded;
         let mut change = self.begin_change().await?;
-        let query = sql::query_scalar("SELECT material FROM loaded_material WHERE machine = $1").bind(machine);
-        let before: String = query.fetch_optional(change.db()).await?.unwrap_or_default();
-        if before == material {
+        let query = sql::query_as("SELECT material, lot FROM loaded_material WHERE machine = $1").bind(machine);
+        let before: (String, String) = query.fetch_optional(change.db()).await?.unwrap_or_default();
+        let name = if lot.is_empty() { material.to_owned() } else { format!("{material}, lot {lot},") };
+        if (before.0.as_str(), before.1.as_str()) == loaded {
             return Ok(vec![match material {
                 "" => format!("Nothing was loaded on {machine} before."),
-                material => format!("{material} was loaded on {machine} before."),
+                _ => format!("{name} was loaded on {machine} before."),
             }]);
         }
-        change.set_loaded(machine, material, by).await?;
+        change.set_loaded(machine, loaded, by).await?;
         let query = sql::query_scalar("SELECT id FROM part WHERE machine = $1 AND state = 'waiting'").bind(machine);
         for part in query.fetch_all(change.db()).await? {
             change.decide_awaiting(part).await?;
         }
         let mut sentences = vec![match material {
             "" => format!("Nothing is loaded on {machine} now: parts that say their material wait."),
-            material => format!("{material} is loaded on {machine} now: its next build is made of that."),
+            _ => format!("{name} is loaded on {machine} now: its next build is made of that."),
         }];
         let awaiting: u32 =
             sql::query_scalar("SELECT count(*) FROM part WHERE machine = $1 AND state = 'waiting' AND awaits_material")
@@ -94,7 +99,10 @@ impl Ledger {
             parts => Some(format!("{parts} parts there wait for another material; `nestd status` says for which.")),
         });
         for (build, of) in change.unprinted_builds(machine).await? {
-            if !of.is_empty() && material_key(&of) != material_key(material) {
+            if material_key(&of) == material_key(material) {
+                let set = sql::query("UPDATE build SET lot = $1 WHERE id = $2").bind(lot).bind(build);
+                set.execute(change.db()).await?;
+            } else if !of.is_empty() {
                 sentences.push(format!("Build {build} fired before and is of {of}: print it first, or withdraw it."));
             }
         }
@@ -116,7 +124,7 @@ impl Ledger {
             let known: Option<(String, String)> = query.bind(machine).fetch_optional(change.db()).await?;
             let (loaded, by) = known.unwrap_or_default();
             if by.is_empty() && loaded != *material {
-                change.set_loaded(machine, material, "").await?;
+                change.set_loaded(machine, (material, ""), "").await?;
                 is_changed = true;
             }
         }
@@ -150,18 +158,19 @@ impl LedgerChange {
         self.decide_awaiting(part).await
     }
 
-    /// Records what is loaded in a machine; `by` = "" if its file says so.
-    async fn set_loaded(&mut self, machine: &str, material: &str, by: &str) -> Result<()> {
+    /// Records what is loaded in a machine, and its lot; `by` = "" if its file says so.
+    async fn set_loaded(&mut self, machine: &str, (material, lot): (&str, &str), by: &str) -> Result<()> {
         let now = self.now;
         let set = sql::query(
-            "INSERT INTO loaded_material (machine, material, material_key, loaded_by, loaded_at) VALUES ($1, $2, $3, $4, $5) \
-             ON CONFLICT (machine) DO UPDATE SET material = excluded.material, material_key = excluded.material_key, \
+            "INSERT INTO loaded_material (machine, material, material_key, lot, loaded_by, loaded_at) VALUES ($1, $2, $3, $4, $5, $6) \
+             ON CONFLICT (machine) DO UPDATE SET material = excluded.material, material_key = excluded.material_key, lot = excluded.lot, \
              loaded_by = excluded.loaded_by, loaded_at = excluded.loaded_at",
         );
-        let set = set.bind(machine).bind(material).bind(material_key(material)).bind(by).bind(now);
+        let set = set.bind(machine).bind(material).bind(material_key(material)).bind(lot).bind(by).bind(now);
         set.execute(self.db()).await?;
         let by = if by.is_empty() { "its file" } else { by };
         let what = if material.is_empty() { "nothing" } else { material };
+        let what = if lot.is_empty() { what.to_owned() } else { format!("{what} of lot {lot}") };
         self.write_event(EventKind::Loaded, machine, None, None, &format!("{what}, as {by} says")).await
     }
 

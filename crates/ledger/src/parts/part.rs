@@ -196,17 +196,17 @@ impl Ledger {
         Ok(query.bind(&part.file.claim).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
     }
 
-    /// The parts of other claims whose names contain `stem` in the order of a part, oldest first: those that were read, of which nothing is
-    /// asked, and that were not built before `since`.
-    pub async fn parts_with_stem(&self, part: &PartRow, stem: &str, since: Timestamp) -> Result<Vec<Namesake>> {
+    /// The parts of other claims that are copies of files with these names in the order of a part, oldest first: those that were read, of
+    /// which nothing is asked, and that were not built before `since`.
+    pub async fn copies_of_files(&self, part: &PartRow, names: &[String], since: Timestamp) -> Result<Vec<Namesake>> {
         let query = sql::query_as(
             "SELECT id, name, EXISTS (SELECT 1 FROM ticket t WHERE t.part_id = part.id AND t.source <> 'name') AS has_ticket \
-             FROM part WHERE id IN (SELECT id FROM part WHERE state IN ('waiting', 'batched') AND machine = $1 \
-             UNION ALL SELECT id FROM part WHERE state = 'built' AND state_at >= $2 AND machine || '' = $1) \
-             AND instr(name, $3) > 0 AND order_name = $4 AND claim <> $5 AND object_index = 0 AND question = '' ORDER BY id",
+             FROM part WHERE copy_of <> '' AND copy_of IN (SELECT value FROM json_each($1)) AND machine = $2 AND order_name = $3 \
+             AND claim <> $4 AND object_index = 0 AND question = '' AND (state IN ('waiting', 'batched') OR (state = 'built' AND state_at >= $5)) \
+             ORDER BY id",
         );
-        let query = query.bind(&part.machine).bind(UtcTimestamp(since)).bind(stem).bind(&part.terms.order_name);
-        Ok(query.bind(&part.file.claim).fetch_all(self.reader()?).await?)
+        let query = query.bind(serde_json::json!(names).to_string()).bind(&part.machine).bind(&part.terms.order_name);
+        Ok(query.bind(&part.file.claim).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
     }
 
     /// Whether a ticket or a row of a list came with a part.

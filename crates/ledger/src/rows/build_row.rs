@@ -21,6 +21,8 @@ pub struct BuildRow {
     pub reason: String,
     /// What was loaded on its machine when it fired; "" = not known, or it has not fired.
     pub material: String,
+    /// The lot of its powder that was loaded when its printer took it; "" = not said.
+    pub lot: String,
     /// Trigger: full, fill, copies, max_wait, due, at, flush.
     pub fired_by: String,
     /// Number of times that nesting was started.
@@ -47,7 +49,7 @@ pub struct BuildRow {
     pub kept: BuildDocuments,
 }
 
-sql_row!(BuildRow { id, machine, state, reason, material, fired_by, attempts, searches; times, staged, place, measures, search, kept });
+sql_row!(BuildRow { id, machine, state, reason, material, lot, fired_by, attempts, searches; times, staged, place, measures, search, kept });
 
 /// Times at which a build entered its states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

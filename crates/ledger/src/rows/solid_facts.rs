@@ -26,6 +26,8 @@ pub struct SolidFacts {
     pub read_unit: LengthUnit,
     /// What a person must confirm before it is printed, "" = nothing. It is not asked again once it was confirmed.
     pub question: String,
+    /// Name of the file of which its file is a copy, as the name of that says; "" = of none.
+    pub copy_of: String,
     /// Warnings, one sentence each, added to those of the claim.
     pub warnings: Vec<String>,
     /// What the file asks for it itself; `None` = nothing. Not asked again when it is read once more.

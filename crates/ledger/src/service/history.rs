@@ -82,6 +82,8 @@ pub struct HistoryRow {
     pub search: SearchEffort,
     /// What it is made of; "" = not known.
     pub material: String,
+    /// The lot of its powder, "" = not said.
+    pub lot: String,
     /// Trigger.
     pub fired_by: String,
     /// What came of it.
@@ -104,6 +106,7 @@ impl FromSqlRow for HistoryRow {
             measures: FromSqlRow::from_sql_row(row)?,
             search: FromSqlRow::from_sql_row(row)?,
             material: row.column("material")?,
+            lot: row.column("lot")?,
             fired_by: row.column("fired_by")?,
             result: FromSqlRow::from_sql_row(row)?,
         })
@@ -173,7 +176,7 @@ const COLUMNS: &str = "b.id AS build, b.machine, nullif(b.printer, b.machine) AS
     (SELECT count(*) FROM (SELECT l.part_id FROM placement l WHERE l.build_id = b.id \
     UNION SELECT l.part_id FROM bad_placement l WHERE l.build_id = b.id) AS distinct_part) AS parts, b.copies, \
     b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
-    b.seed, b.method, b.version, b.repeats, b.material, b.fired_by, b.file_name, b.reason, \
+    b.seed, b.method, b.version, b.repeats, b.material, b.lot, b.fired_by, b.file_name, b.reason, \
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
 
 impl HistoryRow {

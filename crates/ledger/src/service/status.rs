@@ -38,6 +38,8 @@ pub struct MachineStatus {
     pub asked_copies: u32,
     /// What is loaded there; "" = nothing, or nothing is said.
     pub material: String,
+    /// Its lot; "" = not said.
+    pub lot: String,
     /// The waiting parts whose material is not loaded there, by material; they are among those that wait.
     pub awaiting: Vec<AwaitedMaterial>,
     /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]), of which copies are wanted; cancelled ones do not count.
@@ -338,8 +340,8 @@ async fn note_materials(db: &mut SqlTransaction, machines: &mut BTreeMap<String,
     for WithMachine { machine, row } in fetch_by_machine(db, AWAITED).await? {
         machine_entry(machines, &machine).awaiting.push(row);
     }
-    for (machine, material) in sql::query_as::<(String, String)>(LOADED).fetch_all(&mut *db).await? {
-        machines.entry(machine).and_modify(|status| status.material = material);
+    for (machine, material, lot) in sql::query_as::<(String, String, String)>(LOADED).fetch_all(&mut *db).await? {
+        machines.entry(machine).and_modify(|status| (status.material, status.lot) = (material, lot));
     }
     Ok(())
 }

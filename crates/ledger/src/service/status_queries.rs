@@ -49,7 +49,7 @@ pub(super) const AWAITED: &str = "SELECT p.machine, p.material, count(*) AS part
     WHERE p.state = 'waiting' AND p.awaits_material GROUP BY p.machine, p.material ORDER BY p.machine, p.material";
 
 /// What is loaded.
-pub(super) const LOADED: &str = "SELECT machine, material FROM loaded_material WHERE material <> ''";
+pub(super) const LOADED: &str = "SELECT machine, material, lot FROM loaded_material WHERE material <> ''";
 
 /// Paused machines.
 pub(super) const PAUSES: &str = "SELECT machine, paused_by, cause, paused_at FROM pause";

@@ -24,6 +24,9 @@ use crate::{
 
 /// Number of read-only connections.
 const READERS: u32 = 4;
+/// Memory in which a connection may keep pages, KiB. SQLite's own 2 MiB hold some thousand parts, and with more of them each query reads its
+/// pages from the file again.
+const CACHE_KIB: u32 = 16 << 10;
 /// Switching a new file to WAL mode cannot wait for a lock, so opening is retried this many times ...
 const OPEN_ATTEMPTS: u32 = 100;
 /// ... with this pause.
@@ -265,6 +268,7 @@ pub fn connect_options(path: &Path) -> SqliteConnectOptions {
         .synchronous(SqliteSynchronous::Full)
         .foreign_keys(true)
         .busy_timeout(BUSY_TIMEOUT)
+        .pragma("cache_size", format!("-{CACHE_KIB}"))
         // A slow disk would bring whole migrations into the journal.
         .disable_statement_logging()
 }

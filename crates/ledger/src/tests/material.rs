@@ -15,7 +15,12 @@ async fn part_of(ledger: &Ledger, claim: &str, material: &str) -> PartId {
 }
 
 async fn load(ledger: &Ledger, material: &str) -> String {
-    let word = OperatorWord::Load { machine: MACHINE.to_owned(), material: material.to_owned() };
+    load_lot(ledger, material, "").await
+}
+
+async fn load_lot(ledger: &Ledger, material: &str, lot: &str) -> String {
+    let (material, lot) = (material.to_owned(), lot.to_owned());
+    let word = OperatorWord::Load { machine: MACHINE.to_owned(), material, lot };
     ledger.carry_out(&word, "ann@farm", &SeenFiles::new(), false).await.unwrap().sentences.join(" ")
 }
 
@@ -114,4 +119,28 @@ async fn a_file_says_what_is_loaded_until_a_person_does_and_a_new_alias_finds_wh
     let events = ledger.last_event_id().await.unwrap();
     ledger.take_over_materials(&by_file("PA11"), &known).await.unwrap();
     assert_eq!(ledger.last_event_id().await.unwrap(), events, "nothing is written where nothing changes");
+}
+
+#[tokio::test]
+async fn a_build_has_the_lot_that_was_loaded_when_its_printer_took_it() {
+    let ledger = fresh().await;
+    let said = load_lot(&ledger, "PA12", "4711").await;
+    assert!(said.starts_with("PA12, lot 4711, is loaded on paper-200 now"), "{said}");
+    let part = part_of(&ledger, "a", "PA12").await;
+    let lot_of = async |build: BuildId| ledger.find_build(build).await.unwrap().unwrap().lot;
+    let build = published(&ledger, &[(part, 0)]).await;
+    assert_eq!(lot_of(build).await, "4711");
+    // The powder was changed before the printer took the file.
+    load_lot(&ledger, "PA12", "4712").await;
+    assert_eq!(lot_of(build).await, "4712");
+    let queue = ledger.find_build(build).await.unwrap().unwrap().staged.queue_id.unwrap();
+    ledger.record_taken(build, &queue).await.unwrap();
+    let taken = ledger.find_build(build).await.unwrap().unwrap().place.taken_at.is_some();
+    let said = load_lot(&ledger, "PA11", "9").await;
+    assert!(said.contains("PA11, lot 9,"), "{said}");
+    assert_eq!((lot_of(build).await, taken), ("4712".to_owned(), true));
+    let loaded = ledger.loaded_materials().await.unwrap();
+    assert_eq!((loaded[0].material.as_str(), loaded[0].lot.as_str()), ("PA11", "9"));
+    let statuses = ledger.machine_statuses().await.unwrap();
+    assert_eq!(MachineStatus::of_machine(&statuses, MACHINE).lot, "9");
 }

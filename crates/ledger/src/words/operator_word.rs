@@ -149,8 +149,8 @@ impl Ledger {
             OperatorWord::CloseOrder(name) => {
                 return Ok(WordAnswer { sentences: self.close_order(name, by).await?, noted: Vec::new() });
             }
-            OperatorWord::Load { machine, material } => {
-                let sentences = self.load_material(machine, material, by).await?;
+            OperatorWord::Load { machine, material, lot } => {
+                let sentences = self.load_material(machine, (material, lot), by).await?;
                 return Ok(WordAnswer { sentences, noted: Vec::new() });
             }
             OperatorWord::SeenTo(build) => {
@@ -296,6 +296,7 @@ fn is_out_of_queue(seen: &SeenFiles, build: BuildId, insists: bool) -> Result<bo
         Some(SeenFile::Copied { own, is_second, others }) => {
             Err(InQueueError::Copied { build, own, is_second, others }.into())
         }
+        Some(SeenFile::SecondUnseen { places }) => Err(InQueueError::SecondUnseen { build, places }.into()),
         Some(SeenFile::SecondGone { .. }) if insists => Ok(false),
         Some(SeenFile::Untouched { .. }) => Ok(false),
         Some(SeenFile::SecondGone { printer, places }) => {

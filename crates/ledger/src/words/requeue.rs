@@ -49,9 +49,10 @@ async fn insert_repeated_build(
 ) -> Result<BuildId> {
     let now = change.now;
     let new: BuildId = sql::query_scalar(
-        "INSERT INTO build (machine, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats, material) \
+        "INSERT INTO build (machine, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats, material, lot) \
          VALUES ($1, 'nesting', 'requeue', 1, $2, $2, $2, $3, $4, \
-         coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = $1), '')) RETURNING id",
+         coalesce((SELECT l.material FROM loaded_material l WHERE l.machine = $1), ''), \
+         coalesce((SELECT l.lot FROM loaded_material l WHERE l.machine = $1), '')) RETURNING id",
     )
     .bind(machine)
     .bind(now)

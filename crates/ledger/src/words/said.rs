@@ -34,6 +34,8 @@ pub enum OperatorWord {
         machine: String,
         /// The material, "" = nothing is loaded.
         material: String,
+        /// The lot of its powder, "" = not said.
+        lot: String,
     },
     /// A printer takes no builds any more.
     PrinterDown {
@@ -85,6 +87,11 @@ pub enum SeenFile {
         is_second: bool,
         /// All other places, as `job.3mf at left`.
         others: Vec<String>,
+    },
+    /// A second one was seen in a queue folder that cannot be looked into now: it may lie there.
+    SecondUnseen {
+        /// Where, as `job.3mf at left`.
+        places: Vec<String>,
     },
     /// Where it was published, while a second one that lay in a queue is gone.
     SecondGone {

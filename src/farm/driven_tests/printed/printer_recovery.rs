@@ -1,10 +1,11 @@
 //! Several printers after a crash, a restored ledger, or an outcome that was told in between: no build is printed twice, and
 //! none is left where no printer sees it.
 
-use std::{fs, path::Path};
+use std::{fs, path::Path, sync::Arc};
 
 use ledger::{
-    BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, ToldOutcome,
+    BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, PrinterPlace,
+    ToldOutcome,
 };
 use ledger_fixtures::ToldWords;
 
@@ -13,8 +14,9 @@ use crate::{
     farm::{
         AlertKind,
         driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::list_build_files},
+        scanning::queue_files::QueueFileLook,
     },
-    queue::{PrinterQueue, QueueFolder},
+    queue::{OpenQueue, PrinterQueue, QueueFolder},
 };
 
 fn open_queue(farm: &HandDrivenFarm, printer: &str) -> QueueFolder {
@@ -274,4 +276,33 @@ fn a_word_about_a_file_that_lies_at_another_printer_is_told_and_holds_when_it_is
         assert_eq!(visible(&farm), [0, 0]);
         farm.assert_ledger_agrees_with_folders();
     }
+}
+
+#[test]
+fn a_file_that_is_moved_to_another_printer_while_a_word_waits_for_it_is_no_second_file() {
+    let (farm, build, file) = one_build();
+    let queues =
+        ["left", "right"].map(|printer| (printer.to_owned(), Arc::new(open_queue(&farm, printer)) as OpenQueue));
+    let at = |printer: &str| queue(&farm, printer).join(&file);
+    let noted = BuildRow {
+        place: PrinterPlace { withdraw_by: Some("a@test".to_owned()), ..build.place.clone() },
+        ..build.clone()
+    };
+    let second = || {
+        let look = QueueFileLook {
+            profile: &farm.profiles()[MACHINE],
+            queues: &queues,
+            find_build: &|_| Ok(Some(noted.clone())),
+            has_bad_copies: &|_| Ok(false),
+            second_files: &|_| Ok(Vec::new()),
+            copied: &[],
+        };
+        look.look().unwrap().second.into_iter().map(|(_, place)| place).collect::<Vec<_>>()
+    };
+    fs::rename(at("left"), at("right")).unwrap();
+    assert_eq!(second(), [""; 0]);
+    fs::copy(at("right"), at("left")).unwrap();
+    assert_eq!(second(), [format!("{file} at right")]);
+    open_queue(&farm, "left").take_back(&file, &|_| Ok(true)).unwrap();
+    assert_eq!(second(), [format!("{file} at right")], "the other one is on its way");
 }

@@ -214,6 +214,38 @@ fn a_second_file_that_is_gone_is_not_forgotten_when_the_own_one_is_moved_away_an
 }
 
 #[test]
+fn no_word_is_heard_while_the_queue_in_which_a_second_file_was_seen_cannot_be_looked_into() {
+    for (is_own_taken, is_printed) in [(false, true), (true, false), (true, true)] {
+        let mut copied = Copied::new();
+        copied.copy_to_the_right();
+        copied.expect_told("is a second file of build");
+        if is_own_taken {
+            fs::remove_file(&copied.left).unwrap();
+            copied.farm.pass_until("it is taken", |farm| published(farm)[0].place.taken_at.is_some());
+        }
+        let (right, away) = (queue(&copied.farm, "right"), copied.farm.root().join("away"));
+        fs::rename(&right, &away).unwrap();
+        for anyway in [false, true] {
+            let refused = copied.farm.say(&copied.failed(), anyway).unwrap_err();
+            assert!(matches!(refused, LedgerError::InQueue(InQueueError::SecondUnseen { .. })), "{refused}");
+            assert!(refused.to_string().contains(&format!("{} at right", copied.name)), "{refused}");
+        }
+        assert_eq!(copied.row().state, BuildState::Published);
+        if is_printed {
+            fs::rename(&away, &right).unwrap();
+            let refused = copied.farm.say(&copied.failed(), false).unwrap_err();
+            assert!(matches!(refused, LedgerError::InQueue(InQueueError::Copied { .. })), "{refused}");
+        } else {
+            // The remedy that is named.
+            fs::remove_file(away.join(&copied.name)).unwrap();
+            copied.dismiss();
+            copied.farm.say(&copied.failed(), false).unwrap();
+            assert_eq!(copied.row().state, BuildState::Failed);
+        }
+    }
+}
+
+#[test]
 fn a_build_does_not_move_while_its_copies_lie_in_a_queue_under_another_name() {
     let mut copied = Copied::new();
     let second = copied.right.with_file_name("job.3mf");

@@ -111,6 +111,27 @@ fn conflict_copies_are_asked_about_and_the_file_itself_is_printed() {
 }
 
 #[test]
+fn a_file_is_asked_about_if_a_copy_of_it_came_before_it() {
+    let mut farm = farm();
+    for (at, name) in ["kit/x - Copy.stl", "other/x.stl", "y - Copy.3mf.stl"].iter().enumerate() {
+        farm.drop_part(name, &block(10.0, 12.0, 14.0 + at as f64));
+    }
+    farm.wait_for_parts(PartState::Waiting, 3);
+    assert_eq!(asked(&farm).0, [""; 0], "nobody ordered an original");
+    farm.drop_part("kit/x.stl", &block(10.0, 12.0, 18.0));
+    farm.drop_part("kit/xx.stl", &block(10.0, 12.0, 19.0));
+    farm.wait_for_parts(PartState::Waiting, 5);
+    assert_eq!(asked(&farm).0, ["x.stl"]);
+    let part = farm.parts(PartState::Waiting).into_iter().find(|part| !part.owed.question.is_empty()).unwrap();
+    assert_eq!(part.terms.order_name, "kit");
+    assert!(
+        part.owed.question.contains("x - Copy.stl (part 1) has the name of a copy of it"),
+        "{}",
+        part.owed.question
+    );
+}
+
+#[test]
 fn a_conflict_copy_with_a_ticket_of_its_own_and_a_copy_without_its_original_are_printed() {
     let mut farm = farm();
     farm.drop_bytes("x (1).stl.toml", b"copies = 2\n");

@@ -163,7 +163,7 @@ impl RandomWalk {
                 ledger.edit_part(self.part(part).0, &edit, "walker").await.map(drop)
             }
             WalkStep::Load(material) => {
-                ledger.load_material("paper-200", MATERIALS[material % 3], "walker").await.map(drop)
+                ledger.load_material("paper-200", (MATERIALS[material % 3], ""), "walker").await.map(drop)
             }
             WalkStep::CancelCopies(part, copies) => ledger.cancel_copies(self.part(part).0, copies, "walker").await,
         }
@@ -186,7 +186,7 @@ impl RandomWalk {
         // A part waits with each material that is loaded, or with its own.
         let loaded = ledger.loaded_material("paper-200").await.unwrap();
         for material in MATERIALS.into_iter().chain([loaded.as_str()]) {
-            ledger.load_material("paper-200", material, "walker").await.unwrap();
+            ledger.load_material("paper-200", (material, ""), "walker").await.unwrap();
             for waiting in ledger.waiting_copies("paper-200").await.unwrap() {
                 assert!(!waiting.copies.is_empty(), "part {} waits with nothing", waiting.part.id);
                 seen.extend(waiting.copies.iter().map(|&copy| (waiting.part.id, copy)));

@@ -9,11 +9,12 @@ trap 'rm -r "$work"' EXIT
 # The crates of nestd itself have their folder behind the version.
 cargo tree --locked --offline --package nestd --edges normal --no-dedupe --prefix none --format '{p}|{l}' | grep -v '(/' | sort -u |
     sed 's/^\([^ ]*\) v\([^ |]*\)[^|]*|/\1 \2: /' >"$work/crates"
-sed 's/^\([^ ]*\) \([^ ]*\): .*/\1-\2/' "$work/crates" | while read -r crate; do
+while read -r name version _; do
+    version=${version%:}
     # Also the texts of the C that some bring along.
-    find "${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"$crate" -maxdepth 3 -type f \( -iname 'licen[sc]e*' -o -iname 'copying*' \
-        -o -iname 'copyright*' -o -iname 'notice*' -o -iname 'unlicense*' \) -exec sha256sum {} + | sed "s|^|$crate |"
-done >"$work/texts"
+    find "${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"$name-$version" -maxdepth 3 -type f \( -iname 'licen[sc]e*' -o -iname 'copying*' \
+        -o -iname 'copyright*' -o -iname 'notice*' -o -iname 'unlicense*' \) -exec sha256sum {} + | sed "s|^|$name $version |"
+done <"$work/crates" >"$work/texts"
 
 cat <<'END'
 nestd is linked with the software of others. Each crate is named with its version and its licence; the texts that come with them follow.
@@ -25,7 +26,8 @@ SQLite (in libsqlite3-sys): public domain
 meshoptimizer (in meshopt): MIT, Copyright (c) 2016-2026 Arseny Kapoulkine
 three.js (in the 3D view of the dashboard): MIT, Copyright (c) 2010-2026 Three.js Authors
 END
-sort -u -k2,2 "$work/texts" | while read -r _ sum text; do
-    printf '\n----- %s\n\n' "$(awk -v sum="$sum" '$2 == sum && !seen[$1]++ { print $1 }' "$work/texts" | paste -sd, | sed 's/,/, /g')"
+sort -u -k3,3 "$work/texts" | while read -r _ _ sum text; do
+    of=$(awk -v sum="$sum" '$3 == sum && !seen[$1 $2]++ { print $1, $2 }' "$work/texts" | paste -sd, | sed 's/,/, /g')
+    printf '\n----- %s\n\n' "$of"
     tr -d '\r' <"$text"
 done

@@ -2,7 +2,7 @@
 
 use std::{fmt, net::SocketAddr, path::PathBuf};
 
-use access::TokenRole;
+use access::Role;
 use serde::Serialize;
 
 use super::inputs::WebInputs;
@@ -29,7 +29,7 @@ pub struct WebSettings {
     /// File with the tokens of clients that have names and roles; `None` = there are none.
     pub tokens_file: Option<PathBuf>,
     /// What requests without a token may where there are tokens; `None` = nothing.
-    pub without_token: Option<TokenRole>,
+    pub without_token: Option<Role>,
     /// Requests per second that a client may send for long.
     pub client_requests_per_sec: f64,
     /// Requests that a client may send at once.
@@ -107,11 +107,11 @@ fn validate_rate(inputs: &WebInputs, validator: &mut ConfigValidator) -> f64 {
 }
 
 /// Whoever can connect has no token.
-fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<TokenRole> {
+fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<Role> {
     match inputs.without_token.as_str() {
         "nothing" => None,
-        "read" => Some(TokenRole::Read),
-        "order" => Some(TokenRole::Order),
+        "read" => Some(Role::Read),
+        "order" => Some(Role::Order),
         other => {
             let text = format!("web.without_token = \"{}\" is no role for it", other.escape_debug());
             validator.report_problem("web.without_token", text, "write \"nothing\", \"read\" or \"order\"");

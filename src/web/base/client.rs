@@ -6,7 +6,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use access::{TokenRole, TokenWatch, hash_token};
+use access::{Role, TokenWatch, hash_token};
 use axum::{
     extract::FromRequestParts,
     http::{HeaderMap, StatusCode, header, request::Parts},
@@ -19,7 +19,7 @@ use super::error::HandlerError;
 pub(crate) struct RequestClient {
     /// Name of the token; `None` = it has none.
     pub(crate) name: Option<String>,
-    pub(crate) role: TokenRole,
+    pub(crate) role: Role,
     /// Whether it came with a token.
     pub(crate) has_token: bool,
     /// Under which name its limits are counted: that of its token, or its address.
@@ -27,11 +27,11 @@ pub(crate) struct RequestClient {
 }
 
 impl RequestClient {
-    const NAMELESS: Self = Self { name: None, role: TokenRole::Operate, has_token: false, counted_as: String::new() };
+    const NAMELESS: Self = Self { name: None, role: Role::Operate, has_token: false, counted_as: String::new() };
 
     /// Who need not say who he is.
     pub(crate) fn nobody() -> Self {
-        Self { role: TokenRole::Read, ..Self::NAMELESS }
+        Self { role: Role::Read, ..Self::NAMELESS }
     }
 
     /// The name under which its requests and its keys are kept.
@@ -57,7 +57,7 @@ pub(crate) struct ClientGate {
     /// The file of the tokens with names and roles.
     pub(crate) tokens_file: Option<PathBuf>,
     /// What requests without a token may where there are tokens; `None` = nothing.
-    pub(crate) without_token: Option<TokenRole>,
+    pub(crate) without_token: Option<Role>,
     pub(crate) watch: Mutex<TokenWatch>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use access::TokenRole;
+use access::Role;
 use axum::routing::{MethodFilter, MethodRouter};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
@@ -38,7 +38,7 @@ pub(crate) struct ApiRoute {
     pub name: &'static str,
     pub summary: &'static str,
     /// Who may.
-    pub role: TokenRole,
+    pub role: Role,
     pub body: RequestBody,
     /// Status and content of the answer.
     pub answer: (&'static str, Option<SchemaMaker>),
@@ -79,7 +79,7 @@ pub(crate) const fn ask(
         path,
         name,
         summary,
-        role: TokenRole::Read,
+        role: Role::Read,
         body: RequestBody::Nothing,
         answer: ("200", Some(answer)),
         query: None,
@@ -98,5 +98,5 @@ pub(crate) const fn tell(
     handler: HandlerMaker,
 ) -> ApiRoute {
     let answer: SchemaMaker = schema_of::<edit_door::CarriedOut>;
-    ApiRoute { method, role: TokenRole::Order, body, ..ask(path, name, summary, answer, handler) }
+    ApiRoute { method, role: Role::Order, body, ..ask(path, name, summary, answer, handler) }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use access::TokenRole;
+use access::Role;
 use axum::{
     Router,
     extract::DefaultBodyLimit,
@@ -209,7 +209,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Read,
+        role: Role::Read,
         answer: ("200", Some(schema_of::<OrderQuote>)),
         ..tell(
             ("POST", "/api/v1/quote"),
@@ -234,7 +234,7 @@ const DOORS: [ApiRoute; 14] = [
         |method| on(method, edit_door::delete_order),
     ),
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/orders/{order}/close"),
             "post_close",
@@ -258,7 +258,7 @@ const DOORS: [ApiRoute; 14] = [
         |method| on(method, edit_door::delete_line),
     ),
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/builds/{build}/outcome"),
             "post_outcome",
@@ -268,7 +268,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/builds/{build}/release"),
             "post_release",
@@ -278,7 +278,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/machines/{machine}/load"),
             "post_load",
@@ -288,7 +288,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/machines/{machine}/flush"),
             "post_flush",

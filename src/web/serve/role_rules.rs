@@ -1,20 +1,20 @@
 //! Which role a request needs.
 
-use access::TokenRole;
+use access::Role;
 use axum::http::Method;
 
 use crate::web::doors::api_routes;
 
 /// The least role that may send a request. What is not known to need less needs the most.
-pub(super) fn needed_role(method: &Method, path: &str) -> TokenRole {
+pub(super) fn needed_role(method: &Method, path: &str) -> Role {
     if matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS) || path == "/name" {
-        return TokenRole::Read;
+        return Role::Read;
     }
     let steps: Vec<&str> = path.split('/').skip(1).collect();
     match steps[..] {
-        ["api", ..] => api_routes::find_route(method, path).map_or(TokenRole::Operate, |route| route.role),
-        ["machines", _, "files"] | ["parts", _, "edit"] | ["orders", _, "cancel" | "edit" | "move"] => TokenRole::Order,
-        _ => TokenRole::Operate,
+        ["api", ..] => api_routes::find_route(method, path).map_or(Role::Operate, |route| route.role),
+        ["machines", _, "files"] | ["parts", _, "edit"] | ["orders", _, "cancel" | "edit" | "move"] => Role::Order,
+        _ => Role::Operate,
     }
 }
 
@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn looking_needs_the_least_ordering_more_and_whatever_is_not_known_the_most() {
-        use TokenRole::{Operate, Order, Read};
+        use Role::{Operate, Order, Read};
         for (method, path, role) in [
             (Method::GET, "/", Read),
             (Method::GET, "/api/v1/orders/K", Read),

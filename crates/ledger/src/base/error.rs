@@ -154,6 +154,12 @@ pub enum LedgerError {
     /// There is no such part.
     #[error("there is no part {0}")]
     UnknownPart(PartId),
+    /// There is a person of this name.
+    #[error("there is a person named {0} already: take another name, or change what {0} has")]
+    PersonKnown(String),
+    /// There is no such person.
+    #[error("there is no person named {0}; `nestd people list` says who there is")]
+    UnknownPerson(String),
     /// There is no such build.
     #[error("there is no build {0}")]
     UnknownBuild(BuildId),

@@ -105,6 +105,8 @@ const MIGRATIONS: [ServerMigration; 23] = [
     migration(42, "material", include_str!("../../../../../migrations/postgres/0042_material.sql")),
     migration(43, "profile of machine", include_str!("../../../../../migrations/postgres/0043_profile_of_machine.sql")),
     migration(44, "email", include_str!("../../../../../migrations/postgres/0044_email.sql")),
+    // An older node would ask nobody who he is.
+    migration(45, "people", include_str!("../../../../../migrations/postgres/0045_people.sql")),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

@@ -197,7 +197,7 @@ async fn a_form_of_an_earlier_daemon_is_told_what_became_of_it_and_an_unknown_on
     dashboard.press(&sent).await;
     // A daemon that ended before it answered: the key is noted, and what became of it is not.
     let key = &ended.fields.iter().find(|(name, _)| name == "key").unwrap().1;
-    let client = crate::web::base::client::RequestClient::nobody();
+    let client = crate::web::clients::client::RequestClient::nobody();
     let mut asked = blake3::Hasher::new();
     asked.update(ended.action.as_bytes()).update(b"\n").update(ended.body().as_bytes());
     let never = crate::web::serve::sent_form::carry_out_form(

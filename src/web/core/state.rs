@@ -15,7 +15,7 @@ use crate::{
     tables::TimeView,
     web::{
         base::{
-            cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
+            cache::RecentCache, client_gate::{ClientGate, ProxyHeader}, client_limits::{ClientLimits, SignInAttempts}, compressed::CompressedBody,
             error::HandlerResult,
         },
         figures::pick_map::CachedPickMap,
@@ -34,12 +34,16 @@ pub(crate) struct DashboardState {
     pub(crate) is_tcp: bool,
     pub(crate) hosts: Vec<String>,
     pub(crate) orders: bool,
-    /// Header in which a reverse proxy names the user.
-    pub(crate) user_header: Option<axum::http::HeaderName>,
+    /// The reverse proxy that names its users.
+    pub(crate) proxy: Option<ProxyHeader>,
     /// What each client may take.
     pub(crate) limits: Arc<ClientLimits>,
     /// Who may ask what.
     pub(crate) clients: ClientGate,
+    /// Failed attempts to sign in.
+    pub(crate) attempts: SignInAttempts,
+    /// Who holds one of these compares a password, which takes a core and 19 MiB.
+    pub(crate) password_slots: Arc<Semaphore>,
     /// Uploads that requests are at.
     pub(crate) uploads: UploadTurns,
     /// Orders that are being taken.

@@ -66,6 +66,13 @@ pub(crate) fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schem
     generator.subschema_for::<T>()
 }
 
+/// Whether an address is one of a pattern: its steps are the same, or stand where the pattern has a name in braces.
+pub(crate) fn is_path_of(pattern: &str, path: &str) -> bool {
+    let (wanted, given) = (pattern.split('/'), path.split('/'));
+    wanted.clone().count() == given.clone().count()
+        && wanted.zip(given).all(|(wanted, given)| wanted.starts_with('{') || wanted == given)
+}
+
 /// A question.
 pub(crate) const fn ask(
     path: &'static str,

@@ -15,7 +15,7 @@ use ledger::HeightSummary;
 
 use super::{
     api,
-    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, schema_of, tell},
+    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, is_path_of, schema_of, tell},
     dto::{BuildResponse, PartResource, PartResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
@@ -364,11 +364,5 @@ pub(crate) fn routes() -> Router<Arc<DashboardState>> {
 
 /// What may be done at this address with this method; `None` = it is none of the interface.
 pub(crate) fn find_route(method: &Method, path: &str) -> Option<&'static ApiRoute> {
-    let given: Vec<&str> = path.split('/').collect();
-    let matches = |pattern: &str| {
-        let wanted: Vec<&str> = pattern.split('/').collect();
-        let is_alike = |(wanted, given): (&&str, &&str)| wanted.starts_with('{') || wanted == given;
-        wanted.len() == given.len() && wanted.iter().zip(&given).all(is_alike)
-    };
-    all_routes().find(|route| route.method == method.as_str() && matches(route.path))
+    all_routes().find(|route| route.method == method.as_str() && is_path_of(route.path, path))
 }

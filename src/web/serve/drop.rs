@@ -19,12 +19,12 @@ use crate::{
     settings::MachineProfile,
     web::{
         base::{
-            client::RequestClient,
             connection_limits::RequestInProgress,
             error::{HandlerError, HandlerResult},
             form_field::{incomplete_form, read_field},
             page::html_page,
         },
+        clients::client::RequestClient,
         core::{form_answer::FormAnswer, state::DashboardState},
         doors::put_content::{put_contents, run_on_disk},
         forms::drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},

@@ -35,7 +35,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 23] = [
+const MIGRATIONS: [ServerMigration; 24] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),

@@ -45,6 +45,8 @@ mod help_tests;
 mod label_tests;
 #[path = "order_tests.rs"]
 mod order_tests;
+#[path = "people/people_tests.rs"]
+mod people_tests;
 #[path = "plan_tests.rs"]
 mod plan_tests;
 #[path = "printer_tests.rs"]

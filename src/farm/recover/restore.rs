@@ -157,7 +157,8 @@ async fn rebuild_copy(
     let mut reconciled = reconciled?;
     if !matches!(begin, LedgerSource::Present) {
         reconciled.doubts.extend(doubts_on_printers(settings, &down?));
-        let people = people?.then(|| "who may sign in, and with which password, is as in the backup: `nestd people list`");
+        let people =
+            people?.then(|| "who may sign in, and with which password, is as in the backup: `nestd people list`");
         reconciled.doubts.extend(people.map(str::to_owned));
     }
     if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {

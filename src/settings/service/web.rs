@@ -160,8 +160,9 @@ fn validate_user_header(inputs: &WebInputs, listen: &ListenAddress, validator: &
         && !address.ip().is_loopback()
         && inputs.user_header_from.is_empty()
     {
-        let text =
-            format!("web.user_header is set, web.listen = \"{address}\", and no address of web.user_header_from is believed");
+        let text = format!(
+            "web.user_header is set, web.listen = \"{address}\", and no address of web.user_header_from is believed"
+        );
         let remedy = "listen on 127.0.0.1 behind the reverse proxy that sets the header, or name its address in web.user_header_from";
         validator.report_problem("web.user_header", text, remedy);
     }

@@ -54,7 +54,8 @@ pub(crate) struct RequestClient {
 }
 
 impl RequestClient {
-    pub(crate) const NAMELESS: Self = Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new() };
+    pub(crate) const NAMELESS: Self =
+        Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new() };
 
     /// Who need not say who he is.
     pub(crate) fn nobody() -> Self {

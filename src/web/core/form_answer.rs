@@ -23,7 +23,8 @@ pub(crate) fn key_field(web: &DashboardState) -> Markup {
 
 /// An address of this dashboard that a form names; else the farm's. No other site can be among them, however it is written.
 pub(crate) fn address_here(text: &str) -> &str {
-    let is_here = text.starts_with('/') && !text.starts_with("//") && !text.contains(|c: char| c == '\\' || c.is_control());
+    let is_here =
+        text.starts_with('/') && !text.starts_with("//") && !text.contains(|c: char| c == '\\' || c.is_control());
     if is_here { text } else { "/" }
 }
 

@@ -47,7 +47,9 @@ fn user_of_request(headers: &HeaderMap, by_proxy: Option<Option<String>>, client
         (KnownBy::Token(Some(token)), _) => return format!("{token}@token"),
         // Where people sign in, a name that anybody may say is none.
         (KnownBy::NoName, None) | (_, Some(None)) => None,
-        (KnownBy::Nothing | KnownBy::Token(None), None) => name_in_cookies(headers).map(|name| name.replace('@', " at ")),
+        (KnownBy::Nothing | KnownBy::Token(None), None) => {
+            name_in_cookies(headers).map(|name| name.replace('@', " at "))
+        }
     };
     let name: String = given.unwrap_or_default().trim().chars().take(MAX_NAME).collect();
     if name.is_empty() { NOBODY.to_owned() } else { user_of_person(&name) }

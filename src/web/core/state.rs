@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, PoisonError};
 
+use access::Role;
 use axum::{body::Bytes, response::Redirect};
 use jiff::Timestamp;
 use ledger::Ledger;
@@ -15,9 +16,13 @@ use crate::{
     tables::TimeView,
     web::{
         base::{
-            cache::RecentCache, client_gate::{ClientGate, ProxyHeader}, client_limits::{ClientLimits, SignInAttempts}, compressed::CompressedBody,
+            cache::RecentCache,
+            client_gate::{ClientGate, ProxyHeader},
+            client_limits::{ClientLimits, SignInAttempts},
+            compressed::CompressedBody,
             error::HandlerResult,
         },
+        clients::client::RequestClient,
         figures::pick_map::CachedPickMap,
     },
 };
@@ -79,6 +84,11 @@ impl DashboardState {
     /// The current settings.
     pub(crate) fn current_settings(&self) -> Arc<Settings> {
         self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Whether a page shows a form to whoever looks at it: the farm takes orders from pages, and the form needs no more than this role.
+    pub(crate) fn offers(&self, role: Role) -> bool {
+        self.orders && RequestClient::current().is_none_or(|client| client.role >= role)
     }
 
     /// How the pages show times.

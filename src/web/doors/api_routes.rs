@@ -343,7 +343,7 @@ const UPLOADS: [ApiRoute; 4] = [
 ];
 
 /// All routes of the interface.
-pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
+pub(crate) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
     static ALL: [&[ApiRoute]; 3] = [&QUESTIONS, &DOORS, &UPLOADS];
     ALL.iter().flat_map(|routes| routes.iter())
 }

@@ -144,7 +144,9 @@ pub(crate) async fn post_people(
             return Ok(Redirect::to("/people").into_response());
         }
         PersonAct::Role => PersonChange::Role(fields.role.unwrap_or(Role::Read)),
-        PersonAct::Password => PersonChange::Password(hash_secret(&web, check_password(&fields.password, name)?).await?),
+        PersonAct::Password => {
+            PersonChange::Password(hash_secret(&web, check_password(&fields.password, name)?).await?)
+        }
         PersonAct::NoPin => PersonChange::Pin(PasswordHash::default()),
         PersonAct::SignOut => PersonChange::SignedOut,
         PersonAct::Remove => PersonChange::Removed,

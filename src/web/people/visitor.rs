@@ -44,7 +44,10 @@ pub(crate) async fn asks_for_people(web: &DashboardState) -> HandlerResult<bool>
 ///
 /// # Errors
 /// `Refused` where it is neither a token that the farm knows nor a person who is signed in.
-pub(crate) async fn identify(web: &DashboardState, request: &axum::http::request::Parts) -> HandlerResult<RequestClient> {
+pub(crate) async fn identify(
+    web: &DashboardState,
+    request: &axum::http::request::Parts,
+) -> HandlerResult<RequestClient> {
     let headers = &request.headers;
     if !asks_for_people(web).await? {
         return web.clients.identify_client(headers);
@@ -82,7 +85,10 @@ fn is_done_by_person(request: &axum::http::request::Parts) -> bool {
 }
 
 /// The session of a browser and the hash of its token.
-pub(super) async fn find_session(web: &DashboardState, headers: &HeaderMap) -> HandlerResult<Option<(String, SessionRow)>> {
+pub(super) async fn find_session(
+    web: &DashboardState,
+    headers: &HeaderMap,
+) -> HandlerResult<Option<(String, SessionRow)>> {
     let Some(hash) = session_hash(headers) else { return Ok(None) };
     Ok(web.ledger.find_session(&hash).await?.map(|session| (hash, session)))
 }
@@ -101,4 +107,3 @@ pub(super) fn session_cookie(request: &HeaderMap, token: Option<&str>) -> Option
     let cookie = format!("{SESSION_COOKIE}={token}; Path=/; Max-Age={age_secs}; SameSite=Lax; HttpOnly{secure}");
     HeaderValue::from_str(&cookie).ok().map(|cookie| (header::SET_COOKIE, cookie))
 }
-

@@ -41,11 +41,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; f
 const UPLOADS: &str = "/api/v1/uploads";
 
 /// Passes a request on or refuses it, and adds the security headers.
-pub(super) async fn guard_request(
-    State(web): State<Arc<DashboardState>>,
-    request: Request,
-    next: Next,
-) -> Response {
+pub(super) async fn guard_request(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     let path = parts.uri.path().to_owned();
     let halted = web.farm.halt_reason().filter(|_| needs_ledger(&path));

@@ -109,7 +109,9 @@ pub(crate) async fn carry_out_form(
         let _turn = turn;
         record_and_answer(&web, &client_name, &number, fingerprint, work).await
     };
-    tokio::spawn(language::current().scope(client.clone().scope(carry_out))).await.context("a form was not carried out")?
+    tokio::spawn(language::current().scope(client.clone().scope(carry_out)))
+        .await
+        .context("a form was not carried out")?
 }
 
 /// Waits while the same form is being carried out.

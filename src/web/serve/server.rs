@@ -3,12 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
-use axum::{
-    Router,
-    extract::DefaultBodyLimit,
-    middleware,
-    routing::get,
-};
+use axum::{Router, extract::DefaultBodyLimit, middleware, routing::get};
 use language::say;
 use ledger::{Ledger, LedgerUser};
 use tokio::sync::{Semaphore, watch};
@@ -84,7 +79,10 @@ pub async fn serve_dashboard(
         settings,
         is_tcp: matches!(listener, DashboardListener::Tcp(_)),
         hosts: web.hosts,
-        proxy: web.user_header.and_then(|header| header.parse().ok()).map(|header| ProxyHeader { header, from: web.user_header_from }),
+        proxy: web
+            .user_header
+            .and_then(|header| header.parse().ok())
+            .map(|header| ProxyHeader { header, from: web.user_header_from }),
         orders: web.orders,
         limits: ClientLimits::new(ClientRates {
             per_sec: web.client_requests_per_sec,

@@ -83,13 +83,13 @@ impl TestDashboard {
         self.answer(Request::get(path), token, "10.0.0.7", "").await
     }
 
-    async fn form(&self, path: &str, token: &str, body: &str) -> Answer {
+    async fn post_as(&self, path: &str, token: &str, body: &str) -> Answer {
         self.answer(Request::post(path), token, "10.0.0.7", body).await
     }
 
     async fn sign_in(&self, name: &str, password: &str, former: &str) -> Answer {
         let password = password.replace(' ', "+");
-        self.form("/sign-in", former, &format!("name={name}&password={password}&to=/orders")).await
+        self.post_as("/sign-in", former, &format!("name={name}&password={password}&to=/orders")).await
     }
 }
 
@@ -140,7 +140,7 @@ async fn every_address_answers_the_roles_that_may_ask_and_no_other() {
         "{}",
         page.text
     );
-    let form = dashboard.form("/commands", "", "key=key&kind=flush&machine=cube").await;
+    let form = dashboard.post_as("/commands", "", "key=key&kind=flush&machine=cube").await;
     assert!(form.status == StatusCode::UNAUTHORIZED && !form.text.contains("action=\"/sign-in\""));
 }
 
@@ -165,7 +165,7 @@ async fn without_people_nobody_is_asked_and_with_sign_in_set_everybody_is() {
     let seen = TestDashboard::with_people(|web| web.clients.without_token = Some(Role::Read)).await;
     let page = seen.page("/", "").await;
     assert!(page.status == StatusCode::OK && page.text.contains("href=\"/sign-in\""), "{}", page.text);
-    assert_eq!(seen.form("/commands", "", "key=key&kind=flush&machine=cube").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(seen.post_as("/commands", "", "key=key&kind=flush&machine=cube").await.status, StatusCode::FORBIDDEN);
 }
 
 #[tokio::test]
@@ -192,13 +192,13 @@ async fn every_sign_in_makes_a_new_token_and_one_that_was_planted_or_stands_in_a
         ["//evil.example.com", "https://evil.example.com/", "/%5Cevil.example.com", "/%09/evil.example.com", "orders"]
     {
         let answer =
-            dashboard.form("/sign-in", "", &format!("name=operate&password=correct+horse+battery&to={to}")).await;
+            dashboard.post_as("/sign-in", "", &format!("name=operate&password=correct+horse+battery&to={to}")).await;
         assert_eq!((answer.status, answer.location()), (StatusCode::SEE_OTHER, "/"), "{to}");
     }
     let encrypted = Request::post("/sign-in").header("origin", "https://localhost");
     let answer = dashboard.answer(encrypted, "", "10.0.0.7", "name=operate&password=correct+horse+battery").await;
     assert!(answer.headers["set-cookie"].to_str().unwrap().ends_with("; Secure"));
-    let out = dashboard.form("/sign-out", &second, "").await;
+    let out = dashboard.post_as("/sign-out", &second, "").await;
     assert!(out.token().is_empty() && out.location() == "/sign-in");
     assert_eq!(dashboard.page("/", &second).await.status, StatusCode::UNAUTHORIZED);
 }
@@ -218,9 +218,9 @@ async fn pages_of_other_sites_sign_nobody_in_or_out() {
     assert_eq!(dashboard.page("/people", "admin").await.status, StatusCode::OK);
     let add = "act=add&name=mallory&role=admin&password=mallorys+password";
     for body in [add.to_owned(), format!("key=planted&{add}")] {
-        assert_eq!(dashboard.form("/people", "admin", &body).await.status, StatusCode::FORBIDDEN, "{body}");
+        assert_eq!(dashboard.post_as("/people", "admin", &body).await.status, StatusCode::FORBIDDEN, "{body}");
     }
-    assert_eq!(dashboard.form("/people", "operate", &format!("key=key&{add}")).await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post_as("/people", "operate", &format!("key=key&{add}")).await.status, StatusCode::FORBIDDEN);
     assert!(dashboard.ledger.find_person("mallory").await.unwrap().is_none());
 }
 
@@ -277,7 +277,7 @@ async fn a_pin_is_enough_only_at_a_device_that_is_shared_and_not_to_say_who_else
     dashboard.give_secrets("operate", None).await;
     dashboard.give_secrets("admin", Some("4711")).await;
     let with_pin =
-        async |token: &str, pin: &str| dashboard.form("/sign-in/pin", token, &format!("name=admin&pin={pin}")).await;
+        async |token: &str, pin: &str| dashboard.post_as("/sign-in/pin", token, &format!("name=admin&pin={pin}")).await;
     let own = dashboard.sign_in("operate", PASSWORD, "").await.token();
     for token in ["", "planted", &own] {
         let answer = with_pin(token, "4711").await;
@@ -288,7 +288,7 @@ async fn a_pin_is_enough_only_at_a_device_that_is_shared_and_not_to_say_who_else
         );
     }
     let form = "name=operate&password=correct+horse+battery&shared=true";
-    let device = dashboard.form("/sign-in", &own, form).await.token();
+    let device = dashboard.post_as("/sign-in", &own, form).await.token();
     assert!(dashboard.page("/sign-in", &device).await.text.contains("value=\"admin\""));
     assert_eq!(with_pin(&device, "1234").await.status, StatusCode::FORBIDDEN);
     let handed_on = with_pin(&device, "4711").await;
@@ -297,10 +297,10 @@ async fn a_pin_is_enough_only_at_a_device_that_is_shared_and_not_to_say_who_else
     assert_eq!(dashboard.page("/", &device).await.status, StatusCode::UNAUTHORIZED, "the token is a new one");
     assert_eq!(dashboard.page("/people", &admin).await.status, StatusCode::FORBIDDEN, "a PIN is short");
     assert_eq!(
-        dashboard.form("/you", &admin, "key=key&what=pin&new=9021&again=9021").await.status,
+        dashboard.post_as("/you", &admin, "key=key&what=pin&new=9021&again=9021").await.status,
         StatusCode::BAD_REQUEST
     );
-    let nobody = dashboard.form("/sign-out", &admin, "").await.token();
+    let nobody = dashboard.post_as("/sign-out", &admin, "").await.token();
     assert!(dashboard.page("/", &nobody).await.status == StatusCode::UNAUTHORIZED && !nobody.is_empty());
     let again = with_pin(&nobody, "4711").await.token();
     for wrong in 1..=5 {
@@ -321,7 +321,7 @@ async fn people_change_their_own_secrets_with_their_password_and_other_devices_a
     let new = "another+long+password";
     let change = async |current: &str, again: &str| {
         let body = format!("key=key&what=password&current={current}&new={new}&again={again}");
-        dashboard.form("/you", &here, &body).await
+        dashboard.post_as("/you", &here, &body).await
     };
     assert_eq!(change("wrong", new).await.status, StatusCode::BAD_REQUEST);
     assert_eq!(change("correct+horse+battery", "else").await.status, StatusCode::BAD_REQUEST);
@@ -335,7 +335,7 @@ async fn people_change_their_own_secrets_with_their_password_and_other_devices_a
     assert!(page.status == StatusCode::OK && page.text.contains("Your password is changed"), "{}", page.text);
     assert_eq!(dashboard.sign_in("order", PASSWORD, "").await.status, StatusCode::FORBIDDEN);
     assert!(dashboard.sign_in("order", "another long password", "").await.has_token());
-    let everywhere = dashboard.form("/you", &renewed, "key=key&what=everywhere").await.token();
+    let everywhere = dashboard.post_as("/you", &renewed, "key=key&what=everywhere").await.token();
     assert_eq!(dashboard.page("/", &renewed).await.status, StatusCode::UNAUTHORIZED);
     assert_eq!(dashboard.page("/", &everywhere).await.status, StatusCode::OK);
 }
@@ -343,7 +343,7 @@ async fn people_change_their_own_secrets_with_their_password_and_other_devices_a
 #[tokio::test]
 async fn an_admin_says_who_may_sign_in_and_locks_not_himself_out() {
     let dashboard = TestDashboard::with_people(|_| ()).await;
-    let act = async |body: &str| dashboard.form("/people", "admin", &format!("key=key&{body}")).await;
+    let act = async |body: &str| dashboard.post_as("/people", "admin", &format!("key=key&{body}")).await;
     assert_eq!(act("act=add&name=Jörg+Maier&role=order&password=ein+langes+Wort").await.status, StatusCode::SEE_OTHER);
     let added = dashboard.ledger.find_person("jörg maier").await.unwrap().unwrap();
     assert_eq!((added.role, added.added_by.as_str(), added.has_password), (Role::Order, "admin@dashboard", true));

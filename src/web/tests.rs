@@ -148,7 +148,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 18] = [
+const PAGES: [&str; 19] = [
     "/",
     "/components",
     "/history",
@@ -167,6 +167,7 @@ const PAGES: [&str; 18] = [
     "/machines/cube/drop",
     "/help",
     "/help?q=paused",
+    "/sign-in",
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {

@@ -90,7 +90,7 @@ pub fn run(common: &CommonArgs, command: &PeopleCommand) -> Result<CommandExit> 
         PeopleCommand::Pin { name, .. } => change(common, name, async |_, name| new_pin(name))?,
         PeopleCommand::SignOut { name } => change(common, name, async |_, _| Ok(PersonChange::SignedOut))?,
         PeopleCommand::Remove { name, anyway } => {
-            let removed = async |ledger: &Ledger, name: &str| {
+            let removed = async |ledger: &Ledger, name: &str| -> Result<PersonChange> {
                 if !anyway && ledger.list_people().await?.len() == 1 {
                     let text = format!(
                         "{name} is the last one: without people, and unless web.sign_in is set, whoever can connect may do everything. \

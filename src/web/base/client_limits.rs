@@ -208,7 +208,9 @@ impl SignInAttempts {
         for (at, (name, _)) in tried.iter().enumerate() {
             match counts.get_mut(name) {
                 Some((count, _)) if at > 0 && *count > 1 => *count -= 1,
-                _ => drop(counts.remove(name)),
+                _ => {
+                    counts.remove(name);
+                }
             }
         }
     }

@@ -179,7 +179,9 @@ pub(crate) async fn post_sign_out(
     let is_shared = web.ledger.find_session(&hash).await?.is_some_and(|session| session.is_shared);
     let token = (is_shared && !fields.device).then(random_token);
     match &token {
-        Some(token) => drop(web.ledger.hand_session_on(&hash, &hash_token(token), None).await?),
+        Some(token) => {
+            web.ledger.hand_session_on(&hash, &hash_token(token), None).await?;
+        }
         None => web.ledger.end_session(&hash).await?,
     }
     let cookie = session_cookie(&headers, token.as_deref());
@@ -228,7 +230,7 @@ pub(super) async fn check_secret(
         web.attempts.succeed(&tried);
     } else {
         // What somebody types as a name may be the password.
-        let known = found.as_ref().map_or("a name that nobody has", |found| &found.name);
+        let known = found.as_ref().map_or("a name that nobody has", |found| found.name.as_str());
         let what = if secret == Secret::Pin { "PIN" } else { "password" };
         tracing::warn!("A wrong {what} for {known}, from {}.", place_of(address));
     }

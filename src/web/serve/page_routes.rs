@@ -124,7 +124,7 @@ pub(crate) const PAGES: &[PageRoute] = &[
     look("/content/{hash}", |method| on(method, content::get_content)),
     look("/metrics", |method| on(method, metrics::get_metrics)),
     look("/readyz", |method| on(method, metrics::get_readiness)),
-    open("/healthz", |_| get(async || "alive\n")),
+    open("/healthz", |_| get(|| async { "alive\n" })),
 ];
 
 /// What may be done at this address with this method; `None` = it is none of the pages.

@@ -127,7 +127,6 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
     page_routes::routes()
         .merge(api_routes::routes())
         .route("/api/v1/openapi.json", get(openapi::document))
-        .route("/healthz", get(|| async { "alive\n" }))
         .fallback(|| async { HandlerError::NotFound(say!("page-of-address")) })
         .layer(middleware::from_fn_with_state(web.clone(), sent_form::carry_out_once))
         .layer(middleware::from_fn(request_stage::buffer_then_answer))

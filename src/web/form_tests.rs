@@ -107,7 +107,9 @@ fn answer_all(ledger: &Ledger) -> tokio::task::JoinHandle<()> {
 
 #[tokio::test]
 async fn every_form_of_every_page_does_once_what_is_sent_twice() {
-    let pages: Vec<&str> = PAGES.into_iter().chain(["/parts/2", "/orders/kit"]).collect();
+    // Who signs in twice is signed in twice.
+    let is_form_page = |page: &&str| *page != "/sign-in";
+    let pages: Vec<&str> = PAGES.into_iter().filter(is_form_page).chain(["/parts/2", "/orders/kit"]).collect();
     let prepared = async || {
         let dashboard = with_a_build("bracket.stl").await;
         let part = ledger::NewPartRow {

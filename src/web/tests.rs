@@ -6,8 +6,7 @@ use axum::{
     body::{Body, to_bytes},
     http::{Request, StatusCode},
 };
-use ledger_fixtures::ToldWords;
-use ledger_fixtures::{self as fixtures, TestLedger};
+use ledger_fixtures::{self as fixtures, TestLedger, ToldWords};
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
@@ -91,7 +90,6 @@ impl TestDashboard {
             limits: ClientLimits::new(ClientRates { per_sec: 1e6, burst: 1000, bytes: 1 << 40 }),
             clients: Default::default(),
             attempts: Default::default(),
-            password_slots: Arc::new(Semaphore::new(2)),
             uploads: Default::default(),
             door: Default::default(),
             form_keys: Default::default(),

@@ -7,6 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use tokio::sync::Semaphore;
+
 use super::error::HandlerError;
 
 /// Clients that are remembered before those are forgotten that take nothing.
@@ -172,6 +174,8 @@ impl Drop for ClientPlace {
     }
 }
 
+/// Passwords that are compared or hashed at the same time.
+const MAX_PASSWORDS: usize = 2;
 /// How often a name may be tried with a wrong password or PIN.
 pub(crate) const NAME_ATTEMPTS: u32 = 5;
 /// How often an address may; behind a proxy, many people have one.
@@ -180,14 +184,24 @@ pub(crate) const ADDRESS_ATTEMPTS: u32 = 30;
 const ATTEMPTS_KEPT: Duration = Duration::from_secs(15 * 60);
 
 /// Failed attempts to sign in, by name and by address. Also names that nobody has are counted: else it would show who is known.
-#[derive(Debug, Default)]
-pub(crate) struct SignInAttempts(Mutex<HashMap<String, (u32, Instant)>>);
+#[derive(Debug)]
+pub(crate) struct SignInAttempts {
+    counts: Mutex<HashMap<String, (u32, Instant)>>,
+    /// Who holds one of these compares or hashes a password, which takes a core and 19 MiB.
+    pub(crate) slots: Arc<Semaphore>,
+}
+
+impl Default for SignInAttempts {
+    fn default() -> Self {
+        Self { counts: Mutex::default(), slots: Arc::new(Semaphore::new(MAX_PASSWORDS)) }
+    }
+}
 
 impl SignInAttempts {
     /// Counts an attempt for each of these, which may have so many; or returns how long to wait. An attempt counts before it is judged, so
     /// that many at once are no way around.
     pub(crate) fn begin(&self, tried: &[(String, u32)], now: Instant) -> Result<(), Duration> {
-        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         counts.retain(|_, (_, since)| now.saturating_duration_since(*since) < ATTEMPTS_KEPT);
         let wait_of = |(name, most): &(String, u32)| {
             let (_, since) = counts.get(name).filter(|(count, _)| count >= most)?;
@@ -204,7 +218,7 @@ impl SignInAttempts {
 
     /// The attempt was right: it does not count, and neither do those before it under the name, the first of these.
     pub(crate) fn succeed(&self, tried: &[(String, u32)]) {
-        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         for (at, (name, _)) in tried.iter().enumerate() {
             match counts.get_mut(name) {
                 Some((count, _)) if at > 0 && *count > 1 => *count -= 1,

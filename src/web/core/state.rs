@@ -45,10 +45,8 @@ pub(crate) struct DashboardState {
     pub(crate) limits: Arc<ClientLimits>,
     /// Who may ask what.
     pub(crate) clients: ClientGate,
-    /// Failed attempts to sign in.
+    /// Failed attempts to sign in, and who compares passwords.
     pub(crate) attempts: SignInAttempts,
-    /// Who holds one of these compares a password, which takes a core and 19 MiB.
-    pub(crate) password_slots: Arc<Semaphore>,
     /// Uploads that requests are at.
     pub(crate) uploads: UploadTurns,
     /// Orders that are being taken.

@@ -70,7 +70,7 @@ pub(super) async fn hash_secret(web: &DashboardState, secret: &str) -> HandlerRe
     if secret.is_empty() {
         return Ok(PasswordHash::default());
     }
-    let slot = web.password_slots.clone().acquire_owned().await.context("nobody hashes passwords any more")?;
+    let slot = web.attempts.slots.clone().acquire_owned().await.context("nobody hashes passwords any more")?;
     let secret = secret.to_owned();
     let hash = move || {
         let _slot = slot;

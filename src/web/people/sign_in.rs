@@ -29,9 +29,6 @@ use crate::web::{
     core::{form_answer::address_here, state::DashboardState},
 };
 
-/// Passwords that are compared at the same time.
-pub(crate) const MAX_PASSWORDS: usize = 2;
-
 /// What the page asks again after it was refused.
 #[derive(Debug, Default)]
 pub(crate) struct SignInForm {
@@ -214,7 +211,7 @@ pub(super) async fn check_secret(
         let secs = wait.as_secs().max(1);
         return Err(HandlerError::TooMany(secs, say!("too-many-attempts", minutes = secs.div_ceil(60))));
     }
-    let slot = web.password_slots.clone().acquire_owned().await.context("nobody compares passwords any more")?;
+    let slot = web.attempts.slots.clone().acquire_owned().await.context("nobody compares passwords any more")?;
     let hash = match (&found, secret) {
         (Some(PersonSecrets { password, .. }), Secret::Password) => password.clone(),
         (Some(PersonSecrets { pin, .. }), Secret::Pin) => pin.clone(),

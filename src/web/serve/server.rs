@@ -34,7 +34,6 @@ use crate::{
             request_stage::{self, MAX_BODY_BYTES},
         },
         pages::{live, pick_page},
-        people::sign_in::MAX_PASSWORDS,
     },
 };
 
@@ -91,7 +90,6 @@ pub async fn serve_dashboard(
         }),
         clients,
         attempts: Default::default(),
-        password_slots: Arc::new(Semaphore::new(MAX_PASSWORDS)),
         uploads: Default::default(),
         door: Arc::new(OrderDoor::default()),
         form_keys: Default::default(),

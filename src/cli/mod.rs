@@ -143,6 +143,9 @@ enum CliCommand {
     /// Make, list and take back the tokens with which programs ask the dashboard
     #[command(subcommand)]
     Token(act::token::TokenCommand),
+    /// Say who may sign in to the dashboard, and what each may do
+    #[command(subcommand)]
+    People(act::person::PeopleCommand),
     /// Show the daemons that share the ledger: whether they run, and which machines they serve
     Nodes(look::nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
@@ -235,6 +238,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Release(args) => act::release::run(common, args),
         CliCommand::Withdraw(args) => act::withdraw::run(common, args),
         CliCommand::Token(command) => act::token::run(common, command),
+        CliCommand::People(command) => act::person::run(common, command),
         CliCommand::Nodes(args) => look::nodes::run(common, args),
         CliCommand::Backup(args) => serve::backup::run(common, args),
         CliCommand::Restore(args) => serve::backup::run_restore(common, args),

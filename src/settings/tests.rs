@@ -352,15 +352,22 @@ fn a_directory_is_no_configuration() {
 }
 
 #[test]
-fn a_header_names_users_only_where_nobody_but_this_server_can_connect() {
+fn a_header_names_users_only_where_it_is_known_which_proxy_sends_it() {
     let config = |web: &str| TestConfig::new(&format!("[web]\n{web}\n"), &[("a.toml", CUBE)]);
     let user = "user_header = \"X-Remote-User\"";
     for listen in ["127.0.0.1:7878", "unix:/run/nestd/web.sock"] {
         let settings = config(&format!("listen = \"{listen}\"\n{user}")).load().unwrap();
         assert_eq!(settings.interfaces.web.unwrap().user_header.as_deref(), Some("x-remote-user"), "{listen}");
     }
-    let open = config(&format!("listen = \"0.0.0.0:7878\"\ntoken_file = \"/etc/nestd/token\"\n{user}")).problems();
-    assert!(open.iter().any(|problem| problem.contains("lets other machines say any name")), "{open:?}");
+    let listen = "listen = \"0.0.0.0:7878\"\nsign_in = true";
+    let open = config(&format!("{listen}\n{user}")).problems();
+    assert!(open.len() == 1 && open[0].contains("no address of web.user_header_from is believed"), "{open:?}");
+    let named = config(&format!("{listen}\n{user}\nuser_header_from = [\"10.0.0.5\"]")).load().unwrap();
+    assert_eq!(named.interfaces.web.unwrap().user_header_from, ["10.0.0.5".parse::<std::net::IpAddr>().unwrap()]);
+    let wrong = config("listen = \"127.0.0.1:7878\"\nuser_header_from = [\"proxy\"]").problems();
+    assert!(wrong.len() == 1 && wrong[0].contains("\"proxy\" is no address"), "{wrong:?}");
+    let nobody_asked = config("listen = \"0.0.0.0:7878\"").problems();
+    assert!(nobody_asked.len() == 1 && nobody_asked[0].contains("sign_in = true"), "{nobody_asked:?}");
     let wrong = config("listen = \"127.0.0.1:7878\"\nuser_header = \"no header\"").problems();
     assert!(wrong.len() == 1 && wrong[0].contains("is no name of a header"), "{wrong:?}");
 }

@@ -187,6 +187,12 @@ pub const PRINTER: FieldDefinition = FieldDefinition::text("Printer");
 pub const FREE: FieldDefinition = FieldDefinition::time("Free from");
 /// Since when something is so.
 pub const SINCE: FieldDefinition = FieldDefinition::time("Since");
+/// What a person may do.
+pub const ROLE: FieldDefinition = FieldDefinition::text("Role");
+/// With what a person signs in.
+pub const SIGNS_IN: FieldDefinition = FieldDefinition::text("Signs in with");
+/// When a person last signed in.
+pub const SIGNED_IN: FieldDefinition = FieldDefinition::time("Last signed in");
 /// Who said something.
 pub const TOLD_BY: FieldDefinition = FieldDefinition::text("By");
 /// How long prints take.

@@ -3,7 +3,7 @@
 
 use std::{convert::Infallible, time::Duration};
 
-use access::{TokenRole, add_token};
+use access::{Role, add_token};
 use axum::body::Bytes;
 use serde_json::{Value, json};
 use tokio_stream::StreamExt;
@@ -131,7 +131,7 @@ async fn bytes_that_nobody_announced_count_while_they_come() {
 async fn a_client_holds_two_of_the_places_for_files_at_most_and_others_have_the_rest() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tokens.toml");
-    let tokens = ["one", "other"].map(|name| add_token(&file, name, TokenRole::Order).unwrap());
+    let tokens = ["one", "other"].map(|name| add_token(&file, name, Role::Order).unwrap());
     let dashboard = TestDashboard::new(|web| {
         web.clients.tokens_file = Some(file.clone());
         web.upload_slots = Arc::new(Semaphore::new(4));

@@ -1,6 +1,6 @@
 //! The door for programs: content, orders, keys, roles, and how they are refused.
 
-use access::{TokenRole, add_token};
+use access::{Role, add_token};
 use ledger::EventKind;
 use serde_json::{Value, json};
 
@@ -169,7 +169,7 @@ async fn a_form_brings_an_order_with_its_files() {
 async fn a_token_may_what_its_role_says_and_is_named_in_events() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tokens.toml");
-    let tokens = [TokenRole::Read, TokenRole::Order, TokenRole::Operate]
+    let tokens = [Role::Read, Role::Order, Role::Operate]
         .map(|role| add_token(&file, &format!("{}-er", role.as_str()), role).unwrap());
     let dashboard = TestDashboard::new(|web| web.clients.tokens_file = Some(file.clone())).await;
     let ask = async |token: &str, method: &str, path: &str| {
@@ -203,7 +203,7 @@ async fn a_token_may_what_its_role_says_and_is_named_in_events() {
     let nameless = Request::get("/api/v1/farm");
     assert_eq!(send(&dashboard, nameless, "").await.status, StatusCode::UNAUTHORIZED);
     let half_open = TestDashboard::new(|web| {
-        (web.clients.tokens_file, web.clients.without_token) = (Some(file.clone()), Some(TokenRole::Read));
+        (web.clients.tokens_file, web.clients.without_token) = (Some(file.clone()), Some(Role::Read));
     })
     .await;
     assert_eq!(send(&half_open, Request::get("/api/v1/farm"), "").await.status, StatusCode::OK);
@@ -314,7 +314,7 @@ async fn an_upload_takes_no_more_than_it_said_and_nothing_but_what_it_said() {
 async fn who_floods_is_told_when_to_ask_again_and_others_do_not_notice() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tokens.toml");
-    let tokens = ["flood", "calm"].map(|name| add_token(&file, name, TokenRole::Order).unwrap());
+    let tokens = ["flood", "calm"].map(|name| add_token(&file, name, Role::Order).unwrap());
     let dashboard = TestDashboard::new(|web| {
         web.clients.tokens_file = Some(file.clone());
         web.limits = ClientLimits::new(ClientRates { per_sec: 0.5, burst: 5, bytes: 40 });

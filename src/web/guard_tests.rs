@@ -108,7 +108,11 @@ async fn an_order_is_taken_from_our_own_pages_only() {
 
 #[tokio::test]
 async fn a_command_of_a_page_is_of_the_user_whom_the_proxy_names() {
-    let dashboard = TestDashboard::new(|web| web.user_header = Some("x-remote-user".parse().unwrap())).await;
+    let dashboard = TestDashboard::new(|web| {
+        let header = "x-remote-user".parse().unwrap();
+        web.proxy = Some(crate::web::base::client_gate::ProxyHeader { header, from: Vec::new() });
+    })
+    .await;
     let ledger = (*dashboard.ledger).clone();
     let daemon = tokio::spawn(async move {
         loop {
@@ -119,7 +123,9 @@ async fn a_command_of_a_page_is_of_the_user_whom_the_proxy_names() {
             tokio::time::sleep(std::time::Duration::from_millis(5)).await;
         }
     });
-    let request = Request::post("/commands").header("x-remote-user", "ann");
+    let local = crate::web::base::connection_limits::RequestInProgress::of_client("127.0.0.1");
+    let request =
+        Request::post("/commands").header("x-remote-user", "ann").extension(axum::extract::ConnectInfo(local));
     let answer = dashboard.send_form(request, "key=key&kind=flush&machine=cube").await;
     assert_eq!(answer.status, StatusCode::SEE_OTHER);
     assert_eq!(daemon.await.unwrap(), "ann@dashboard");

@@ -9,6 +9,7 @@ mod look;
 mod base;
 mod board;
 mod break_out;
+mod clients;
 mod core;
 mod doors;
 mod figures;
@@ -16,6 +17,7 @@ mod forms;
 mod help;
 mod labels;
 mod pages;
+mod people;
 mod serve;
 #[cfg(test)]
 mod tests;

@@ -6,8 +6,7 @@ use axum::{
     body::{Body, to_bytes},
     http::{Request, StatusCode},
 };
-use ledger_fixtures::ToldWords;
-use ledger_fixtures::{self as fixtures, TestLedger};
+use ledger_fixtures::{self as fixtures, TestLedger, ToldWords};
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
@@ -45,6 +44,8 @@ mod help_tests;
 mod label_tests;
 #[path = "order_tests.rs"]
 mod order_tests;
+#[path = "people/people_tests.rs"]
+mod people_tests;
 #[path = "plan_tests.rs"]
 mod plan_tests;
 #[path = "printer_tests.rs"]
@@ -84,10 +85,11 @@ impl TestDashboard {
             settings: Arc::new(RwLock::new(Arc::new(settings))),
             is_tcp: true,
             hosts: Vec::new(),
-            user_header: None,
+            proxy: None,
             orders: true,
             limits: ClientLimits::new(ClientRates { per_sec: 1e6, burst: 1000, bytes: 1 << 40 }),
             clients: Default::default(),
+            attempts: Default::default(),
             uploads: Default::default(),
             door: Default::default(),
             form_keys: Default::default(),
@@ -144,7 +146,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 18] = [
+const PAGES: [&str; 19] = [
     "/",
     "/components",
     "/history",
@@ -163,6 +165,7 @@ const PAGES: [&str; 18] = [
     "/machines/cube/drop",
     "/help",
     "/help?q=paused",
+    "/sign-in",
 ];
 
 async fn with_a_build(named: &str) -> TestDashboard {

@@ -2,6 +2,7 @@
 //! umask of the process that started it. Nothing is set until the daemon calls [`FilePermissions::apply_to_process`]: other commands create
 //! files like any other program.
 
+mod passwords;
 mod tokens;
 
 use std::{
@@ -20,7 +21,10 @@ use rustix::{
     io::Errno,
 };
 
-pub use tokens::{StoredToken, TokenError, TokenRole, TokenWatch, add_token, hash_token, read_tokens, revoke_token};
+pub use passwords::{PasswordHash, is_password, is_person_name, is_pin};
+pub use tokens::{
+    Role, StoredToken, TokenError, TokenWatch, add_token, hash_token, random_token, read_tokens, revoke_token,
+};
 
 /// Set-group-ID of a folder: files created in it get its group. Whoever created the farm's folders may have set this
 /// bit.

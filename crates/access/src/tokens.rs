@@ -9,25 +9,31 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-/// What who has a token may do. Each role may all that those before it may.
+/// What a person, or who has a token, may do. Each role may all that those before it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum TokenRole {
+pub enum Role {
     /// Look at everything.
     Read,
     /// Order parts; change and cancel what waits.
     Order,
-    /// Everything: flush, pause, outcomes, releases.
+    /// Everything that the farm does: flush, pause, outcomes, releases.
     Operate,
+    /// Also who else may. It is for people: programs need none of that.
+    Admin,
 }
 
-impl TokenRole {
+impl Role {
+    /// All, the least first.
+    pub const ALL: [Self; 4] = [Self::Read, Self::Order, Self::Operate, Self::Admin];
+
     /// Its word.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Read => "read",
             Self::Order => "order",
             Self::Operate => "operate",
+            Self::Admin => "admin",
         }
     }
 }
@@ -39,7 +45,7 @@ pub struct StoredToken {
     /// Name for events and limits.
     pub name: String,
     /// What it may.
-    pub role: TokenRole,
+    pub role: Role,
     /// BLAKE3 of the token, 64 hex digits.
     pub blake3: String,
 }
@@ -86,6 +92,12 @@ pub fn hash_token(token: &str) -> String {
     blake3::hash(token.as_bytes()).to_hex().to_string()
 }
 
+/// 256 random bits, 64 hex digits.
+pub fn random_token() -> String {
+    let bytes: [u8; 32] = rand::random();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// The tokens of a file; none if it is not there.
 ///
 /// # Errors
@@ -104,19 +116,22 @@ pub fn read_tokens(file: &Path) -> Result<Vec<StoredToken>, TokenError> {
 ///
 /// # Errors
 /// See [`TokenError`].
-pub fn add_token(file: &Path, name: &str, role: TokenRole) -> Result<String, TokenError> {
+pub fn add_token(file: &Path, name: &str, role: Role) -> Result<String, TokenError> {
     let is_name = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || name.chars().count() > MAX_NAME || !name.chars().all(is_name) {
         let text = format!("{name:?} is no name of a token: take up to {MAX_NAME} letters, digits, '-', '_' and '.'");
         return Err(TokenError::Name(text));
+    }
+    if role == Role::Admin {
+        let text = "the role admin is for people (nestd people add): a token has read, order or operate";
+        return Err(TokenError::Name(text.to_owned()));
     }
     let _only_one = lock_tokens(file)?;
     let mut tokens = read_tokens(file)?;
     if tokens.iter().any(|token| token.name == name) {
         return Err(TokenError::Name(format!("there is a token named {name}: revoke it first, or take another name")));
     }
-    let bytes: [u8; 32] = rand::random();
-    let token = format!("{TOKEN_PREFIX}{}", bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
+    let token = format!("{TOKEN_PREFIX}{}", random_token());
     tokens.push(StoredToken { name: name.to_owned(), role, blake3: hash_token(&token) });
     write_tokens(file, tokens)?;
     Ok(token)
@@ -188,7 +203,8 @@ impl TokenWatch {
         }
         let hash = hash_token(token);
         // The hashes tell nothing of the tokens, so it does not matter how long it takes to compare them.
-        Ok(self.tokens.iter().find(|known| known.blake3 == hash).cloned())
+        let known = self.tokens.iter().find(|known| known.blake3 == hash).cloned();
+        Ok(known.map(|known| StoredToken { role: known.role.min(Role::Operate), ..known }))
     }
 }
 
@@ -207,7 +223,7 @@ mod tests {
                 }
             });
         };
-        at_once(&|name| drop(add_token(&file, name, TokenRole::Order).unwrap()));
+        at_once(&|name| drop(add_token(&file, name, Role::Order).unwrap()));
         assert_eq!(read_tokens(&file).unwrap().len(), 16);
         at_once(&|name| revoke_token(&file, name).unwrap());
         assert_eq!(read_tokens(&file).unwrap(), []);
@@ -219,21 +235,21 @@ mod tests {
         let file = folder.path().join("tokens.toml");
         let mut watch = TokenWatch::default();
         assert_eq!(watch.find_token(&file, "x").unwrap(), None);
-        let mes = add_token(&file, "mes", TokenRole::Order).unwrap();
-        let hall = add_token(&file, "hall-2", TokenRole::Operate).unwrap();
+        let mes = add_token(&file, "mes", Role::Order).unwrap();
+        let hall = add_token(&file, "hall-2", Role::Operate).unwrap();
         let text = fs::read_to_string(&file).unwrap();
         assert!(!text.contains(&mes) && text.contains(&hash_token(&mes)), "{text}");
         assert_eq!(mes.len(), TOKEN_PREFIX.len() + 64);
         let found = watch.find_token(&file, &mes).unwrap().unwrap();
-        assert_eq!((found.name.as_str(), found.role), ("mes", TokenRole::Order));
-        assert_eq!(watch.find_token(&file, &hall).unwrap().unwrap().role, TokenRole::Operate);
+        assert_eq!((found.name.as_str(), found.role), ("mes", Role::Order));
+        assert_eq!(watch.find_token(&file, &hall).unwrap().unwrap().role, Role::Operate);
         assert!(watch.find_token(&file, "nestd_").unwrap().is_none() && watch.find_token(&file, "").unwrap().is_none());
-        assert!(add_token(&file, "mes", TokenRole::Read).is_err() && add_token(&file, "a b", TokenRole::Read).is_err());
+        assert!(add_token(&file, "mes", Role::Read).is_err() && add_token(&file, "a b", Role::Read).is_err());
         revoke_token(&file, "mes").unwrap();
         assert!(revoke_token(&file, "mes").is_err() && watch.find_token(&file, &mes).unwrap().is_none());
         assert!(watch.find_token(&file, &hall).unwrap().is_some());
         fs::write(&file, "[[token]]\nname = 3\n").unwrap();
         assert!(matches!(watch.find_token(&file, &hall), Err(TokenError::Broken { .. })));
-        assert!(TokenRole::Read < TokenRole::Order && TokenRole::Order < TokenRole::Operate);
+        assert!(Role::ALL.is_sorted() && add_token(&file, "x", Role::Admin).is_err(), "admins are people");
     }
 }

@@ -38,6 +38,7 @@ pub(crate) static AREAS: &[Area] = &areas![
     "history",
     "break_out",
     "labels",
+    "people",
     "mails",
     "help",
     "scripts",

@@ -57,8 +57,10 @@ pub use service::history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow,
 pub use service::machine::{MachineRow, ObservedMachine};
 pub use service::month::{BadCopies, LatePart, UntoldPrint};
 pub use service::node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
+pub use service::person::{PersonChange, PersonRow, PersonSecrets};
 pub use service::printer::{BuildsAhead, DownPrinter, OccupyingBuild, QueuedBuild, ToldPrint};
 pub use service::receiver::{ReceiverKind, ReceiverRow};
+pub use service::session::{MAX_WRONG_PINS, SESSION_HOURS, SessionRow};
 pub use service::status::{
     AwaitedMaterial, DueArrival, MachineStatus, NestingBuild, OpenBuildForecast, PauseStatus, PublishedBuild,
     RETRY_PERIOD,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use access::{TokenRole, add_token, read_tokens, revoke_token};
+use access::{Role, add_token, read_tokens, revoke_token};
 use anyhow::{Context, Result};
 
 use crate::cli::{
@@ -21,8 +21,8 @@ pub enum TokenCommand {
         /// Name of who has it, for events and limits
         name: String,
         /// What it may: read, order (and read) or operate (everything)
-        #[arg(long, value_parser = crate::cli::terminal::values::parse_word::<TokenRole>)]
-        role: TokenRole,
+        #[arg(long, value_parser = crate::cli::terminal::values::parse_word::<Role>)]
+        role: Role,
     },
     /// Take a token back, at once
     Revoke {

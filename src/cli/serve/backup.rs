@@ -38,8 +38,13 @@ pub struct RestoreArgs {
 
 /// Runs `nestd backup`.
 pub fn run(common: &CommonArgs, args: &BackupArgs) -> Result<CommandExit> {
-    let bytes = with_ledger_to_read(common, async |_, ledger| Ok(ledger.write_backup(&args.file).await?))?;
+    let (bytes, has_people) = with_ledger_to_read(common, async |_, ledger| {
+        Ok((ledger.write_backup(&args.file).await?, ledger.has_people().await?))
+    })?;
     print_text(&format!("Wrote {}: {bytes} bytes, every page checked.", args.file.display()))?;
+    if has_people {
+        print_text("It holds the hashes of people's passwords: keep it as a secret.")?;
+    }
     Ok(CommandExit::Success)
 }
 

@@ -148,10 +148,18 @@ async fn rebuild_copy(
     let ledger = Ledger::open(&new).await?;
     let reconciled = reconcile_copy(settings, &ledger, &known).await;
     let down = ledger.down_printers().await;
+    let people = match begin {
+        LedgerSource::Present => Ok(false),
+        // Sessions that ended since the backup would go on.
+        _ => ledger.end_all_sessions().await.and(ledger.has_people().await),
+    };
     ledger.close_with_checksum().await?;
     let mut reconciled = reconciled?;
     if !matches!(begin, LedgerSource::Present) {
         reconciled.doubts.extend(doubts_on_printers(settings, &down?));
+        let people =
+            people?.then(|| "who may sign in, and with which password, is as in the backup: `nestd people list`");
+        reconciled.doubts.extend(people.map(str::to_owned));
     }
     if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {
         ledger::clear_unfinished(base)?;

@@ -163,6 +163,7 @@ pub(crate) struct WebInputs {
     pub listen: String,
     pub token_file: OptionalValue<PathBuf>,
     pub tokens_file: OptionalValue<PathBuf>,
+    pub sign_in: bool,
     pub without_token: String,
     pub client_requests_per_sec: f64,
     pub client_burst: u32,
@@ -170,6 +171,7 @@ pub(crate) struct WebInputs {
     pub hosts: Vec<String>,
     pub orders: bool,
     pub user_header: OptionalValue<String>,
+    pub user_header_from: Vec<String>,
 }
 
 impl Default for WebInputs {
@@ -179,6 +181,7 @@ impl Default for WebInputs {
             listen,
             token_file: OptionalValue::OFF,
             tokens_file: OptionalValue::OFF,
+            sign_in: false,
             without_token: "nothing".to_owned(),
             client_requests_per_sec: 50.0,
             client_burst: 200,
@@ -186,6 +189,7 @@ impl Default for WebInputs {
             hosts,
             orders: true,
             user_header: OptionalValue::OFF,
+            user_header_from: Vec::new(),
         }
     }
 }

@@ -1,8 +1,12 @@
 //! Settings of the dashboard: where it listens and what it may do.
 
-use std::{fmt, net::SocketAddr, path::PathBuf};
+use std::{
+    fmt,
+    net::{IpAddr, SocketAddr},
+    path::PathBuf,
+};
 
-use access::TokenRole;
+use access::Role;
 use serde::Serialize;
 
 use super::inputs::WebInputs;
@@ -28,8 +32,10 @@ pub struct WebSettings {
     pub token_file: Option<PathBuf>,
     /// File with the tokens of clients that have names and roles; `None` = there are none.
     pub tokens_file: Option<PathBuf>,
-    /// What requests without a token may where there are tokens; `None` = nothing.
-    pub without_token: Option<TokenRole>,
+    /// Whether people have to sign in also while there are none.
+    pub sign_in: bool,
+    /// What requests may that come without a token and from nobody who is signed in; `None` = nothing.
+    pub without_token: Option<Role>,
     /// Requests per second that a client may send for long.
     pub client_requests_per_sec: f64,
     /// Requests that a client may send at once.
@@ -40,8 +46,10 @@ pub struct WebSettings {
     pub hosts: Vec<String>,
     /// Whether pages may send commands (flush, pause, resume, retry, cancel). Otherwise they are read-only.
     pub orders: bool,
-    /// Header in which a reverse proxy on this server names the user, in lower case; `None` = nobody does.
+    /// Header in which a reverse proxy names the user, in lower case; `None` = nobody does.
     pub user_header: Option<String>,
+    /// Addresses of the proxies that are believed; none = whatever runs on this server.
+    pub user_header_from: Vec<IpAddr>,
 }
 
 impl fmt::Display for ListenAddress {
@@ -74,15 +82,20 @@ pub(crate) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) 
         && !address.ip().is_loopback()
         && inputs.token_file.0.is_none()
         && inputs.tokens_file.0.is_none()
+        && !inputs.sign_in
     {
         let text = format!(
-            "web.listen = \"{address}\" is open to other machines, and there is no web.token_file or web.tokens_file"
+            "web.listen = \"{address}\" is open to other machines, and there is no web.token_file or web.tokens_file, and \
+             web.sign_in is not set"
         );
-        let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 16 letters or more";
+        let remedy = "listen on 127.0.0.1 behind a reverse proxy, have people sign in (sign_in = true), or name a file with a token of \
+                      16 letters or more";
         validator.report_problem("web.listen", text, remedy);
     }
     Some(WebSettings {
         user_header: validate_user_header(inputs, &listen, validator),
+        user_header_from: validate_proxies(inputs, validator),
+        sign_in: inputs.sign_in,
         listen,
         token_file: inputs.token_file.0.clone(),
         tokens_file: inputs.tokens_file.0.clone(),
@@ -107,11 +120,11 @@ fn validate_rate(inputs: &WebInputs, validator: &mut ConfigValidator) -> f64 {
 }
 
 /// Whoever can connect has no token.
-fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<TokenRole> {
+fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<Role> {
     match inputs.without_token.as_str() {
         "nothing" => None,
-        "read" => Some(TokenRole::Read),
-        "order" => Some(TokenRole::Order),
+        "read" => Some(Role::Read),
+        "order" => Some(Role::Order),
         other => {
             let text = format!("web.without_token = \"{}\" is no role for it", other.escape_debug());
             validator.report_problem("web.without_token", text, "write \"nothing\", \"read\" or \"order\"");
@@ -120,7 +133,22 @@ fn validate_without_token(inputs: &WebInputs, validator: &mut ConfigValidator) -
     }
 }
 
-/// A name in a header is believed only where nobody but programs of this server can connect.
+/// The addresses of proxies.
+fn validate_proxies(inputs: &WebInputs, validator: &mut ConfigValidator) -> Vec<IpAddr> {
+    let mut addresses = Vec::new();
+    for text in &inputs.user_header_from {
+        match text.parse::<IpAddr>() {
+            Ok(address) => addresses.push(address.to_canonical()),
+            Err(_) => {
+                let problem = format!("web.user_header_from = \"{}\" is no address", text.escape_debug());
+                validator.report_problem("web.user_header_from", problem, "write addresses, [\"10.0.0.5\"]");
+            }
+        }
+    }
+    addresses
+}
+
+/// A name in a header is believed from programs of this server, or from the proxies that are named.
 fn validate_user_header(inputs: &WebInputs, listen: &ListenAddress, validator: &mut ConfigValidator) -> Option<String> {
     let header = inputs.user_header.0.as_ref()?;
     let is_name = !header.is_empty() && header.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
@@ -130,13 +158,13 @@ fn validate_user_header(inputs: &WebInputs, listen: &ListenAddress, validator: &
     }
     if let ListenAddress::Tcp(address) = listen
         && !address.ip().is_loopback()
+        && inputs.user_header_from.is_empty()
     {
-        let text = format!("web.user_header is set, and web.listen = \"{address}\" lets other machines say any name");
-        validator.report_problem(
-            "web.user_header",
-            text,
-            "listen on 127.0.0.1 behind the reverse proxy that sets the header",
+        let text = format!(
+            "web.user_header is set, web.listen = \"{address}\", and no address of web.user_header_from is believed"
         );
+        let remedy = "listen on 127.0.0.1 behind the reverse proxy that sets the header, or name its address in web.user_header_from";
+        validator.report_problem("web.user_header", text, remedy);
     }
     is_name.then(|| header.to_ascii_lowercase())
 }

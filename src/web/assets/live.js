@@ -60,7 +60,8 @@ const contentOf = (place) => place.innerHTML.replaceAll(/name="key" value="[^"]*
 
 let shown = null;
 async function fetched() {
-  const answer = await fetch(location.href, { headers: { accept: "text/html" }, signal: AbortSignal.timeout(PATIENCE_MS) });
+  const answer = await fetch(location.href, { headers: { accept: "text/html", "nestd-refresh": "1" }, signal: AbortSignal.timeout(PATIENCE_MS) });
+  if (answer.status === 401) return location.reload(); // The form to sign in stands in place of the page.
   if (!answer.ok) throw new Error(`the farm answers ${answer.status}`);
   const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
   if (!fresh) throw new Error("another page came, perhaps that of a login");
@@ -126,8 +127,8 @@ async function toast() {
 }
 toast().catch(() => { /* The page shows what was done. */ });
 
-// An error page and the answer to a form are not updated.
-if (main && !document.querySelector("#problem, #answer")) {
+// An error page, the answer to a form and the form to sign in are not updated.
+if (main && !document.querySelector("#problem, #answer, #sign-in")) {
   main.addEventListener("toggle", () => { if (dirty) refresh(); }, true); // of folds and sheets
   main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
   document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });

@@ -7,6 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use tokio::sync::Semaphore;
+
 use super::error::HandlerError;
 
 /// Clients that are remembered before those are forgotten that take nothing.
@@ -172,6 +174,62 @@ impl Drop for ClientPlace {
     }
 }
 
+/// Passwords that are compared or hashed at the same time.
+const MAX_PASSWORDS: usize = 2;
+/// How often a name may be tried with a wrong password or PIN.
+pub(crate) const NAME_ATTEMPTS: u32 = 5;
+/// How often an address may; behind a proxy, many people have one.
+pub(crate) const ADDRESS_ATTEMPTS: u32 = 30;
+/// Failed attempts are forgotten this long after the first of them.
+const ATTEMPTS_KEPT: Duration = Duration::from_secs(15 * 60);
+
+/// Failed attempts to sign in, by name and by address. Also names that nobody has are counted: else it would show who is known.
+#[derive(Debug)]
+pub(crate) struct SignInAttempts {
+    counts: Mutex<HashMap<String, (u32, Instant)>>,
+    /// Who holds one of these compares or hashes a password, which takes a core and 19 MiB.
+    pub(crate) slots: Arc<Semaphore>,
+}
+
+impl Default for SignInAttempts {
+    fn default() -> Self {
+        Self { counts: Mutex::default(), slots: Arc::new(Semaphore::new(MAX_PASSWORDS)) }
+    }
+}
+
+impl SignInAttempts {
+    /// Counts an attempt for each of these, which may have so many; or returns how long to wait. An attempt counts before it is judged, so
+    /// that many at once are no way around.
+    pub(crate) fn begin(&self, tried: &[(String, u32)], now: Instant) -> Result<(), Duration> {
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        counts.retain(|_, (_, since)| now.saturating_duration_since(*since) < ATTEMPTS_KEPT);
+        let wait_of = |(name, most): &(String, u32)| {
+            let (_, since) = counts.get(name).filter(|(count, _)| count >= most)?;
+            Some(ATTEMPTS_KEPT.saturating_sub(now.saturating_duration_since(*since)))
+        };
+        if let Some(wait) = tried.iter().filter_map(wait_of).max() {
+            return Err(wait);
+        }
+        for (name, _) in tried {
+            counts.entry(name.clone()).or_insert((0, now)).0 += 1;
+        }
+        Ok(())
+    }
+
+    /// The attempt was right: it does not count, and neither do those before it under the name, the first of these.
+    pub(crate) fn succeed(&self, tried: &[(String, u32)]) {
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        for (at, (name, _)) in tried.iter().enumerate() {
+            match counts.get_mut(name) {
+                Some((count, _)) if at > 0 && *count > 1 => *count -= 1,
+                _ => {
+                    counts.remove(name);
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,5 +265,22 @@ mod tests {
         drop(unannounced);
         let mut announced = limits.begin_bytes("a", 100, 0).unwrap();
         assert!(announced.count_received(100).is_ok());
+    }
+
+    #[test]
+    fn a_name_and_an_address_may_fail_a_few_times_and_a_right_password_makes_the_name_free_again() {
+        let (attempts, begin) = (SignInAttempts::default(), Instant::now());
+        let try_it = |name: &str, address: &str, secs| {
+            let tried = [(format!("name {name}"), NAME_ATTEMPTS), (format!("address {address}"), ADDRESS_ATTEMPTS)];
+            attempts.begin(&tried, begin + Duration::from_secs(secs)).map(|()| tried)
+        };
+        assert_eq!((0..9).filter(|_| try_it("anna", "1", 0).is_ok()).count(), 5);
+        assert!(try_it("anna", "2", 60).unwrap_err() == Duration::from_secs(840) && try_it("bert", "1", 60).is_ok());
+        let right = try_it("bert", "1", 61).unwrap();
+        attempts.succeed(&right);
+        assert_eq!((0..9).filter(|_| try_it("bert", "1", 62).is_ok()).count(), 5, "the former ones are forgotten");
+        // 5 of anna, 1 and 5 of bert: the address has 19 left, whatever names it tries.
+        assert_eq!((0..99).filter(|at| try_it(&format!("n{at}"), "1", 63).is_ok()).count(), 19);
+        assert!(try_it("anna", "1", 901).is_ok(), "after a quarter of an hour");
     }
 }

@@ -102,6 +102,9 @@ pub(crate) trait ClientAddress {
     fn client_name(&self) -> String;
 }
 
+/// What stands for the address of whoever connects to a Unix socket.
+pub(crate) const OF_SOCKET: &str = "socket";
+
 impl ClientAddress for std::net::SocketAddr {
     fn client_name(&self) -> String {
         self.ip().to_canonical().to_string()
@@ -110,7 +113,7 @@ impl ClientAddress for std::net::SocketAddr {
 
 impl ClientAddress for tokio::net::unix::SocketAddr {
     fn client_name(&self) -> String {
-        "socket".to_owned()
+        OF_SOCKET.to_owned()
     }
 }
 
@@ -129,6 +132,12 @@ const ANSWERING: u8 = 1;
 const UPLOADING: u8 = 2;
 
 impl RequestInProgress {
+    /// A request of a client with this address.
+    #[cfg(test)]
+    pub(crate) fn of_client(address: &str) -> Self {
+        Self { client: address.into(), ..Self::default() }
+    }
+
     /// The address of the client, as [`ClientAddress`] names it.
     pub(crate) fn client(&self) -> &str {
         &self.client

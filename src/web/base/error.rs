@@ -7,6 +7,7 @@ use axum::{
 };
 use language::say;
 use ledger::LedgerError;
+use maud::Markup;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -92,6 +93,13 @@ struct ErrorMessage {
     text: String,
     done: Vec<String>,
     refused: Vec<String>,
+}
+
+/// A page of its own that says why a request is refused.
+pub(crate) fn page_with_status(status: StatusCode, text: String, page: Markup) -> Response {
+    let mut response = (status, page).into_response();
+    response.extensions_mut().insert(ErrorMessage { text, done: Vec::new(), refused: Vec::new() });
+    response
 }
 
 /// What programs are answered when they cannot be answered: application/problem+json (RFC 9457).

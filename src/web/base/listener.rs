@@ -44,7 +44,7 @@ impl DashboardListener {
         let address = listener.local_addr()?;
         ensure!(
             has_tokens || address.ip().is_loopback(),
-            "{address} can be reached from other machines: set web.tokens_file or web.token_file, or listen to this machine only"
+            "{address} can be reached from other machines: have people sign in (web.sign_in = true), set web.tokens_file or web.token_file, or listen to this machine only"
         );
         Ok(())
     }

@@ -3,7 +3,7 @@
 pub(super) mod api_body;
 pub(super) mod assets;
 pub(super) mod cache;
-pub(super) mod client;
+pub(super) mod client_gate;
 pub(super) mod client_limits;
 pub(super) mod compressed;
 pub(super) mod connection_limits;

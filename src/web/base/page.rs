@@ -5,6 +5,7 @@ use language::say;
 use maud::{DOCTYPE, Markup, html};
 
 use super::assets::{asset_address, font_address};
+use crate::web::clients::client::{KnownBy, RequestClient};
 use crate::web::look::script_texts::{LIVE, script_texts, texts_of_script};
 
 /// A whole page. `script` is an asset that is loaded in addition to the script that keeps pages up to date.
@@ -35,6 +36,7 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                         (link("/", &say!("nav-farm"))) (link("/orders", &say!("nav-orders"))) (link("/history", &say!("nav-history")))
                         (link("/month", &say!("nav-month"))) (link("/help", &say!("nav-help")))
                         (search_field("", &say!("search-farm")))
+                        (person_link())
                     }
                 }
                 main #main tabindex="-1" { (content) }
@@ -43,6 +45,20 @@ pub(crate) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                         a href="/api/v1/openapi.json" { (say!("footer-json")) } " · " a href="/metrics" { (say!("footer-metrics")) } }
                 }
             }
+        }
+    }
+}
+
+/// Who is signed in, or the way to it where others are.
+fn person_link() -> Markup {
+    let client = RequestClient::current();
+    html! {
+        @match client.as_ref().map(|client| &client.known_by) {
+            // Others go on at this device with their PIN.
+            Some(KnownBy::Person(person)) if person.is_shared => a href="/sign-in" translate="no" { (person.name) },
+            Some(KnownBy::Person(person)) => a href="/you" translate="no" { (person.name) },
+            Some(KnownBy::NoName) => a href="/sign-in" { (say!("sign-in")) },
+            _ => {}
         }
     }
 }

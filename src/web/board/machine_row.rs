@@ -1,5 +1,6 @@
 //! A machine on the board: what it does, one click to what a person does next, and a lane with its builds for each printer.
 
+use access::Role;
 use std::collections::BTreeSet;
 
 use jiff::Timestamp;
@@ -83,7 +84,7 @@ impl MachineRowOnBoard<'_> {
                     (self.waiting(view, now))
                     @for build in &self.status.nesting { (self.search_progress(build, now)) }
                     div.folds {
-                        @if web.orders {
+                        @if web.offers(Role::Operate) {
                             details { summary { (phrase!("add-files-here", unseen = html! { span.unseen { " " (say!("unseen-to", machine = name)) } }, soft = html! { span.soft { (say!("or-drop-here")) } })) }
                                 (drop_form(web, self.profile, web.current_settings().limits.max_bytes)) }
                         }
@@ -106,7 +107,7 @@ impl MachineRowOnBoard<'_> {
                 (machine_warnings(status, self.observed, view))
                 div.buttons {
                     (self.next_step(web))
-                    @if web.orders && status.waiting_parts > 0 {
+                    @if web.offers(Role::Operate) && status.waiting_parts > 0 {
                         a.button href=(format!("/machines/{name}/flush")) { (say!("flush")) span.unseen { " " (say!("unseen-flush", machine = name)) } }
                     }
                     @if status.paused.is_none() { (command_button(web, CommandKind::Pause, &say!("pause"), name, name, None)) }

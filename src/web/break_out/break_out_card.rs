@@ -1,5 +1,6 @@
 //! What the page for breaking a build out shows: the card of a copy, what is left, and what was said last.
 
+use access::Role;
 use std::collections::BTreeMap;
 
 use language::{colon, comma, join_names, say};
@@ -80,19 +81,19 @@ fn what_is_said(web: &DashboardState, state: &BreakOutState, step: &ShownStep, v
         (CopyState::Open, None) => step_buttons(web, state, copy),
         (CopyState::Open, Some(user)) => html! {
             p.warn role="status" { (say!("on-screen-of", name = name_of_user(user))) }
-            @if web.orders { div.step-buttons { a.button href=(format!("{}?take={}", state.address(), copy.number)) { (say!("have-in-hand")) } } }
+            @if web.offers(Role::Operate) { div.step-buttons { a.button href=(format!("{}?take={}", state.address(), copy.number)) { (say!("have-in-hand")) } } }
         },
         (CopyState::ToldBad, _) => html! { p.warn { (say!("was-told-bad")) } },
         (CopyState::Marked(row), _) => html! {
             p.warn role="status" { (say!("copy-is-said", word = mark_word(row.mark), who = name_of_user(&row.told_by), when = view.near_text(row.told_at))) }
-            @if web.orders { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, &say!("still-in-cake"), "")) } }
+            @if web.offers(Role::Operate) { div.step-buttons { (mark_form(web, state, (copy, Some(row)), PickMark::Open, &say!("still-in-cake"), "")) } }
         },
     }
 }
 
 fn step_buttons(web: &DashboardState, state: &BreakOutState, copy: &PickedCopy) -> Markup {
     html! {
-        @if web.orders {
+        @if web.offers(Role::Operate) {
             div.step-buttons {
                 (mark_form(web, state, (copy, None), PickMark::Out, &say!("press-out"), "good"))
                 (mark_form(web, state, (copy, None), PickMark::Bad, &say!("press-bad"), "spoilt"))
@@ -135,7 +136,7 @@ pub(super) fn open_list(web: &DashboardState, state: &BreakOutState, elsewhere: 
                     @if !copy.order.is_empty() { (comma()) (say!("order-of", order = &copy.order)) }
                     @if let Some(user) = elsewhere.get(&at) { (comma()) (say!("screen-of", name = name_of_user(user))) }
                 } } }
-                @if web.orders {
+                @if web.offers(Role::Operate) {
                     div.buttons { (all(PickMark::Out, &say!("all-out-good"))) (all(PickMark::Missing, &say!("none-found"))) }
                 }
             }
@@ -162,7 +163,7 @@ pub(super) fn summary_section(web: &DashboardState, state: &BreakOutState, count
                 ul { @for (copy, what) in lost { li { (copy_title(copy)) @if !copy.order.is_empty() { (comma()) (say!("order-of", order = &copy.order)) } ": " (what) } } }
             }
             @if is_told { p.ok { (say!("outcome-is-told")) } }
-            @else if web.orders {
+            @else if web.offers(Role::Operate) {
                 form.order method="post" action=(format!("{}/all", state.address())) {
                     (key_field(web))
                     div.step-buttons { button.good type="submit" {
@@ -208,7 +209,7 @@ pub(super) fn last_line(web: &DashboardState, state: &BreakOutState, user: &str,
             @let (word, who, when) = (mark_word(row.mark), name_of_user(&row.told_by), view.near_text(row.told_at));
             p { @if press.len() > 1 { (say!("last-press-all", copies = press.len(), word = word, who = who, when = when)) }
                 @else { (say!("last-press", number = copy.number, name = &copy.name, copy = copy.copy, word = word, who = who, when = when)) } }
-            @if web.orders {
+            @if web.offers(Role::Operate) {
                 form.order method="post" action=(format!("{}/undo", state.address())) {
                     (key_field(web))
                     @for (name, value) in [("first", first), ("last", last), ("at", copy.number as i64)] {

@@ -1,5 +1,6 @@
 //! What is said of several copies at once: of all copies of a part, or of an order, that are in reach.
 
+use access::Role;
 use std::collections::{BTreeMap, BTreeSet};
 
 use language::say;
@@ -30,7 +31,7 @@ pub(super) fn together_buttons(
     let order: Vec<usize> = reach.into_iter().filter(|&other| copies[other].order == shown.order).collect();
     let has_order = !shown.order.is_empty();
     html! {
-        @if web.orders && order.len() > 1 {
+        @if web.offers(Role::Operate) && order.len() > 1 {
             div.step-more {
                 @if alike.len() > 1 { (together_form(web, state, &alike, &say!("all-of-part-out", count = alike.len()))) }
                 @if order.len() > alike.len() && has_order { (together_form(web, state, &order, &say!("all-of-order-out", count = order.len()))) }

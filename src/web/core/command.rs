@@ -1,5 +1,6 @@
 //! Commands from the pages: they go through the ledger, like those of the command line, and the daemon answers them.
 
+use access::Role;
 use std::{sync::Arc, time::Duration};
 
 use axum::{Form, extract::State, http::StatusCode};
@@ -39,7 +40,7 @@ pub(crate) fn command_button(
     part: Option<PartId>,
 ) -> Markup {
     html! {
-        @if web.orders {
+        @if web.offers(Role::Operate) {
             form.order method="post" action="/commands" {
                 (key_field(web))
                 input type="hidden" name="kind" value=(kind);

@@ -1,5 +1,5 @@
 //! The name of whoever uses a device: asked once, kept in a cookie, and written into the events of what is done there. Where a reverse
-//! proxy names the user, nobody is asked.
+//! proxy names the user, or people sign in, nobody is asked.
 
 use axum::{Form, http::HeaderMap};
 use language::say;
@@ -7,15 +7,17 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    form_answer::{FormAnswer, key_field},
+    form_answer::{FormAnswer, address_here, key_field},
     request_user::{is_nobody, name_of_user, set_name_cookie},
     state::DashboardState,
 };
+use crate::web::clients::client::{KnownBy, RequestClient};
 
 /// Who uses this device; asks for the name where it is not known.
 pub(crate) fn device_user(web: &DashboardState, user: &str, back: &str) -> Markup {
-    // A proxy says who it is.
-    if !web.orders || web.user_header.is_some() {
+    // A proxy says who it is, or a session does.
+    let is_asked = RequestClient::current().is_none_or(|client| client.known_by == KnownBy::Nothing);
+    if !web.orders || web.proxy.is_some() || !is_asked {
         return html! {};
     }
     let form = html! {
@@ -44,8 +46,7 @@ pub(crate) struct NameForm {
 
 /// Notes the name in a cookie of the device.
 pub(crate) async fn post_name(Form(form): Form<NameForm>) -> (HeaderMap, FormAnswer) {
-    let is_here = form.back.starts_with('/') && !form.back.starts_with("//") && !form.back.contains('\\');
     let mut headers = HeaderMap::new();
     set_name_cookie(&mut headers, &form.name);
-    (headers, FormAnswer::back_to(if is_here { &form.back } else { "/" }))
+    (headers, FormAnswer::back_to(address_here(&form.back)))
 }

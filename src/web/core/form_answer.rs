@@ -21,6 +21,13 @@ pub(crate) fn key_field(web: &DashboardState) -> Markup {
     html! { input type="hidden" name="key" value=(web.form_keys.make_key()) autocomplete="off"; }
 }
 
+/// An address of this dashboard that a form names; else the farm's. No other site can be among them, however it is written.
+pub(crate) fn address_here(text: &str) -> &str {
+    let is_here =
+        text.starts_with('/') && !text.starts_with("//") && !text.contains(|c: char| c == '\\' || c.is_control());
+    if is_here { text } else { "/" }
+}
+
 /// What became of a form: sentences, if there is anything to say, and the page where it came from.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct FormAnswer {

@@ -1,17 +1,20 @@
-//! Who gives a command on a page. Pages have no login: a reverse proxy that asks people for their names says it in a header
-//! (`web.user_header`). Settings allow that only where nobody but programs of this server can connect. Without one, people say their
-//! name once on each device; the browser keeps it in a cookie. Who comes with a token that has a name is known by that.
+//! Who gives a command on a page: the person who is signed in. Else a reverse proxy that asks people for their names says it in a header
+//! (`web.user_header`), which is believed from its own address only. Where there are no people and no proxy, everybody says a name once on
+//! each device; the browser keeps it in a cookie. Who comes with a token that has a name is known by that.
 
 use std::{convert::Infallible, sync::Arc};
 
 use axum::{
     extract::FromRequestParts,
-    http::{HeaderMap, HeaderName, HeaderValue, header, request::Parts},
+    http::{HeaderMap, HeaderValue, header, request::Parts},
 };
 use language::say;
 
 use super::state::DashboardState;
-use crate::web::base::client::{RequestClient, cookie_value};
+use crate::web::{
+    base::client_gate::peer_address,
+    clients::client::{KnownBy, RequestClient, cookie_value, user_of_person},
+};
 
 /// Who gives the commands of pages when no proxy says it.
 const NOBODY: &str = "dashboard";
@@ -29,26 +32,27 @@ impl FromRequestParts<Arc<DashboardState>> for RequestUser {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, web: &Arc<DashboardState>) -> Result<Self, Infallible> {
-        let client = parts.extensions.get::<RequestClient>().and_then(|client| client.name.as_deref());
-        Ok(Self(user_of_request(&parts.headers, web.user_header.as_ref(), client)))
+        let client = parts.extensions.get::<RequestClient>().map_or(&KnownBy::Nothing, |client| &client.known_by);
+        let address = peer_address(&parts.extensions);
+        let by_proxy = web.proxy.as_ref().map(|proxy| proxy.user_named(address, &parts.headers));
+        Ok(Self(user_of_request(&parts.headers, by_proxy, client)))
     }
 }
 
-/// `token` = the name of the token that the request came with.
-fn user_of_request(headers: &HeaderMap, user_header: Option<&HeaderName>, token: Option<&str>) -> String {
-    let by_proxy = |header| headers.get(header).and_then(|value| value.to_str().ok()).filter(|name| !name.is_empty());
-    let given = match user_header.map(by_proxy) {
-        Some(Some(name)) => Some(name.to_owned()),
-        _ if token.is_some() => return format!("{}@token", token.unwrap_or_default()),
-        Some(None) => None,
-        None => name_in_cookies(headers).map(|name| name.replace('@', " at ")),
+/// `by_proxy` = whom the proxy names, where there is one.
+fn user_of_request(headers: &HeaderMap, by_proxy: Option<Option<String>>, client: &KnownBy) -> String {
+    let given = match (client, by_proxy) {
+        (KnownBy::Person(person), _) => Some(person.name.clone()),
+        (_, Some(Some(name))) => Some(name),
+        (KnownBy::Token(Some(token)), _) => return format!("{token}@token"),
+        // Where people sign in, a name that anybody may say is none.
+        (KnownBy::NoName, None) | (_, Some(None)) => None,
+        (KnownBy::Nothing | KnownBy::Token(None), None) => {
+            name_in_cookies(headers).map(|name| name.replace('@', " at "))
+        }
     };
     let name: String = given.unwrap_or_default().trim().chars().take(MAX_NAME).collect();
-    match name.as_str() {
-        "" => NOBODY.to_owned(),
-        address if address.contains('@') => name,
-        _ => format!("{name}@{NOBODY}"),
-    }
+    if name.is_empty() { NOBODY.to_owned() } else { user_of_person(&name) }
 }
 
 /// The name that was said on this device.
@@ -83,41 +87,40 @@ pub(crate) fn name_of_user(user: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::web::clients::client::{SignInWay, SignedIn};
 
     #[test]
-    fn only_the_configured_header_or_else_the_cookie_of_the_device_names_the_user() {
-        let header_name = HeaderName::from_static("x-remote-user");
-        let named = |value: &str| {
-            let mut headers = HeaderMap::new();
-            headers.insert("x-other", HeaderValue::from_static("mallory"));
-            headers.insert(&header_name, HeaderValue::from_str(value).unwrap());
-            headers
-        };
-        assert_eq!(user_of_request(&named("ann"), Some(&header_name), None), "ann@dashboard");
-        assert_eq!(user_of_request(&named("ann@example.org"), Some(&header_name), None), "ann@example.org");
-        assert_eq!(user_of_request(&named(" "), Some(&header_name), None), "dashboard");
-        assert_eq!(user_of_request(&named("ann"), None, None), "dashboard");
-        assert_eq!(user_of_request(&named("ann"), Some(&header_name), Some("proxy")), "ann@dashboard");
-        assert_eq!(user_of_request(&HeaderMap::new(), Some(&header_name), Some("mes")), "mes@token");
-        assert_eq!(user_of_request(&HeaderMap::new(), Some(&header_name), None), "dashboard");
+    fn a_person_the_proxy_a_token_or_else_the_cookie_of_the_device_names_the_user() {
+        let by_proxy = |name: &str| Some(Some(name.to_owned()).filter(|name| !name.is_empty()));
+        let (nothing, token) = (KnownBy::Nothing, |name: Option<&str>| KnownBy::Token(name.map(str::to_owned)));
+        let none = HeaderMap::new();
+        assert_eq!(user_of_request(&none, by_proxy("ann"), &nothing), "ann@dashboard");
+        assert_eq!(user_of_request(&none, by_proxy("ann@example.org"), &nothing), "ann@example.org");
+        assert_eq!(user_of_request(&none, by_proxy(" "), &nothing), "dashboard");
+        assert_eq!(user_of_request(&none, by_proxy("ann"), &token(Some("proxy"))), "ann@dashboard");
+        assert_eq!(user_of_request(&none, by_proxy(""), &token(Some("mes"))), "mes@token");
+        assert_eq!(user_of_request(&none, None, &token(Some("mes"))), "mes@token");
+        assert_eq!(user_of_request(&none, by_proxy(""), &nothing), "dashboard");
         let mut device = HeaderMap::new();
         set_name_cookie(&mut device, " Jörg; x=1 ");
         let cookie = device[header::SET_COOKIE].to_str().unwrap();
         assert!(cookie.contains("SameSite=Strict") && cookie.contains("HttpOnly"), "{cookie}");
         let kept = format!("other=1; {}", cookie.split(';').next().unwrap());
         device.insert(header::COOKIE, HeaderValue::from_str(&kept).unwrap());
-        assert_eq!(user_of_request(&device, None, None), "Jörg; x=1@dashboard");
-        assert_eq!(user_of_request(&device, Some(&header_name), None), "dashboard", "only the proxy says who it is");
+        assert_eq!(user_of_request(&device, None, &nothing), "Jörg; x=1@dashboard");
+        assert_eq!(user_of_request(&device, by_proxy(""), &nothing), "dashboard", "only the proxy says who it is");
+        assert_eq!(user_of_request(&device, None, &KnownBy::NoName), "dashboard", "others sign in");
+        let (name, way) = ("anna".to_owned(), SignInWay::Pin);
+        let anna = KnownBy::Person(SignedIn { name, way, is_shared: true });
+        assert_eq!(user_of_request(&device, by_proxy("bert"), &anna), "anna@dashboard");
         device.insert(header::COOKIE, HeaderValue::from_static("nestd_name=root%40host"));
         assert_eq!(
-            user_of_request(&device, None, None),
+            user_of_request(&device, None, &nothing),
             "root at host@dashboard",
             "nobody poses as a user of the terminal"
         );
         assert_eq!(["Jörg@dashboard", "op@host"].map(name_of_user), ["Jörg", "op@host"]);
-        assert_eq!(
-            user_of_request(&named(&"a".repeat(200)), Some(&header_name), None).len(),
-            MAX_NAME + "@dashboard".len()
-        );
+        let long = user_of_request(&none, by_proxy(&"a".repeat(200)), &nothing);
+        assert_eq!(long.len(), MAX_NAME + "@dashboard".len());
     }
 }

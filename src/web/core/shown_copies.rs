@@ -17,7 +17,7 @@ use axum::{
     http::{HeaderMap, HeaderValue, header, request::Parts},
 };
 
-use crate::web::base::client::cookie_value;
+use crate::web::clients::client::cookie_value;
 
 /// How long a copy stays with a screen that does not ask again. An open page asks once a minute.
 const SHOWN_FOR: Duration = Duration::from_secs(150);

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, PoisonError};
 
+use access::Role;
 use axum::{body::Bytes, response::Redirect};
 use jiff::Timestamp;
 use ledger::Ledger;
@@ -15,9 +16,13 @@ use crate::{
     tables::TimeView,
     web::{
         base::{
-            cache::RecentCache, client::ClientGate, client_limits::ClientLimits, compressed::CompressedBody,
+            cache::RecentCache,
+            client_gate::{ClientGate, ProxyHeader},
+            client_limits::{ClientLimits, SignInAttempts},
+            compressed::CompressedBody,
             error::HandlerResult,
         },
+        clients::client::RequestClient,
         figures::pick_map::CachedPickMap,
     },
 };
@@ -34,12 +39,14 @@ pub(crate) struct DashboardState {
     pub(crate) is_tcp: bool,
     pub(crate) hosts: Vec<String>,
     pub(crate) orders: bool,
-    /// Header in which a reverse proxy names the user.
-    pub(crate) user_header: Option<axum::http::HeaderName>,
+    /// The reverse proxy that names its users.
+    pub(crate) proxy: Option<ProxyHeader>,
     /// What each client may take.
     pub(crate) limits: Arc<ClientLimits>,
     /// Who may ask what.
     pub(crate) clients: ClientGate,
+    /// Failed attempts to sign in, and who compares passwords.
+    pub(crate) attempts: SignInAttempts,
     /// Uploads that requests are at.
     pub(crate) uploads: UploadTurns,
     /// Orders that are being taken.
@@ -75,6 +82,11 @@ impl DashboardState {
     /// The current settings.
     pub(crate) fn current_settings(&self) -> Arc<Settings> {
         self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Whether a page shows a form to whoever looks at it: the farm takes orders from pages, and the form needs no more than this role.
+    pub(crate) fn offers(&self, role: Role) -> bool {
+        self.orders && RequestClient::current().is_none_or(|client| client.role >= role)
     }
 
     /// How the pages show times.

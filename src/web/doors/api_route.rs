@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use access::TokenRole;
+use access::Role;
 use axum::routing::{MethodFilter, MethodRouter};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
@@ -38,7 +38,7 @@ pub(crate) struct ApiRoute {
     pub name: &'static str,
     pub summary: &'static str,
     /// Who may.
-    pub role: TokenRole,
+    pub role: Role,
     pub body: RequestBody,
     /// Status and content of the answer.
     pub answer: (&'static str, Option<SchemaMaker>),
@@ -66,6 +66,13 @@ pub(crate) fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schem
     generator.subschema_for::<T>()
 }
 
+/// Whether an address is one of a pattern: its steps are the same, or stand where the pattern has a name in braces.
+pub(crate) fn is_path_of(pattern: &str, path: &str) -> bool {
+    let (wanted, given) = (pattern.split('/'), path.split('/'));
+    wanted.clone().count() == given.clone().count()
+        && wanted.zip(given).all(|(wanted, given)| wanted.starts_with('{') || wanted == given)
+}
+
 /// A question.
 pub(crate) const fn ask(
     path: &'static str,
@@ -79,7 +86,7 @@ pub(crate) const fn ask(
         path,
         name,
         summary,
-        role: TokenRole::Read,
+        role: Role::Read,
         body: RequestBody::Nothing,
         answer: ("200", Some(answer)),
         query: None,
@@ -98,5 +105,5 @@ pub(crate) const fn tell(
     handler: HandlerMaker,
 ) -> ApiRoute {
     let answer: SchemaMaker = schema_of::<edit_door::CarriedOut>;
-    ApiRoute { method, role: TokenRole::Order, body, ..ask(path, name, summary, answer, handler) }
+    ApiRoute { method, role: Role::Order, body, ..ask(path, name, summary, answer, handler) }
 }

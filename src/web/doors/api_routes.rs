@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use access::TokenRole;
+use access::Role;
 use axum::{
     Router,
     extract::DefaultBodyLimit,
@@ -15,7 +15,7 @@ use ledger::HeightSummary;
 
 use super::{
     api,
-    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, schema_of, tell},
+    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, is_path_of, schema_of, tell},
     dto::{BuildResponse, PartResource, PartResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
@@ -209,7 +209,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Read,
+        role: Role::Read,
         answer: ("200", Some(schema_of::<OrderQuote>)),
         ..tell(
             ("POST", "/api/v1/quote"),
@@ -234,7 +234,7 @@ const DOORS: [ApiRoute; 14] = [
         |method| on(method, edit_door::delete_order),
     ),
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/orders/{order}/close"),
             "post_close",
@@ -258,7 +258,7 @@ const DOORS: [ApiRoute; 14] = [
         |method| on(method, edit_door::delete_line),
     ),
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/builds/{build}/outcome"),
             "post_outcome",
@@ -268,7 +268,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/builds/{build}/release"),
             "post_release",
@@ -278,7 +278,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/machines/{machine}/load"),
             "post_load",
@@ -288,7 +288,7 @@ const DOORS: [ApiRoute; 14] = [
         )
     },
     ApiRoute {
-        role: TokenRole::Operate,
+        role: Role::Operate,
         ..tell(
             ("POST", "/api/v1/machines/{machine}/flush"),
             "post_flush",
@@ -343,7 +343,7 @@ const UPLOADS: [ApiRoute; 4] = [
 ];
 
 /// All routes of the interface.
-pub(super) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
+pub(crate) fn all_routes() -> impl Iterator<Item = &'static ApiRoute> {
     static ALL: [&[ApiRoute]; 3] = [&QUESTIONS, &DOORS, &UPLOADS];
     ALL.iter().flat_map(|routes| routes.iter())
 }
@@ -364,11 +364,5 @@ pub(crate) fn routes() -> Router<Arc<DashboardState>> {
 
 /// What may be done at this address with this method; `None` = it is none of the interface.
 pub(crate) fn find_route(method: &Method, path: &str) -> Option<&'static ApiRoute> {
-    let given: Vec<&str> = path.split('/').collect();
-    let matches = |pattern: &str| {
-        let wanted: Vec<&str> = pattern.split('/').collect();
-        let is_alike = |(wanted, given): (&&str, &&str)| wanted.starts_with('{') || wanted == given;
-        wanted.len() == given.len() && wanted.iter().zip(&given).all(is_alike)
-    };
-    all_routes().find(|route| route.method == method.as_str() && matches(route.path))
+    all_routes().find(|route| route.method == method.as_str() && is_path_of(route.path, path))
 }

@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use access::TokenRole;
+use access::Role;
 use axum::{
     http::header,
     response::{IntoResponse, Response},
@@ -83,7 +83,7 @@ fn operation(route: &ApiRoute, error: &Schema, asked: &mut SchemaGenerator, answ
     let mut responses = json!({ status: { "description": route.summary } });
     if let Some(answer) = answer {
         responses[status]["content"] = json!({ "application/json": { "schema": answer(answered) } });
-        if status == "200" && route.role != TokenRole::Read {
+        if status == "200" && route.role != Role::Read {
             responses["202"] = json!({ "description": "It is noted, and done when the daemon comes to it.",
                 "content": responses[status]["content"] });
         }

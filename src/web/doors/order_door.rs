@@ -28,12 +28,12 @@ use crate::{
     web::{
         base::{
             api_body::MAX_JSON_BYTES,
-            client::RequestClient,
             client_limits::BytesUnderWay,
             connection_limits::RequestInProgress,
             error::{HandlerError, HandlerResult},
             form_field::{incomplete_form, read_field},
         },
+        clients::client::RequestClient,
         core::{command::check_takes_orders, state::DashboardState},
     },
 };
@@ -105,7 +105,7 @@ async fn receive_order(
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
     let key = read_key(request.headers())?;
-    let turn = web.door.begin_request(client.key_name(), &key)?;
+    let turn = web.door.begin_request(&client.key_name(), &key)?;
     let mut order = read_request(&web, &client, request).await?;
     progress.note_complete();
     if let Some(name) = order_name {
@@ -128,7 +128,7 @@ async fn take_order(
     order: OrderRequest,
 ) -> HandlerResult<Response> {
     let fingerprint = order.fingerprint();
-    if let Some(known) = web.ledger.find_answered_request(client.key_name(), &key).await? {
+    if let Some(known) = web.ledger.find_answered_request(&client.key_name(), &key).await? {
         return answer_again(web, client, &key, &known, &fingerprint).await;
     }
     let settings = web.current_settings();
@@ -187,7 +187,7 @@ async fn answer_again(
         return Err(unprocessable("this Idempotency-Key was used for another request: take a new key for a new order"));
     }
     // The daemon may have ended before it was noted.
-    farm::note_order(&web.ledger, &web.current_settings().state_dir, client.key_name(), key, known).await?;
+    farm::note_order(&web.ledger, &web.current_settings().state_dir, &client.key_name(), key, known).await?;
     Ok(replayed(known.answer.clone()))
 }
 
@@ -306,8 +306,8 @@ fn new_order(
     unit: LengthUnit,
 ) -> HandlerResult<NewOrderRequest> {
     let to_line = |(at, line): (usize, CheckedLine)| OrderedLine {
-        claim: ordered_claim_id(client.key_name(), &key, &fingerprint, at + 1),
-        client: client.key_name().to_owned(),
+        claim: ordered_claim_id(&client.key_name(), &key, &fingerprint, at + 1),
+        client: client.key_name(),
         machine: order.machine.clone(),
         order_name: line.ticket.order.unwrap_or_default(),
         name: line.name,
@@ -329,6 +329,6 @@ fn new_order(
         lines: lines.iter().map(accepted).collect(),
     };
     let answer = serde_json::to_string(&answer).context("writing the answer")?;
-    let client = client.key_name().to_owned();
+    let client = client.key_name();
     Ok(NewOrderRequest { client, key, answered: AnsweredRequest { fingerprint, answer }, lines })
 }

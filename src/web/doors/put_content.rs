@@ -20,10 +20,10 @@ use crate::{
     farm,
     web::{
         base::{
-            client::RequestClient,
             client_limits::{BytesUnderWay, ClientPlace},
             error::{HandlerError, HandlerResult},
         },
+        clients::client::RequestClient,
         core::{command::check_takes_orders, state::DashboardState},
     },
 };

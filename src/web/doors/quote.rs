@@ -29,12 +29,12 @@ use crate::{
     settings::MachineProfile,
     web::{
         base::{
-            client::RequestClient,
             client_limits::BytesUnderWay,
             connection_limits::RequestInProgress,
             error::{HandlerError, HandlerResult},
             form_field::{incomplete_form, read_field},
         },
+        clients::client::RequestClient,
         core::state::DashboardState,
     },
 };

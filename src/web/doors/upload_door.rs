@@ -19,10 +19,8 @@ use tokio_stream::StreamExt;
 
 use super::put_content::{incomplete_body, put_contents, run_on_disk, take_place};
 use crate::web::{
-    base::{
-        client::RequestClient,
-        error::{HandlerError, HandlerResult},
-    },
+    base::error::{HandlerError, HandlerResult},
+    clients::client::RequestClient,
     core::{command::check_takes_orders, state::DashboardState},
 };
 

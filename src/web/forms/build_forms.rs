@@ -1,6 +1,7 @@
 //! The forms of the page of a build, for what became of its print: the outcome, printing it again, and that somebody has
 //! seen to a failed print. They are words, as those of `nestd outcome`, `reprint`, `requeue`, `release` and `dismiss`.
 
+use access::Role;
 use std::{collections::BTreeMap, sync::Arc};
 
 use axum::{
@@ -85,7 +86,7 @@ pub(crate) fn outcome_forms(
     // Nobody tells how a build printed that lies in the queue.
     let is_awaited = build.state == BuildState::Printing || build.place.taken_at.is_some() && !is_told;
     html! {
-        @if web.orders && build.times.published_at.is_some() {
+        @if web.offers(Role::Operate) && build.times.published_at.is_some() {
             @if build.place.withdrawn_at.is_none() { (sheet("tell", &tell, is_awaited, &outcome_form(web, build, &bad_fields(build, placements, parts), is_told))) }
             @if build.state == BuildState::Published && !build.place.is_on_its_way() {
                 (act_form(web, build.id, "printing", &say!("it-prints")))
@@ -98,7 +99,7 @@ pub(crate) fn outcome_forms(
 pub(crate) fn again_forms(web: &DashboardState, build: &BuildRow, placements: &[PlacementRow]) -> Markup {
     let has_counted = placements.iter().any(|placed| !placed.is_bad);
     html! {
-        @if web.orders && build.times.published_at.is_some() {
+        @if web.offers(Role::Operate) && build.times.published_at.is_some() {
             (sheet("requeue", &say!("requeue"), false, &requeue_form(web, build.id)))
             @if has_counted { (sheet("reprint", &say!("copies-again"), false, &reprint_form(web, build.id))) }
             @if build.state == BuildState::Published && build.place.taken_at.is_none() {
@@ -140,7 +141,7 @@ pub(crate) async fn second_files(web: &DashboardState, build: &BuildRow) -> Hand
         @if !second.is_empty() {
             div.failed role="alert" {
                 p { (say!("second-file", files = language::join_names(second))) }
-                @if web.orders { (act_form(web, build.id, "seen", &say!("second-file-unprinted"))) }
+                @if web.offers(Role::Operate) { (act_form(web, build.id, "seen", &say!("second-file-unprinted"))) }
             }
         }
     })
@@ -155,7 +156,7 @@ pub(crate) fn unseen_failure(web: &DashboardState, build: &BuildRow) -> Markup {
                 true => (phrase!("print-failed", build = number, machine = &build.machine)),
                 false => (phrase!("print-failed-why", build = number, machine = &build.machine, why = language::told(&build.reason))),
             } }
-            @if web.orders { (act_form(web, build.id, "seen", &say!("seen-to"))) }
+            @if web.offers(Role::Operate) { (act_form(web, build.id, "seen", &say!("seen-to"))) }
         }
     }
 }
@@ -174,7 +175,7 @@ pub(crate) async fn release_form(
         section.forms #release aria-label=(say!("waits-for-yes")) {
             p role="status" { b { (say!("waits-for-yes-text")) } }
             ul { @for sentence in preview.sentences(&profile.time_zone) { li { (web.time_view().near_times(&sentence)) } } }
-            @if web.orders { (act_form_with(web, build.id, ("release", &say!("publish-it")), build.staged.file_hash.as_deref())) }
+            @if web.offers(Role::Operate) { (act_form_with(web, build.id, ("release", &say!("publish-it")), build.staged.file_hash.as_deref())) }
         }
     })
 }

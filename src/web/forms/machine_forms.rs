@@ -1,5 +1,6 @@
 //! The forms of a machine: what material is loaded, and which of its printers is out of use. As `nestd machine load` and `nestd printer`.
 
+use access::Role;
 use std::sync::Arc;
 
 use axum::{
@@ -58,7 +59,7 @@ enum PrinterTurn {
 pub(crate) fn down_form(web: &DashboardState, machine: &str, printers: &[PrinterFact]) -> Markup {
     let used: Vec<&str> = printers.iter().filter(|fact| fact.down.is_none()).map(|fact| &*fact.printer).collect();
     html! {
-        @if web.orders && !used.is_empty() {
+        @if web.offers(Role::Operate) && !used.is_empty() {
             form.tell method="post" action=(format!("/machines/{machine}/printer")) {
                 (key_field(web))
                 input type="hidden" name="state" value="down";
@@ -80,7 +81,7 @@ pub(crate) fn down_form(web: &DashboardState, machine: &str, printers: &[Printer
 /// The button that puts a printer into use again.
 pub(crate) fn up_form(web: &DashboardState, down: &DownPrinter) -> Markup {
     html! {
-        @if web.orders {
+        @if web.offers(Role::Operate) {
             form.order method="post" action=(format!("/machines/{}/printer", down.machine)) {
                 (key_field(web))
                 input type="hidden" name="state" value="up";
@@ -94,7 +95,7 @@ pub(crate) fn up_form(web: &DashboardState, down: &DownPrinter) -> Markup {
 /// The form of what is loaded.
 pub(crate) fn load_form(web: &DashboardState, status: &MachineStatus) -> Markup {
     html! {
-        @if web.orders {
+        @if web.offers(Role::Operate) {
             form.tell method="post" action=(format!("/machines/{}/load", status.machine)) {
                 (key_field(web))
                 label { (fields::LOADED.said()) input name="material" value=(status.material) maxlength=(MAX_LETTERS); }

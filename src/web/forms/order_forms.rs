@@ -1,6 +1,7 @@
 //! The forms of the page of an order: what waits of it is changed, moved or cancelled, what was printed is printed again, and the order is
 //! closed as it is. The forms of a line are on the page of its part.
 
+use access::Role;
 use std::sync::Arc;
 
 use axum::{
@@ -69,14 +70,14 @@ pub(crate) fn order_forms(
     let open = waiting + (read + arriving) as u32;
     let is_printed = lines.iter().any(|line| line.copies.published() + line.copies.good > 0);
     html! {
-        @if web.orders {
+        @if web.offers(Role::Order) {
             div.buttons.acts {
                 (sheet("change", &say!("change-order"), false, &edit_form(web, (order, emails), &address, waiting)))
                 @if waiting > 0 && web.current_settings().profiles.len() > 1 {
                     (sheet("move", &say!("move-to"), false, &move_form(web, &address, waiting)))
                 }
-                @if is_printed { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, &address))) }
-                (close_form(web, order, &address, lines))
+                @if is_printed && web.offers(Role::Operate) { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, &address))) }
+                @if web.offers(Role::Operate) { (close_form(web, order, &address, lines)) }
                 @if open > 0 { (sheet("cancel", &say!("cancel"), false, &cancel_form(web, &address, open))) }
             }
         }

@@ -1,6 +1,7 @@
 //! The forms of the page of a part: what was asked with it is changed, it moves to another machine, printed copies are
 //! printed again. The daemon carries out the first two, like `nestd edit` and `nestd move`.
 
+use access::Role;
 use std::sync::Arc;
 
 use axum::{
@@ -68,10 +69,10 @@ pub(crate) fn part_forms(web: &DashboardState, part: &PartRow, printed: u32) -> 
     let can_edit = matches!(part.state, PartState::Waiting | PartState::Batched | PartState::Built);
     let can_move = part.state == PartState::Waiting && web.current_settings().profiles.len() > 1;
     html! {
-        @if web.orders {
+        @if web.offers(Role::Order) {
             @if can_edit { (sheet("edit", &say!("edit"), false, &edit_form(web, part))) }
             @if can_move { (sheet("move", &say!("move-to"), false, &move_form(web, part))) }
-            @if printed > 0 { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, part.id, printed))) }
+            @if printed > 0 && web.offers(Role::Operate) { (sheet("reprint", &say!("print-again"), false, &reprint_form(web, part.id, printed))) }
         }
     }
 }

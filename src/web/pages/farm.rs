@@ -1,5 +1,6 @@
 //! The first page: what needs a person, which dates are at risk, and the board with a row for each machine.
 
+use access::Role;
 use std::{collections::BTreeMap, sync::Arc};
 
 use axum::{extract::State, response::Redirect};
@@ -192,7 +193,7 @@ async fn board(web: &DashboardState, read: &FarmSight, view: &TimeView) -> Handl
         && read.plans.iter().all(|plan| plan.builds.is_empty());
     Ok(html! {
         @if rows.is_empty() { (no_machine()) }
-        @else if is_new { (nothing_came(web.orders)) }
+        @else if is_new { (nothing_came(web.offers(Role::Order))) }
         @if !rows.is_empty() {
             section.board aria-label=(say!("board")) data-zone=[read.settings.time_zone.time_zone().iana_name()] {
                 (axis.draw())

@@ -1,5 +1,6 @@
 //! What needs a person, the most urgent first: each with its buttons, and with what to do where no button does it.
 
+use access::Role;
 use std::sync::Arc;
 
 use anyhow::Context;
@@ -122,7 +123,7 @@ fn alert_entry(web: &DashboardState, alert: &FarmAlert, facts: &NeededFacts) -> 
     let (line, whole) = (text_without_paths(web, alert), alert.alert_text());
     let buttons = alert_buttons(web, alert, facts);
     // Where buttons do it, the commands are a detail.
-    let has_buttons = web.orders && !buttons.0.trim().is_empty();
+    let has_buttons = web.offers(Role::Operate) && !buttons.0.trim().is_empty();
     let content = html! {
         p { b { (line) } " " span.soft { (phrase!("since-sentence", time = time_of(alert.since.into(), &web.time_view()))) } }
         (buttons)
@@ -228,7 +229,7 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
         }
         div.buttons {
             a.button href=(format!("/parts?state=refused&machine={machine}")) { (say!("all-refused")) }
-            @if web.orders {
+            @if web.offers(Role::Operate) {
                 form.order method="post" action=(format!("/machines/{machine}/dismiss")) {
                     (key_field(web))
                     button type="submit" { (say!("seen-to")) span.unseen { (say!("unseen-seen-to", machine = machine)) } }

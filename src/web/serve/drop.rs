@@ -1,6 +1,7 @@
 //! Files that people put into the hot folder of a machine with their browser. They are taken as files are that were copied there; what
 //! does not arrive as a whole leaves nothing behind.
 
+use access::Role;
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use anyhow::Context;
@@ -19,12 +20,12 @@ use crate::{
     settings::MachineProfile,
     web::{
         base::{
-            client::RequestClient,
             connection_limits::RequestInProgress,
             error::{HandlerError, HandlerResult},
             form_field::{incomplete_form, read_field},
             page::html_page,
         },
+        clients::client::RequestClient,
         core::{form_answer::FormAnswer, state::DashboardState},
         doors::put_content::{put_contents, run_on_disk},
         forms::drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
@@ -55,7 +56,7 @@ pub(super) async fn show_form(
     let profile = require_own(profile)?;
     let content = html! {
         h1 { (say!("add-files-to", machine = &name)) }
-        @if web.orders {
+        @if web.offers(Role::Order) {
             p { (say!("add-files-text", machine = &name)) }
             (drop_form(&web, &profile, web.current_settings().limits.max_bytes))
         } @else { p { (phrase!("no-orders-from-pages", folder = html! { code { (profile.folders.inbox.display()) } })) } }

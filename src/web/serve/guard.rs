@@ -1,6 +1,7 @@
 //! Decides which requests are answered:
 //! - The Host header must name this machine: a page of another site must not reach the farm through a browser here.
-//! - Where there are bearer tokens, the request must carry one, whose role allows what it asks.
+//! - Where there are people or bearer tokens, the request must come from a person who is signed in, or carry a token; the role must allow
+//!   what it asks.
 //! - Pages of other sites may only link here; a link must be followed by a person.
 //! - Commands must come from the dashboard's own pages.
 //! - While the farm is halted because of its ledger, every answer is the reason.
@@ -9,22 +10,27 @@
 
 use std::sync::Arc;
 
+use access::Role;
 use axum::{
-    extract::{ConnectInfo, Request, State},
-    http::{HeaderMap, HeaderValue, Method, StatusCode, header},
+    extract::{Request, State},
+    http::{HeaderMap, HeaderValue, Method, StatusCode, header, request::Parts},
     middleware::Next,
     response::{IntoResponse, Response},
 };
 use language::say;
 
-use super::role_rules::needed_role;
+use super::{role_rules::needed_role, spoken::is_of_programs};
 use crate::web::{
     base::{
-        client::RequestClient,
-        connection_limits::RequestInProgress,
-        error::{HandlerError, format_error_response},
+        client_gate::peer_address,
+        error::{HandlerError, format_error_response, page_with_status},
     },
+    clients::client::{KnownBy, RequestClient},
     core::state::DashboardState,
+    people::{
+        sign_in::{self, SignInForm},
+        visitor,
+    },
 };
 
 /// Allows no other host, no inline script and no frame around the pages.
@@ -35,21 +41,22 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; f
 const UPLOADS: &str = "/api/v1/uploads";
 
 /// Passes a request on or refuses it, and adds the security headers.
-pub(super) async fn guard_request(
-    State(web): State<Arc<DashboardState>>,
-    mut request: Request,
-    next: Next,
-) -> Response {
-    let path = request.uri().path().to_owned();
-    let response = match check_request(&web, &request) {
-        Ok(client) => match web.farm.halt_reason().filter(|_| needs_ledger(&path)) {
-            None => {
-                request.extensions_mut().insert(client);
-                next.run(request).await
-            }
-            Some(why) => HandlerError::Refused(StatusCode::SERVICE_UNAVAILABLE, why).into_response(),
-        },
-        Err(problem) => problem.into_response(),
+pub(super) async fn guard_request(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
+    let (parts, body) = request.into_parts();
+    let path = parts.uri.path().to_owned();
+    let halted = web.farm.halt_reason().filter(|_| needs_ledger(&path));
+    let response = match (check_request(&web, &parts).await, halted) {
+        // Also where the ledger cannot say who asks.
+        (Ok(_) | Err(HandlerError::Ledger(_)), Some(why)) => {
+            HandlerError::Refused(StatusCode::SERVICE_UNAVAILABLE, why).into_response()
+        }
+        (Ok(client), None) => {
+            let mut request = Request::from_parts(parts, body);
+            request.extensions_mut().insert(client.clone());
+            client.scope(next.run(request)).await
+        }
+        (Err(HandlerError::Refused(StatusCode::UNAUTHORIZED, text)), None) => ask_to_sign_in(&web, &parts, text).await,
+        (Err(problem), _) => problem.into_response(),
     };
     let mut response = format_error_response(response, &path);
     let fixed = [
@@ -78,41 +85,61 @@ fn needs_ledger(path: &str) -> bool {
     path != "/healthz" && path != "/help" && !path.starts_with("/help/") && !path.starts_with("/assets/")
 }
 
-/// Who asks, unless it asks too much.
-fn identify_client(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
-    let connection = request.extensions().get::<ConnectInfo<RequestInProgress>>();
-    let address = connection.map_or("", |connection| connection.0.client());
-    match web.clients.identify_client(request.headers()) {
+/// Who has to sign in is shown the form for that, in place of the page; programs and forms are told.
+async fn ask_to_sign_in(web: &DashboardState, parts: &Parts, text: String) -> Response {
+    let told = |text| HandlerError::Refused(StatusCode::UNAUTHORIZED, text).into_response();
+    let is_page = parts.method.is_safe() && !is_of_programs(parts.uri.path()) && parts.uri.path() != "/live";
+    if !is_page || !visitor::asks_for_people(web).await.unwrap_or(false) {
+        return told(text);
+    }
+    let to = parts.uri.path_and_query().map_or("/", |to| to.as_str()).to_owned();
+    let asked = SignInForm { to, ..SignInForm::default() };
+    match sign_in::form_page(web, &parts.headers, &asked).await {
+        Ok(page) => page_with_status(StatusCode::UNAUTHORIZED, text, page),
+        Err(problem) => problem.into_response(),
+    }
+}
+
+/// Who asks, unless it asks too much. `is_open` = whoever can connect may.
+async fn identify_client(web: &DashboardState, parts: &Parts, is_open: bool) -> Result<RequestClient, HandlerError> {
+    let address = peer_address(&parts.extensions);
+    let is_file_of_pages = parts.uri.path().starts_with("/assets/");
+    let found = if is_file_of_pages { Ok(RequestClient::nobody()) } else { visitor::identify(web, parts).await };
+    match found {
         Ok(client) if client.counted_as.is_empty() => {
             web.limits.count_request(address)?;
             Ok(RequestClient { counted_as: address.to_owned(), ..client })
         }
         Ok(client) => web.limits.count_request(&client.counted_as).map(|()| client),
+        Err(HandlerError::Refused(..)) if is_open => {
+            web.limits.count_request(address)?;
+            Ok(RequestClient { counted_as: address.to_owned(), ..RequestClient::stranger(Role::Read) })
+        }
         Err(problem) => web.limits.count_request(address).and(Err(problem)),
     }
 }
 
-fn check_request(web: &DashboardState, request: &Request) -> Result<RequestClient, HandlerError> {
+async fn check_request(web: &DashboardState, parts: &Parts) -> Result<RequestClient, HandlerError> {
     let refused = |status, text: String| Err(HandlerError::Refused(status, text));
-    let header = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
-    let client = match request.uri().path() {
+    let header = |name: &'static str| parts.headers.get(name).and_then(|value| value.to_str().ok());
+    let needed = needed_role(&parts.method, parts.uri.path());
+    let client = match parts.uri.path() {
         // A watchdog asks without a token whether the process is alive.
         "/healthz" => return Ok(RequestClient::nobody()),
-        _ => identify_client(web, request)?,
+        _ => identify_client(web, parts, needed.is_none()).await?,
     };
-    if !client.has_token && !is_known_host(web, request.headers()) {
+    if !matches!(client.known_by, KnownBy::Token(_)) && !is_known_host(web, &parts.headers) {
         return refused(StatusCode::MISDIRECTED_REQUEST, say!("guard-host"));
     }
-    let needed = needed_role(request.method(), request.uri().path());
-    if client.role < needed {
+    if let Some(needed) = needed.filter(|needed| client.role < *needed) {
         let text = say!("guard-role", needed = needed.as_str(), own = client.role.as_str());
         return Err(HandlerError::Refused(StatusCode::FORBIDDEN, text));
     }
-    let is_link = *request.method() == Method::GET && is_followed_link(&header);
+    let is_link = parts.method == Method::GET && is_followed_link(&header);
     if !is_link && !is_same_origin(&header) {
         return refused(StatusCode::FORBIDDEN, say!("guard-other-site"));
     }
-    if !request.method().is_safe() && !is_from_own_page(web, &header) {
+    if !parts.method.is_safe() && !is_from_own_page(web, &header) {
         return refused(StatusCode::FORBIDDEN, say!("guard-other-page"));
     }
     Ok(client)

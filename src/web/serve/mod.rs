@@ -4,6 +4,7 @@ pub(super) mod asset_route;
 pub(super) mod drop;
 pub(super) mod guard;
 pub(super) mod metrics;
+pub(super) mod page_routes;
 pub(super) mod role_rules;
 pub(super) mod sent_form;
 pub(super) mod server;

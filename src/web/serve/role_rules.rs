@@ -1,21 +1,21 @@
 //! Which role a request needs.
 
-use access::TokenRole;
+use access::Role;
 use axum::http::Method;
 
+use super::page_routes;
 use crate::web::doors::api_routes;
 
-/// The least role that may send a request. What is not known to need less needs the most.
-pub(super) fn needed_role(method: &Method, path: &str) -> TokenRole {
-    if matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS) || path == "/name" {
-        return TokenRole::Read;
+/// The least role that may send a request; `None` = whoever can connect. What is not known to need less needs the most that a program
+/// may have: it is answered that it is not there.
+pub(super) fn needed_role(method: &Method, path: &str) -> Option<Role> {
+    if *method == Method::OPTIONS {
+        return Some(Role::Read);
     }
-    let steps: Vec<&str> = path.split('/').skip(1).collect();
-    match steps[..] {
-        ["api", ..] => api_routes::find_route(method, path).map_or(TokenRole::Operate, |route| route.role),
-        ["machines", _, "files"] | ["parts", _, "edit"] | ["orders", _, "cancel" | "edit" | "move"] => TokenRole::Order,
-        _ => TokenRole::Operate,
-    }
+    let of_page = page_routes::find_page(method, path).map(|route| route.role);
+    let of_program = || api_routes::find_route(method, path).map(|route| Some(route.role));
+    let otherwise = if method.is_safe() { Role::Read } else { Role::Operate };
+    of_page.or_else(of_program).unwrap_or(Some(otherwise))
 }
 
 #[cfg(test)]
@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn looking_needs_the_least_ordering_more_and_whatever_is_not_known_the_most() {
-        use TokenRole::{Operate, Order, Read};
+        use Role::{Admin, Operate, Order, Read};
         for (method, path, role) in [
             (Method::GET, "/", Read),
             (Method::GET, "/api/v1/orders/K", Read),
@@ -49,8 +49,15 @@ mod tests {
             (Method::POST, "/builds/4/told", Operate),
             (Method::POST, "/commands", Operate),
             (Method::POST, "//name", Operate),
+            (Method::GET, "/people", Admin),
+            (Method::HEAD, "/people", Admin),
+            (Method::POST, "/people", Admin),
+            (Method::POST, "/you", Read),
         ] {
-            assert_eq!(needed_role(&method, path), role, "{method} {path}");
+            assert_eq!(needed_role(&method, path), Some(role), "{method} {path}");
+        }
+        for (method, path) in [(Method::GET, "/sign-in"), (Method::POST, "/sign-in/pin"), (Method::POST, "/sign-out")] {
+            assert_eq!(needed_role(&method, path), None, "{path}");
         }
     }
 }

@@ -20,12 +20,12 @@ use serde::Deserialize;
 
 use crate::web::{
     base::{
-        client::RequestClient,
         error::{HandlerError, HandlerResult},
         format::prose_with_pages,
         page::html_page,
         query::Query,
     },
+    clients::client::RequestClient,
     core::{
         command::check_takes_orders, form_answer::FormAnswer, form_keys::number_of, order_keys::KeyGuard,
         state::DashboardState,
@@ -42,11 +42,17 @@ const SAME_PRESS: SignedDuration = SignedDuration::from_secs(3);
 
 /// Carries out every form of a page once. One with files is received first, by its handler, which calls [`carry_out_form`] itself.
 pub(super) async fn carry_out_once(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
-    let is_form = !request.method().is_safe() && !request.uri().path().starts_with("/api/");
-    if !is_form || brings_files(&request) {
+    let path = request.uri().path();
+    let is_form = !request.method().is_safe() && !path.starts_with("/api/");
+    if !is_form || is_of_people(path) || brings_files(&request) {
         return next.run(request).await;
     }
     receive_form(web, request, next).await.unwrap_or_else(IntoResponse::into_response)
+}
+
+/// Whether forms of people are sent there: they have passwords in them, of which nothing is kept, and do no harm when they come twice.
+fn is_of_people(path: &str) -> bool {
+    matches!(path, "/sign-in" | "/sign-in/pin" | "/sign-out" | "/you" | "/people")
 }
 
 async fn receive_form(web: Arc<DashboardState>, request: Request, next: Next) -> HandlerResult<Response> {
@@ -75,7 +81,7 @@ async fn receive_form(web: Arc<DashboardState>, request: Request, next: Next) ->
 pub(super) async fn check_form_key(web: &DashboardState, client: &RequestClient, key: &str) -> HandlerResult<()> {
     check_takes_orders(web)?;
     let is_known = web.form_keys.is_own(key)
-        || web.ledger.find_answered_request(client.key_name(), number_of(key)).await?.is_some();
+        || web.ledger.find_answered_request(&client.key_name(), number_of(key)).await?.is_some();
     let text = || say!("form-too-old");
     if is_known { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text())) }
 }
@@ -90,7 +96,7 @@ pub(crate) async fn carry_out_form(
     work: impl Future<Output = Response> + Send + 'static,
 ) -> HandlerResult<Response> {
     check_takes_orders(&web)?;
-    let (client_name, number) = (client.key_name().to_owned(), number_of(key).to_owned());
+    let (client_name, number) = (client.key_name(), number_of(key).to_owned());
     let turn = take_turn(&web, &client_name, &number).await?;
     let known = web.ledger.find_answered_request(&client_name, &number).await?;
     if let Some((known, answer)) = known.and_then(|known| FormAnswer::parse(&known).map(|answer| (known, answer)))
@@ -103,7 +109,9 @@ pub(crate) async fn carry_out_form(
         let _turn = turn;
         record_and_answer(&web, &client_name, &number, fingerprint, work).await
     };
-    tokio::spawn(language::current().scope(carry_out)).await.context("a form was not carried out")?
+    tokio::spawn(language::current().scope(client.clone().scope(carry_out)))
+        .await
+        .context("a form was not carried out")?
 }
 
 /// Waits while the same form is being carried out.
@@ -176,7 +184,7 @@ pub(super) async fn show_told(
     Query(query): Query<ToldQuery>,
     client: RequestClient,
 ) -> HandlerResult<Markup> {
-    let known = web.ledger.find_answered_request(client.key_name(), &number).await?;
+    let known = web.ledger.find_answered_request(&client.key_name(), &number).await?;
     let answer = known.as_ref().and_then(FormAnswer::parse);
     let FormAnswer { title, sentences, back, at, anyway, undo, .. } =
         answer.ok_or_else(|| HandlerError::NotFound(say!("form-of-number")))?;

@@ -17,12 +17,15 @@ const OF_PROGRAMS: [&str; 6] = ["/api/", "/assets/", "/content/", "/metrics", "/
 /// Endings of files that programs read.
 const FILES_OF_PROGRAMS: [&str; 2] = [".json", ".csv"];
 
+/// Whether programs ask at an address.
+pub(super) fn is_of_programs(path: &str) -> bool {
+    OF_PROGRAMS.iter().any(|start| path.starts_with(start)) || FILES_OF_PROGRAMS.iter().any(|end| path.ends_with(end))
+}
+
 /// Answers a request in its language.
 pub(super) async fn speak(State(web): State<Arc<DashboardState>>, request: Request, next: Next) -> Response {
     let path = request.uri().path();
-    if OF_PROGRAMS.iter().any(|start| path.starts_with(start))
-        || FILES_OF_PROGRAMS.iter().any(|end| path.ends_with(end))
-    {
+    if is_of_programs(path) {
         return next.run(request).await;
     }
     let language = language_of(request.headers()).unwrap_or(web.current_settings().language);

@@ -4,10 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::{
-    lock_wait::BUSY_TIMEOUT,
-    sqlite_code::{SQLITE_BUSY, SQLITE_FULL, sqlite_code},
-};
+use super::{lock_wait::BUSY_TIMEOUT, sqlite_code::query_failure};
 use crate::{BuildId, CommandId, IllegalMove, InQueueError, PartId, ServerError};
 
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
@@ -154,6 +151,12 @@ pub enum LedgerError {
     /// There is no such part.
     #[error("there is no part {0}")]
     UnknownPart(PartId),
+    /// There is a person of this name.
+    #[error("there is a person named {0} already: take another name, or change what {0} has")]
+    PersonKnown(String),
+    /// There is no such person.
+    #[error("there is no person named {0}; `nestd people list` says who there is")]
+    UnknownPerson(String),
     /// There is no such build.
     #[error("there is no build {0}")]
     UnknownBuild(BuildId),
@@ -384,15 +387,6 @@ fn edit_remedy(part: PartId, state: crate::PartState) -> String {
         return format!("`nestd retry {part}` takes it back first");
     }
     format!("`nestd edit {part} --copies N` orders more of it")
-}
-
-/// Why a query failed, with the remedy where there is one.
-fn query_failure(error: &sqlx::Error) -> String {
-    match sqlite_code(error) {
-        Some(SQLITE_BUSY) => "another process holds the ledger. Try again when that has ended".to_owned(),
-        Some(SQLITE_FULL) => "the disk is full. Free some room on the disk of the state folder".to_owned(),
-        _ => error.to_string(),
-    }
 }
 
 /// Result of an operation of the ledger.

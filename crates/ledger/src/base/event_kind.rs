@@ -109,6 +109,8 @@ pub enum EventKind {
     Alert,
     /// A person closed an order as it was, or its refused part with it.
     OrderClosed,
+    /// Who may sign in was changed.
+    Person,
     /// A kind that another version of nestd wrote.
     #[serde(untagged)]
     Unknown(String),

@@ -21,3 +21,12 @@ pub fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
     let code = error.as_database_error()?.code().filter(|code| code.len() < 5)?;
     Some(code.parse::<i64>().ok()? & 0xff)
 }
+
+/// Why a query failed, with the remedy where there is one.
+pub fn query_failure(error: &sqlx::Error) -> String {
+    match sqlite_code(error) {
+        Some(SQLITE_BUSY) => "another process holds the ledger. Try again when that has ended".to_owned(),
+        Some(SQLITE_FULL) => "the disk is full. Free some room on the disk of the state folder".to_owned(),
+        _ => error.to_string(),
+    }
+}

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(crate) const TABLES: [CopiedTable; 20] = [
+pub(crate) const TABLES: [CopiedTable; 22] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -52,6 +52,8 @@ pub(crate) const TABLES: [CopiedTable; 20] = [
     keyed("printer_down", None),
     keyed("request_key", None),
     keyed("ordered_line", None),
+    keyed("person", None),
+    keyed("session", None),
 ];
 /// All views.
 pub(crate) const VIEWS: [&str; 5] =

@@ -8,6 +8,7 @@ mod nodes;
 mod on_postgres;
 mod order_requests;
 mod orders;
+mod people;
 mod pick;
 mod printers;
 mod put_back;

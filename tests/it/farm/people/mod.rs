@@ -9,5 +9,6 @@ pub mod orders;
 pub mod pictures;
 pub mod printers;
 pub mod privilege;
+pub mod sign_in;
 pub mod status_texts;
 pub mod watchers;

@@ -1,0 +1,53 @@
+sign-in = Anmelden
+sign-out = Abmelden
+your-account = Ihr Konto
+your-role = Ihre Rolle ist { $role }.
+people = Personen
+password = Passwort
+pin = PIN-Nummer
+device-is-shared = Dieses Gerät benutzen mehrere: Die anderen machen mit ihrer PIN weiter
+go-on-with-pin = Mit Ihrer PIN weitermachen
+with-password = Oder mit Ihrem Passwort
+no-people-yet = Noch kann sich niemand anmelden. Auf dem Server legt dies die erste Person an:
+not-signed-in = Sie sind nicht oder nicht mehr angemeldet: Melden Sie sich an, und tun Sie es noch einmal
+proxy-names-unknown = der Proxy nennt Sie { $name }, und niemand hier heißt so: Die Administration legt den Namen mit 'nestd people add' an
+wrong-password = Name oder Passwort ist falsch.
+wrong-pin = Die PIN ist falsch.
+too-many-pins = Die PIN war zu oft falsch: Dieses Gerät braucht wieder ein Passwort.
+pin-needs-shared-device = Eine PIN genügt nur auf einem gemeinsamen Gerät, auf dem sich jemand mit Passwort angemeldet hat.
+too-many-attempts = { $minutes ->
+    [one] es gab zu viele falsche Versuche: Warten Sie eine Minute, und versuchen Sie es wieder
+   *[other] es gab zu viele falsche Versuche: Warten Sie { $minutes } Minuten, und versuchen Sie es wieder
+}
+password-changed = Ihr Passwort ist geändert. Andere Geräte sind abgemeldet.
+pin-changed = Ihre PIN ist geändert.
+signed-out-everywhere = Sie sind überall außer hier abgemeldet.
+pin-changes-nothing = Um Passwort oder PIN zu ändern, melden Sie sich mit dem Passwort an.
+account-needs-password = das ändert hier nur, wer sich mit einem Passwort angemeldet hat
+share-no-more = Dieses Gerät nicht mehr teilen
+current-password = Jetziges Passwort
+new-password = Neues Passwort
+new-pin = Neue PIN; leer = keine
+once-more = Noch einmal
+change-password = Passwort ändern
+change-pin = PIN ändern
+other-devices = Andere Geräte
+sign-out-everywhere = Überall abmelden
+wrong-current-password = das jetzige Passwort ist falsch
+not-the-same-twice = die beiden sind nicht gleich
+password-rule = Ein Passwort hat 10 bis 200 Zeichen, und mehr als den Namen oder einen einzigen Buchstaben
+pin-rule = Eine PIN hat 4 bis 8 Ziffern, nicht alle gleich und nicht der Reihe nach
+change-person = Ändern
+change-role = Rolle ändern
+take-pin-away = PIN wegnehmen
+remove-person = Entfernen
+add-person = Person anlegen
+add-person-text = Ohne Passwort kann nur der Reverse-Proxy sagen, wer es ist.
+person-name-rule = ein Name hat bis zu 64 Buchstaben, Ziffern, -, _, . und @, mit einzelnen Leerzeichen dazwischen
+person-is-there = es gibt schon eine Person mit dem Namen { $name }
+person-of-name = Person mit dem Namen { $name }
+not-oneself = niemand ändert die eigene Rolle oder entfernt sich selbst: Das tut jemand anders mit der Rolle admin
+field-role = Rolle
+field-signs-in-with = Meldet sich an mit
+field-last-signed-in = Zuletzt angemeldet
+event-person = Personen geändert

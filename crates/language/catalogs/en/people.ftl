@@ -1,0 +1,53 @@
+sign-in = Sign in
+sign-out = Sign out
+your-account = Your account
+your-role = Your role is { $role }.
+people = People
+password = Password
+pin = PIN
+device-is-shared = Several people use this device: the others go on with their PIN
+go-on-with-pin = Go on with your PIN
+with-password = Or with your password
+no-people-yet = Nobody can sign in yet. On the server, this adds the first person:
+not-signed-in = you are not signed in, or not any more: sign in, and do it again
+proxy-names-unknown = the proxy says that you are { $name }, and nobody here has that name: an administrator adds it with 'nestd people add'
+wrong-password = Name or password is wrong.
+wrong-pin = The PIN is wrong.
+too-many-pins = The PIN was wrong too often: this device needs a password again.
+pin-needs-shared-device = A PIN is enough only on a shared device where somebody has signed in with a password.
+too-many-attempts = { $minutes ->
+    [one] there were too many wrong attempts: wait a minute, and try again
+   *[other] there were too many wrong attempts: wait { $minutes } minutes, and try again
+}
+password-changed = Your password is changed. Other devices are signed out.
+pin-changed = Your PIN is changed.
+signed-out-everywhere = You are signed out everywhere but here.
+pin-changes-nothing = To change your password or your PIN, sign in with your password.
+account-needs-password = only who signed in with a password changes it here
+share-no-more = Share this device no more
+current-password = Current password
+new-password = New password
+new-pin = New PIN; empty = none
+once-more = Once more
+change-password = Change password
+change-pin = Change PIN
+other-devices = Other devices
+sign-out-everywhere = Sign out everywhere
+wrong-current-password = the current password is wrong
+not-the-same-twice = the two are not the same
+password-rule = A password has 10 to 200 characters, and more in it than the name or one letter
+pin-rule = A PIN has 4 to 8 digits, not all alike and not in order
+change-person = Change
+change-role = Change role
+take-pin-away = Take the PIN away
+remove-person = Remove
+add-person = Add a person
+add-person-text = Without a password, only the reverse proxy can say who it is.
+person-name-rule = a name has up to 64 letters, digits, -, _, . and @, with single blanks between them
+person-is-there = there is a person named { $name } already
+person-of-name = person named { $name }
+not-oneself = nobody changes the own role or removes himself: another admin does
+field-role = Role
+field-signs-in-with = Signs in with
+field-last-signed-in = Last signed in
+event-person = people changed

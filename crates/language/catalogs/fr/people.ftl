@@ -1,0 +1,53 @@
+sign-in = Se connecter
+sign-out = Se déconnecter
+your-account = Votre compte
+your-role = Votre rôle est { $role }.
+people = Personnes
+password = Mot de passe
+pin = Code PIN
+device-is-shared = Plusieurs personnes utilisent cet appareil : les autres continuent avec leur code PIN
+go-on-with-pin = Continuer avec votre code PIN
+with-password = Ou avec votre mot de passe
+no-people-yet = Personne ne peut encore se connecter. Sur le serveur, ceci ajoute la première personne :
+not-signed-in = vous n’êtes pas connecté, ou ne l’êtes plus : connectez-vous, puis recommencez
+proxy-names-unknown = le proxy vous appelle { $name }, et personne ici ne porte ce nom : un administrateur l’ajoute avec 'nestd people add'
+wrong-password = Le nom ou le mot de passe est faux.
+wrong-pin = Le code PIN est faux.
+too-many-pins = Le code PIN a été faux trop souvent : il faut à nouveau un mot de passe sur cet appareil.
+pin-needs-shared-device = Un code PIN ne suffit que sur un appareil partagé où quelqu’un s’est connecté avec un mot de passe.
+too-many-attempts = { $minutes ->
+    [one] il y a eu trop de tentatives fausses : attendez une minute, puis réessayez
+   *[other] il y a eu trop de tentatives fausses : attendez { $minutes } minutes, puis réessayez
+}
+password-changed = Votre mot de passe est changé. Les autres appareils sont déconnectés.
+pin-changed = Votre code PIN est changé.
+signed-out-everywhere = Vous êtes déconnecté partout sauf ici.
+pin-changes-nothing = Pour changer de mot de passe ou de code PIN, connectez-vous avec votre mot de passe.
+account-needs-password = seul qui s’est connecté avec un mot de passe peut le changer ici
+share-no-more = Ne plus partager cet appareil
+current-password = Mot de passe actuel
+new-password = Nouveau mot de passe
+new-pin = Nouveau code PIN ; vide = aucun
+once-more = Encore une fois
+change-password = Changer le mot de passe
+change-pin = Changer le code PIN
+other-devices = Autres appareils
+sign-out-everywhere = Déconnecter partout
+wrong-current-password = le mot de passe actuel est faux
+not-the-same-twice = les deux ne sont pas identiques
+password-rule = Un mot de passe a de 10 à 200 caractères, et autre chose que le nom ou une seule lettre
+pin-rule = Un code PIN a de 4 à 8 chiffres, ni tous égaux ni dans l’ordre
+change-person = Modifier
+change-role = Changer le rôle
+take-pin-away = Retirer le code PIN
+remove-person = Supprimer
+add-person = Ajouter une personne
+add-person-text = Sans mot de passe, seul le proxy inverse peut dire qui c’est.
+person-name-rule = un nom a jusqu’à 64 lettres, chiffres, -, _, . et @, séparés par des espaces simples
+person-is-there = il y a déjà une personne nommée { $name }
+person-of-name = personne nommée { $name }
+not-oneself = personne ne change son propre rôle ni ne se supprime : un autre admin le fait
+field-role = Rôle
+field-signs-in-with = Se connecte avec
+field-last-signed-in = Dernière connexion
+event-person = personnes modifiées

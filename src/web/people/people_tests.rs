@@ -136,7 +136,9 @@ async fn every_address_answers_the_roles_that_may_ask_and_no_other() {
         for token in ["", "nonsense"] {
             let answer = dashboard.answer(request(), token, "10.0.0.7", "").await;
             assert_eq!(answer.status == StatusCode::UNAUTHORIZED, needed.is_some(), "{method} {path} as nobody");
-            assert!(!answer.text.contains("cube"), "{method} {path} tells nobody anything: {}", answer.text);
+            // The form leads back to what was asked for.
+            let told = answer.text.replace(path.as_str(), "");
+            assert!(!told.contains("cube"), "{method} {path} tells nobody anything: {told}");
         }
     }
     let program = dashboard.page("/api/v1/farm", "").await;

@@ -50,6 +50,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (42, "material", include_str!("../../../../migrations/0042_material.sql")),
     (43, "profile of machine", include_str!("../../../../migrations/0043_profile_of_machine.sql")),
     (44, "email", include_str!("../../../../migrations/0044_email.sql")),
+    (47, "mended meshes", include_str!("../../../../migrations/0047_mended_meshes.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

@@ -35,7 +35,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 23] = [
+const MIGRATIONS: [ServerMigration; 24] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),
@@ -105,6 +105,8 @@ const MIGRATIONS: [ServerMigration; 23] = [
     migration(42, "material", include_str!("../../../../../migrations/postgres/0042_material.sql")),
     migration(43, "profile of machine", include_str!("../../../../../migrations/postgres/0043_profile_of_machine.sql")),
     migration(44, "email", include_str!("../../../../../migrations/postgres/0044_email.sql")),
+    // An older node would print the mesh as it was dropped.
+    migration(47, "mended meshes", include_str!("../../../../../migrations/postgres/0047_mended_meshes.sql")),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

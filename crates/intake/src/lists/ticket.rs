@@ -39,6 +39,8 @@ pub struct Ticket {
     pub unit: Option<LengthUnit>,
     /// Note for people.
     pub note: Option<String>,
+    /// Whether a mesh that is not closed may be mended.
+    pub mend: Option<bool>,
 }
 
 /// Why a ticket cannot be used. Its part is then refused, because its number of copies is unknown.
@@ -91,6 +93,7 @@ struct TicketFields {
     clearance_mm: Option<toml::Value>,
     unit: Option<LengthUnit>,
     note: Option<String>,
+    mend: Option<bool>,
 }
 
 impl Ticket {
@@ -122,6 +125,7 @@ impl Ticket {
             clearance_mm: self.clearance_mm.or(weaker.clearance_mm),
             unit: self.unit.or(weaker.unit),
             note: self.note.or(weaker.note),
+            mend: self.mend.or(weaker.mend),
         }
     }
 
@@ -143,6 +147,7 @@ impl Ticket {
                 .transpose()?,
             unit: words.unit,
             note: words.note.as_deref().map(check_note).transpose()?,
+            mend: words.mend,
         })
     }
 }

@@ -188,6 +188,18 @@ fn kind(why: &MendError) -> String {
 }
 
 #[test]
+fn each_triangle_of_a_block_that_is_lost_comes_back() {
+    let block = crate::cuboid(DVec3::new(10.0, 8.0, 6.0));
+    for lost in 0..12 {
+        let mut triangles = block.triangles().to_vec();
+        triangles.remove(lost);
+        let done =
+            Mesh::new(block.vertices().to_vec(), triangles).unwrap().mended().expect("it is known what was there");
+        assert!((done.mesh.volume_mm3() - 480.0).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn what_is_ambiguous_is_refused() {
     let broken =
         |vertices: &[DVec3], triangles: Vec<[u32; 3]>| Mesh::new(vertices.to_vec(), triangles).unwrap().mended();

@@ -80,7 +80,8 @@ pub fn read_quoted_files(
 ) -> Result<Vec<QuotedPart>, QuoteError> {
     let (mut parts, mut triangles): (Vec<QuotedPart>, u64) = Default::default();
     // The ending of its name tells the format where the content does not.
-    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<bool>, Option<String>), PartFileContents> = HashMap::new();
+    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<bool>, Option<String>), PartFileContents> =
+        HashMap::new();
     for file in files {
         let terms = FileTerms::of_ticket(&file.ticket, profile);
         let contents = match known.entry((&file.path, terms.unit, file.ticket.mend, ending(&file.name))) {

@@ -26,7 +26,7 @@ const WELD_MM: f64 = 0.02;
 /// A hole as narrow as this is a crack: closing it changes nothing that is printed, mm.
 const CRACK_MM: f64 = 0.02;
 /// The most that a hole may take of the surface of its piece: what is larger may be an opening that is meant.
-const MAX_HOLE_SHARE: f64 = 0.1;
+const MAX_HOLE_SHARE: f64 = 0.15;
 /// Where the surface bends by less than this, it goes on across the rim of a hole, radians.
 const GOES_ON: f64 = 0.7;
 /// The surface goes on across at least this share of the rim of a hole that is flat, or closed by one or two triangles: a hole with sharp
@@ -38,7 +38,7 @@ const BENT: f64 = 0.35;
 /// Corners of the rim of a hole that one or two triangles close: what was there is known.
 const PLAIN_RIM: usize = 4;
 /// The most that a hole may be wide where the surface bends, as a share of the root of the area of its piece.
-const MAX_BENT_SHARE: f64 = 0.15;
+const MAX_BENT_SHARE: f64 = 0.1;
 /// What is not known of the volume below all holes, as a share of it.
 const MAX_DOUBT_SHARE: f64 = 0.005;
 /// What may hang on a piece that is left out, as a share of its surface.

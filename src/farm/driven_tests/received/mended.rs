@@ -1,14 +1,12 @@
 //! A mesh that is not closed is mended when somebody says yes, and never in silence; the mended mesh is what is printed, each time.
 
-use std::fs;
-
 use ledger::{CommandArgument, CommandKind, PartId, PartRow, PartState, RefusalCause};
 use ledger_fixtures::ToldWords;
 
 use crate::farm::{
     AlertKind,
     driven_tests::{
-        HandDrivenFarm, MACHINE, QUICK, block,
+        HandDrivenFarm, QUICK, block,
         printed::reprints::{change, published, tell},
         received::units::write_into_ledger,
         stl,

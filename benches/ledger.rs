@@ -114,6 +114,7 @@ fn part(number: u64) -> NewPartRow {
             unit: None,
             read_unit: None,
             note: String::new(),
+            mend_allowed_by: String::new(),
         },
         warnings: Vec::new(),
         ticket: None,

@@ -72,6 +72,12 @@ enum CliCommand {
         #[arg(value_parser = terminal::values::parse_part_number, add = terminal::candidates::of_refused_parts())]
         part: i64,
     },
+    /// Take a refused part back with its mesh mended: holes closed, triangles turned
+    Mend {
+        /// Part number, as status and show print it (5 or p5)
+        #[arg(value_parser = terminal::values::parse_part_number, add = terminal::candidates::of_refused_parts())]
+        part: i64,
+    },
     /// Take waiting parts, or some of their copies, out of the farm
     Cancel {
         /// Parts: numbers (5 or p5, 5=2 for two copies), orders, file names, patterns ('bracket*')
@@ -220,6 +226,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Pause { machine } => act::command::run(common, &DaemonCommand::Pause(machine.clone())),
         CliCommand::Resume { machine } => act::command::run(common, &DaemonCommand::Resume(machine.clone())),
         CliCommand::Retry { part } => act::command::run(common, &DaemonCommand::Retry(ledger::PartId(*part))),
+        CliCommand::Mend { part } => act::command::run(common, &DaemonCommand::Mend(ledger::PartId(*part))),
         CliCommand::Cancel { targets } => act::edit::run_cancel(common, targets),
         CliCommand::Edit(args) => act::edit::run(common, args),
         CliCommand::Move { targets, to } => act::edit::run_move(common, targets, to),

@@ -40,6 +40,11 @@ fn main() -> ExitCode {
             missing_variables(&["NESTD_DATA"]),
             torture::every_torture_file_gives_what_the_manifest_expects,
         ),
+        trial(
+            "torture::broken_meshes_of_other_people_are_mended_within_measures_or_refused_with_a_reason",
+            missing_variables(&["NESTD_DATA"]),
+            torture::broken_meshes_of_other_people_are_mended_within_measures_or_refused_with_a_reason,
+        ),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

@@ -57,3 +57,44 @@ pub fn every_torture_file_gives_what_the_manifest_expects() {
     assert!(seen > 200, "only {seen} files");
     assert!(bad.is_empty(), "{} of {seen}:\n{}", bad.len(), bad.join("\n"));
 }
+
+/// What is mended may change the volume by no more than this share where nothing was turned: it was small.
+const MOST_VOLUME: f64 = 0.02;
+
+pub fn broken_meshes_of_other_people_are_mended_within_measures_or_refused_with_a_reason() {
+    let data = PathBuf::from(std::env::var_os("NESTD_DATA").unwrap());
+    let names = unpack_names(&data);
+    let (mut broken, mut mended, mut wrong) = (0, 0, Vec::new());
+    for expected in files(&data) {
+        let file = expected.file(&data, names.path());
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let read = read_part_file(&file, &name, None, LengthUnit::Millimeter, &ReadLimits::default());
+        for solid in read.into_iter().flat_map(|contents| contents.solids) {
+            if solid.mesh.defects().is_closed() {
+                continue;
+            }
+            broken += 1;
+            let before = solid.mesh.defects();
+            match solid.mesh.mended() {
+                Err(why) => println!(
+                    "{name}: refused, {why} ({} open edges of {} triangles)",
+                    before.open_edges,
+                    solid.mesh.triangles().len()
+                ),
+                Ok(done) => {
+                    mended += 1;
+                    let measures = done.measures;
+                    println!("{name}: {measures:?}");
+                    let change = (measures.volume_after_mm3 / measures.volume_before_mm3 - 1.0).abs();
+                    let diagonal = solid.mesh.bounds().size().length();
+                    let is_small = measures.turned > 0 || change <= MOST_VOLUME;
+                    if !done.mesh.defects().is_closed() || !is_small || measures.deviation_mm > 0.1 * diagonal {
+                        wrong.push(format!("{name}: {measures:?}"));
+                    }
+                }
+            }
+        }
+    }
+    println!("{broken} broken meshes, {mended} mended");
+    assert!(mended > 0 && wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -2,9 +2,9 @@
 
 use jiff::Timestamp;
 use ledger::{
-    BuildId, BuildState, ClaimedFile, Ledger, LedgerError, OperatorWord, OwedCopies, PartId, PartMeasures, PartRefusal,
-    PartRow, PartState, PartTerms, PartTimes, ReprintTarget, RequiredTilts, SeenFile, SeenFiles, SolidOfFile,
-    ToldOutcome, WordAnswer,
+    BuildId, BuildState, ClaimedFile, Ledger, LedgerError, OperatorWord, OwedCopies, PartId, PartMeasures, PartMending,
+    PartRefusal, PartRow, PartState, PartTerms, PartTimes, ReprintTarget, RequiredTilts, SeenFile, SeenFiles,
+    SolidOfFile, ToldOutcome, WordAnswer,
 };
 use nester::OrientationRule;
 
@@ -84,6 +84,7 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             size_z_mm: None,
             read_unit: None,
         },
+        mending: PartMending::default(),
         times: PartTimes { claimed_at: arrived.into(), waits_since: None, state_at: arrived.into(), damaged_at: None },
     }
 }

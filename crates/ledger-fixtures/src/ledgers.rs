@@ -96,6 +96,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
             unit: None,
             read_unit: None,
             note: String::new(),
+            mend_allowed_by: String::new(),
         },
         warnings: Vec::new(),
         ticket: None,
@@ -113,6 +114,7 @@ pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
     SolidFacts {
         read_unit: build_file::LengthUnit::Millimeter,
         request: None,
+        mended: None,
         object_index,
         object_name: String::new(),
         copies,

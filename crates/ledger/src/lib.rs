@@ -42,14 +42,14 @@ pub use rows::build_row::{
     BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, PrinterPlace, ProvedFile,
     ProvedMeasures, SearchEffort, StagedFile, Verified,
 };
-pub use rows::part_measures::{PartMeasures, PartTimes};
+pub use rows::part_measures::{MEND_BY_SETTING, MEND_BY_TICKET, PartMeasures, PartMending, PartTimes};
 pub use rows::part_row::{
     ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRefusal, PartRow, PartTerms,
     RequiredTilts, SolidOfFile, TicketSource,
 };
 pub use rows::precedence::compare_precedence;
 pub use rows::recorded_part::{RecordedAs, RecordedPart};
-pub use rows::solid_facts::{RequestedTerms, SolidFacts};
+pub use rows::solid_facts::{MendedFacts, RequestedTerms, SolidFacts};
 pub use service::cost_basis::{CostQuery, CostedBuild, OrderedCopies};
 pub use service::event::EventRow;
 pub use service::experience::PublishedExperience;

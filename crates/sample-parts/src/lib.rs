@@ -58,4 +58,6 @@ pub fn all_samples() -> Vec<SamplePart> {
 }
 
 #[cfg(test)]
+mod mend_tests;
+#[cfg(test)]
 mod tests;

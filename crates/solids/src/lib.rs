@@ -8,6 +8,7 @@ mod clearance;
 #[cfg(test)]
 #[path = "../../sample-parts/src/fixtures.rs"]
 mod fixtures;
+mod mending;
 mod mesh;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ mod trees;
 
 pub use clearance::clearance::ClearanceTree;
 pub use clearance::contact::SurfaceContact;
+pub use mending::mend::{MendError, MendMeasures, MendedMesh};
 pub use mesh::bounds::Bounds;
 pub use mesh::defects::MeshDefects;
 pub use mesh::mesh::{Mesh, MeshError};

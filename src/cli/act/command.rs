@@ -1,4 +1,4 @@
-//! `nestd flush|pause|resume|retry|cancel|scan|edit|move|confirm`: commands of an operator, sent to the daemon through the ledger.
+//! `nestd flush|pause|resume|retry|mend|cancel|scan|edit|move|confirm`: commands of an operator, sent to the daemon through the ledger.
 
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,8 @@ pub enum DaemonCommand {
     Resume(String),
     /// Take a refused part back.
     Retry(PartId),
+    /// Take a refused part back, and have its mesh mended.
+    Mend(PartId),
     /// Refuse a waiting part, or take back some of its copies.
     Cancel(PartId, Option<u32>),
     /// Change what was asked with a part.
@@ -51,7 +53,7 @@ impl DaemonCommand {
             Self::Flush(_) => CommandKind::Flush,
             Self::Pause(_) => CommandKind::Pause,
             Self::Resume(_) => CommandKind::Resume,
-            Self::Retry(_) => CommandKind::Retry,
+            Self::Retry(_) | Self::Mend(_) => CommandKind::Retry,
             Self::Cancel(..) => CommandKind::Cancel,
             Self::Edit(..) => CommandKind::Edit,
             Self::Move(..) => CommandKind::Move,
@@ -72,6 +74,7 @@ impl DaemonCommand {
     fn part_id(&self) -> Option<PartId> {
         match self {
             Self::Retry(part)
+            | Self::Mend(part)
             | Self::Cancel(part, _)
             | Self::Edit(part, _)
             | Self::Move(part, _)
@@ -83,6 +86,7 @@ impl DaemonCommand {
     fn argument(&self) -> CommandArgument {
         match self {
             Self::Cancel(_, copies) => CommandArgument { copies: *copies, ..CommandArgument::default() },
+            Self::Mend(_) => CommandArgument { mend: true, ..CommandArgument::default() },
             Self::Edit(_, edit) => CommandArgument { edit: Some((**edit).clone()), ..CommandArgument::default() },
             _ => CommandArgument::default(),
         }

@@ -69,6 +69,16 @@ pub struct SizeDiffersError {
     pub found_mm: [f64; 3],
 }
 
+/// The mesh of a part is not mended now as it was when it was first read. It is not printed until a person says so.
+#[derive(Debug, thiserror::Error)]
+#[error("the mesh of {name} is not mended now as it was when it was first read")]
+pub struct MendDiffersError {
+    /// The part.
+    pub part: PartId,
+    /// Its name.
+    pub name: String,
+}
+
 /// A part in which a failure lies, not in what was done with it: it waits for a person, and everything else goes on without it.
 #[derive(Debug)]
 pub enum PartFault<'a> {
@@ -76,6 +86,8 @@ pub enum PartFault<'a> {
     Lost(&'a LostFileError),
     /// It has another size.
     SizeDiffers(&'a SizeDiffersError),
+    /// It is mended otherwise.
+    MendDiffers(&'a MendDiffersError),
 }
 
 impl<'a> PartFault<'a> {
@@ -83,6 +95,7 @@ impl<'a> PartFault<'a> {
     pub fn find_in_chain(failure: &'a anyhow::Error) -> Option<Self> {
         let lost = LostFileError::find_in_chain(failure).map(Self::Lost);
         lost.or_else(|| failure.chain().find_map(|cause| cause.downcast_ref()).map(Self::SizeDiffers))
+            .or_else(|| failure.chain().find_map(|cause| cause.downcast_ref()).map(Self::MendDiffers))
     }
 
     /// Whether a part is meant.
@@ -90,6 +103,7 @@ impl<'a> PartFault<'a> {
         match self {
             Self::Lost(lost) => part.file.content_hash == lost.content_hash,
             Self::SizeDiffers(differs) => part.id == differs.part,
+            Self::MendDiffers(differs) => part.id == differs.part,
         }
     }
 }

@@ -28,6 +28,10 @@ pub(crate) enum CommandAnswer {
     ScanStarted,
     /// The part is read again.
     PartRetried(PartId),
+    /// The part is read again, and its mesh is mended.
+    PartMended(PartId),
+    /// Refused: the part was not refused because of its mesh.
+    NothingToMend(PartId),
     /// The part is cancelled.
     PartCancelled(PartId),
     /// So many copies of the part are cancelled.
@@ -73,6 +77,7 @@ impl CommandAnswer {
             | Self::NotPaused(_)
             | Self::ScanStarted
             | Self::PartRetried(_)
+            | Self::PartMended(_)
             | Self::PartCancelled(_)
             | Self::CopiesCancelled(..)
             | Self::PartEdited(..)
@@ -86,6 +91,7 @@ impl CommandAnswer {
             | Self::NoPartNamed
             | Self::UnknownPart(_)
             | Self::CopiesUnknown(_)
+            | Self::NothingToMend(_)
             | Self::FileMissing(_)
             | Self::NotAllowed(_) => false,
         }
@@ -125,6 +131,13 @@ impl fmt::Display for CommandAnswer {
             Self::PartConfirmed(part) => write!(f, "part {part} is printed as it is"),
             Self::NothingToConfirm(part) => write!(f, "part {part} waits for no confirmation"),
             Self::PartRetried(part) => write!(f, "part {part} is read again"),
+            Self::PartMended(part) => write!(f, "part {part} is read again, and its mesh is mended"),
+            Self::NothingToMend(part) => {
+                write!(
+                    f,
+                    "part {part} was not refused because of its mesh: `nestd retry {part}` reads it again as it is"
+                )
+            }
             Self::PartCancelled(part) => write!(f, "part {part} is cancelled"),
             Self::UnknownMachine(name) => write!(f, "there is no machine {name}"),
             Self::MachinePaused(name) => write!(f, "{name} is paused; resume it first"),

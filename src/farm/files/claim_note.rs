@@ -9,7 +9,9 @@ use std::{
 
 use anyhow::{Context, Result};
 use intake::{ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError};
-use ledger::{DroppedFile, Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource};
+use ledger::{
+    DroppedFile, Ledger, MEND_BY_TICKET, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource,
+};
 use serde::{Deserialize, Serialize};
 
 use super::file_fault::FileTerms;
@@ -273,6 +275,7 @@ pub(crate) fn terms_of(part: &PartRow) -> NewTerms {
         unit: part.terms.unit,
         read_unit: part.measures.read_unit,
         note: part.terms.note.clone(),
+        mend_allowed_by: part.mending.mend_allowed_by.clone(),
     }
 }
 
@@ -293,7 +296,7 @@ pub(crate) fn new_part_row(
         }
     });
     let source = part_spec.and_then(|g| g.sources.first()).map(ticket_row);
-    let FileTerms { limits, unit, read_unit, copies } = FileTerms::of_ticket(&ticket, profile);
+    let FileTerms { limits, unit, read_unit, copies, part: _ } = FileTerms::of_ticket(&ticket, profile);
     NewPartRow {
         claim: claim.id.clone(),
         machine: profile.name.clone(),
@@ -315,6 +318,7 @@ pub(crate) fn new_part_row(
             unit,
             read_unit: Some(read_unit),
             note: ticket.note.unwrap_or_default(),
+            mend_allowed_by: if ticket.mend == Some(true) { MEND_BY_TICKET.to_owned() } else { String::new() },
         },
         warnings,
         ticket: source,

@@ -2,11 +2,11 @@
 
 use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use intake::Ticket;
-use ledger::{RefusalCause, RequestedTerms};
+use ledger::{PartId, RefusalCause, RequestedTerms};
 use nester::{OrientationLimits, OrientationRule};
 use solids::MeshDefects;
 
-use super::file_request::requested_terms;
+use super::{file_request::requested_terms, mending::mend_text};
 use crate::settings::{MachineProfile, MeshErrorPolicy};
 
 /// A part that would be smaller than this in another unit was not meant in it.
@@ -23,6 +23,8 @@ pub(crate) struct FileTerms {
     pub read_unit: LengthUnit,
     /// Copies ordered.
     pub copies: u32,
+    /// The part; `None` = it is none yet.
+    pub part: Option<PartId>,
 }
 
 impl FileTerms {
@@ -34,7 +36,13 @@ impl FileTerms {
             ticket.keep_up.as_deref().unwrap_or(&turning.keep_up),
             ticket.not_down.as_deref().unwrap_or(&turning.not_down),
         );
-        Self { limits, unit: ticket.unit, read_unit: profile.intake.unit, copies: ticket.copies.unwrap_or(1) }
+        Self {
+            limits,
+            unit: ticket.unit,
+            read_unit: profile.intake.unit,
+            copies: ticket.copies.unwrap_or(1),
+            part: None,
+        }
     }
 
     /// These terms with what the file asks for one of its solids itself.
@@ -66,7 +74,8 @@ pub(crate) fn find_file_fault(
     }
     let faults: Vec<(RefusalCause, String)> =
         contents.solids.iter().filter_map(|solid| find_solid_fault(solid, terms, profile)).collect();
-    let (first, _) = faults.first()?;
+    // Where all that is wrong can be mended, a yes is enough.
+    let (first, _) = faults.iter().find(|(cause, _)| *cause != RefusalCause::Mendable).or(faults.first())?;
     let reasons: Vec<&str> = faults.iter().map(|(_, reason)| reason.as_str()).collect();
     Some((*first, reasons.join("\n")))
 }
@@ -78,21 +87,37 @@ fn find_solid_fault(
     profile: &MachineProfile,
 ) -> Option<(RefusalCause, String)> {
     let defects = solid.mesh.defects();
-    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrorPolicy::Refuse {
-        let reason = format!(
-            "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
-             the machine {}.",
-            solid.name,
-            defects_text(&defects),
-            profile.name
-        );
-        return Some((RefusalCause::NotClosed, reason));
+    if !defects.is_closed() && profile.intake.mesh_errors != MeshErrorPolicy::Warn {
+        return Some(open_mesh_fault(solid, terms, profile));
     }
     let terms = match solid.request.as_deref().map(|request| requested_terms(request, profile)).transpose() {
         Ok(request) => terms.with_request(request.as_ref()),
         Err(error) => return Some((RefusalCause::Other, format!("{}: {error}.", solid.name))),
     };
     find_misfit(solid, &terms, profile).map(|reason| (RefusalCause::TooLarge, reason))
+}
+
+/// Why a mesh that is not closed is refused: what could be mended if somebody says so, or why it cannot.
+fn open_mesh_fault(solid: &PartFileSolid, terms: &FileTerms, profile: &MachineProfile) -> (RefusalCause, String) {
+    let found = format!(
+        "{}: the mesh is not closed ({}), so it is not known what is inside.",
+        solid.name,
+        defects_text(&solid.mesh.defects())
+    );
+    match solid.mesh.mended() {
+        Ok(done) => {
+            let remedy = match terms.part {
+                Some(part) => format!("`nestd mend {part}` or the button on its page has it mended and printed."),
+                None => "A ticket with mend = true has it mended and printed.".to_owned(),
+            };
+            let reason = format!("{found} It can be mended: {}. {remedy}", mend_text(&done.measures));
+            (RefusalCause::Mendable, reason)
+        }
+        Err(why) => {
+            let remedy = format!("Repair it, or set mesh_errors = \"warn\" in the machine {}.", profile.name);
+            (RefusalCause::NotClosed, format!("{found} It is not mended, because {why}. {remedy}"))
+        }
+    }
 }
 
 pub(super) fn defects_text(defects: &MeshDefects) -> String {

@@ -15,6 +15,7 @@ use ledger::PartRow;
 use super::{
     file_fault::{FileTerms, find_file_fault},
     isolated_read::PartReadRequest,
+    mending::{allowed_by_ticket, mend_solids},
 };
 use crate::{farm::alerts::failure::PartReadError, settings::MachineProfile};
 
@@ -99,7 +100,9 @@ pub fn judge_file(
         Err(PartReadError::Refused(_, reason)) => return Err(reason),
         Err(PartReadError::TryLater(_)) => return Ok(None),
     };
-    match find_file_fault(&contents, &FileTerms::of_ticket(ticket, profile), profile, limits) {
+    let mut as_printed = contents.clone();
+    mend_solids(&mut as_printed, allowed_by_ticket(ticket, profile).as_deref());
+    match find_file_fault(&as_printed, &FileTerms::of_ticket(ticket, profile), profile, limits) {
         Some((_, reason)) => Err(reason),
         None => Ok(Some(JudgedFile { content_hash: content_hash.to_owned(), request, contents })),
     }

@@ -11,6 +11,7 @@ use build_file::{LengthUnit, ReadLimits};
 use ledger::PartRow;
 use solids::Mesh;
 
+use super::mending::mend_as_recorded;
 use super::read_again::{ensure_same_size, read_in_fixed_unit};
 
 /// Key of a mesh: content of the file, index of the solid, and the unit that it is read in.
@@ -24,6 +25,8 @@ pub struct MeshCacheKey {
     pub read_unit: Option<LengthUnit>,
     /// Unit given in the ticket.
     pub unit: Option<LengthUnit>,
+    /// BLAKE3 of the mesh where it was mended; "" = it is as it was dropped.
+    pub mended_hash: String,
 }
 
 impl MeshCacheKey {
@@ -34,6 +37,7 @@ impl MeshCacheKey {
             object_index,
             read_unit: part.measures.read_unit,
             unit: part.terms.unit,
+            mended_hash: part.mending.mended_hash.clone(),
         }
     }
 }
@@ -57,14 +61,19 @@ impl MeshCache {
     /// Reads the file of a part again, keeps the meshes in it, and returns the one of the part.
     ///
     /// # Errors
-    /// It cannot be read, or the part has another size than when it was first read.
+    /// It cannot be read, or the part has another size than when it was first read, or is mended otherwise.
     pub fn read_mesh(&self, file: &Path, part: &PartRow, limits: &ReadLimits) -> Result<Arc<Mesh>> {
         let again = || format!("reading part {} ({}) again", part.id.0, part.name);
         let (_, contents) = read_in_fixed_unit(file, part, LengthUnit::default(), limits).with_context(again)?;
         let at = part.solid.object_index;
         let mesh = contents.solids.get(at as usize).map(|solid| solid.mesh.clone());
         let mesh = mesh.with_context(|| format!("part {} ({}) has no solid {at}", part.id.0, part.name))?;
+        let mesh = mend_as_recorded(part, mesh).with_context(again)?;
         ensure_same_size(part, &mesh).with_context(again)?;
+        if !part.mending.mended_hash.is_empty() {
+            // What was done to the others stands in their rows.
+            return Ok(self.insert(MeshCacheKey::of_solid(part, at), mesh));
+        }
         for (index, solid) in contents.solids.into_iter().enumerate() {
             self.insert(MeshCacheKey::of_solid(part, index as u32), solid.mesh);
         }

@@ -7,6 +7,7 @@ pub(super) mod file_fault;
 pub(super) mod file_request;
 pub(super) mod isolated_read;
 pub(super) mod judged_file;
+pub(super) mod mending;
 pub(super) mod mesh_cache;
 pub(super) mod mesh_source;
 pub(super) mod read;

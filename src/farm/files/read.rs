@@ -8,6 +8,7 @@ use ledger::{PartRow, RefusalCause, SolidFacts};
 use super::{
     file_fault::{FileTerms, defects_text, find_file_fault},
     file_request::requested_terms,
+    mending::{allowed_by, mend_solids},
     mesh_cache::MeshCacheKey,
     mesh_source::MeshSource,
     read_again::read_in_fixed_unit,
@@ -52,16 +53,7 @@ pub fn read_part(
     };
     let file = match meshes.verified_file(part).or_else(heal) {
         Ok(file) => file,
-        Err(failure) => {
-            return match failure.downcast::<LostFileError>() {
-                Ok(LostFileError { aside: None, .. }) if claim.is_none() => PartReadOutcome::Refused(
-                    RefusalCause::Other,
-                    "Its file is no longer kept. Drop it again.".to_owned(),
-                ),
-                Ok(lost) => PartReadOutcome::LostFile(lost),
-                Err(failure) => PartReadOutcome::TryLater(format!("{failure:#}")),
-            };
-        }
+        Err(failure) => return outcome_without_file(failure, claim.is_some()),
     };
     let fixed_unit = part.measures.read_unit.unwrap_or(profile.intake.unit);
     let judged = meshes.judged.take(part, fixed_unit, &meshes.limits);
@@ -69,18 +61,19 @@ pub fn read_part(
         || read_in_fixed_unit(&file, part, profile.intake.unit, &meshes.limits),
         |contents| Ok((fixed_unit, contents)),
     );
-    let (read_unit, contents) = match read {
+    let (read_unit, mut contents) = match read {
         Ok(read) => read,
         Err(PartReadError::TryLater(why)) => return PartReadOutcome::TryLater(why),
         Err(PartReadError::Refused(cause, reason)) => return PartReadOutcome::Refused(cause, reason),
     };
-    let terms =
-        FileTerms { limits: part.orientation_limits(), unit: part.terms.unit, read_unit, copies: part.owed.copies };
+    let mended = mend_solids(&mut contents, allowed_by(part, profile).as_deref());
+    let (limits, unit) = (part.orientation_limits(), part.terms.unit);
+    let terms = FileTerms { limits, unit, read_unit, copies: part.owed.copies, part: Some(part.id) };
     if let Some((cause, reason)) = find_file_fault(&contents, &terms, profile, &meshes.limits) {
         return PartReadOutcome::Refused(cause, reason);
     }
     let mut facts = Vec::new();
-    for (index, solid) in contents.solids.into_iter().enumerate() {
+    for ((index, solid), mended) in contents.solids.into_iter().enumerate().zip(mended) {
         let request = solid.request.as_deref().and_then(|request| requested_terms(request, profile).ok());
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
@@ -88,7 +81,8 @@ pub fn read_part(
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
         let question = size_question(&solid, (part, read_unit), profile);
         let found = solid_facts(&solid, index as u32, part, warnings);
-        let mut found = SolidFacts { question, request, read_unit, ..found };
+        let mended_hash = mended.as_ref().map_or_else(String::new, |mended| mended.hash.clone());
+        let mut found = SolidFacts { question, request, read_unit, mended, ..found };
         found.ask(solid.question.as_deref().unwrap_or_default());
         facts.push(found);
         let key = MeshCacheKey {
@@ -96,10 +90,22 @@ pub fn read_part(
             object_index: index as u32,
             read_unit: Some(read_unit),
             unit: part.terms.unit,
+            mended_hash,
         };
         meshes.mesh_cache.insert(key, solid.mesh);
     }
     PartReadOutcome::Solids(facts)
+}
+
+/// A part whose stored file is not there, or cannot be read now.
+fn outcome_without_file(failure: anyhow::Error, is_claimed: bool) -> PartReadOutcome {
+    match failure.downcast::<LostFileError>() {
+        Ok(LostFileError { aside: None, .. }) if !is_claimed => {
+            PartReadOutcome::Refused(RefusalCause::Other, "Its file is no longer kept. Drop it again.".to_owned())
+        }
+        Ok(lost) => PartReadOutcome::LostFile(lost),
+        Err(failure) => PartReadOutcome::TryLater(format!("{failure:#}")),
+    }
 }
 
 fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {
@@ -119,6 +125,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         question: String::new(),
         copy_of: String::new(),
         warnings,
+        mended: None,
         request: None,
     }
 }

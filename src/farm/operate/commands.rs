@@ -133,13 +133,7 @@ async fn execute_part_command(
     }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
-        CommandKind::Retry => match desk.shared.ledger.for_command(command.id).retry_part(part).await {
-            Ok(()) => {
-                mark_note::update_decision_count(desk, &row).await;
-                Ok(CommandAnswer::PartRetried(part))
-            }
-            Err(refused) => Err(refused),
-        },
+        CommandKind::Retry => take_back(desk, command, &row).await,
         _ => match part_changes::cancel_copies(desk, command, &row).await {
             Ok(Some(answer)) => Ok(answer),
             Ok(None) => match cancel_part(desk, &row, command).await {
@@ -164,6 +158,26 @@ async fn execute_part_command(
             Ok(Some(CommandAnswer::NotAllowed(refused)))
         }
     }
+}
+
+/// A refused part is read again, and mended if the command says so.
+async fn take_back(
+    desk: &mut Receiving<'_>,
+    command: &CommandRow,
+    row: &PartRow,
+) -> Result<CommandAnswer, LedgerError> {
+    let is_mended = command.read_argument().mend;
+    let is_mesh = matches!(row.refused.refusal, Some(RefusalCause::NotClosed | RefusalCause::Mendable));
+    if is_mended && row.state == PartState::Refused && !is_mesh {
+        return Ok(CommandAnswer::NothingToMend(row.id));
+    }
+    let ledger = desk.shared.ledger.for_command(command.id);
+    match is_mended {
+        true => ledger.mend_part(row.id, &command.asked_by).await?,
+        false => ledger.retry_part(row.id).await?,
+    }
+    mark_note::update_decision_count(desk, row).await;
+    Ok(if is_mended { CommandAnswer::PartMended(row.id) } else { CommandAnswer::PartRetried(row.id) })
 }
 
 /// The copy is in the error folder before the ledger says so: after a crash in between, the command is carried out

@@ -11,7 +11,7 @@ use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
 use intake::Ticket;
 use jiff::Timestamp;
 use ledger::{
-    ClaimedFile, OwedCopies, PartId, PartMeasures, PartRefusal, PartRow, PartState, PartTerms, PartTimes,
+    ClaimedFile, OwedCopies, PartId, PartMeasures, PartMending, PartRefusal, PartRow, PartState, PartTerms, PartTimes,
     RequiredTilts, SolidOfFile,
 };
 use solids::Mesh;
@@ -23,6 +23,7 @@ use crate::{
             file_fault::{FileTerms, find_file_fault},
             file_request::requested_terms,
             isolated_read::PartReadRequest,
+            mending::{allowed_by_ticket, mend_solids},
         },
     },
     settings::MachineProfile,
@@ -79,13 +80,15 @@ pub fn read_quoted_files(
 ) -> Result<Vec<QuotedPart>, QuoteError> {
     let (mut parts, mut triangles): (Vec<QuotedPart>, u64) = Default::default();
     // The ending of its name tells the format where the content does not.
-    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<String>), PartFileContents> = HashMap::new();
+    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<bool>, Option<String>), PartFileContents> =
+        HashMap::new();
     for file in files {
         let terms = FileTerms::of_ticket(&file.ticket, profile);
-        let contents = match known.entry((&file.path, terms.unit, ending(&file.name))) {
+        let contents = match known.entry((&file.path, terms.unit, file.ticket.mend, ending(&file.name))) {
             Entry::Occupied(known) => &*known.into_mut(),
             Entry::Vacant(place) => {
-                let contents = read_quoted_file(profile, limits, file, isolated_until)?;
+                let mut contents = read_quoted_file(profile, limits, file, isolated_until)?;
+                mend_solids(&mut contents, allowed_by_ticket(&file.ticket, profile).as_deref());
                 triangles += contents.solids.iter().map(|solid| solid.mesh.triangles().len() as u64).sum::<u64>();
                 &*place.insert(contents)
             }
@@ -197,6 +200,7 @@ fn quoted_row(
             size_z_mm: Some(z),
             read_unit: Some(profile.intake.unit),
         },
+        mending: PartMending::default(),
         times: PartTimes { claimed_at: now.into(), waits_since: None, state_at: now.into(), damaged_at: None },
     }
 }

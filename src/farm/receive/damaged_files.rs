@@ -72,6 +72,10 @@ pub(crate) async fn hold_faulty_part(
             warn!(part.id = %differs.part, "{differs}; it waits for a person.");
             Ok(shared.ledger.hold_other_size(differs.part, differs.found_mm).await?)
         }
+        PartFault::MendDiffers(differs) => {
+            warn!(part.id = %differs.part, "{differs}; it waits for a person.");
+            Ok(shared.ledger.hold_other_mending(differs.part).await?)
+        }
     }
 }
 
@@ -88,6 +92,7 @@ pub(crate) async fn continue_without_faulty_part(
     let why = match &fault {
         PartFault::Lost(lost) => lost.to_string(),
         PartFault::SizeDiffers(differs) => differs.to_string(),
+        PartFault::MendDiffers(differs) => differs.to_string(),
     };
     let all = desk.shared.ledger.copies_of_build(build).await?;
     let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();

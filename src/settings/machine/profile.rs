@@ -48,6 +48,8 @@ pub enum MeshErrorPolicy {
     Refuse,
     /// The file is accepted, with a warning on the part.
     Warn,
+    /// What can be mended is mended, with a warning on the part; the rest is refused.
+    Repair,
 }
 
 /// When a batch is started ("fires"): as soon as one of these conditions holds. A batch always fires when it is full,

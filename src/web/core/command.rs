@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Duration};
 
 use axum::{Form, extract::State, http::StatusCode};
 use language::say;
-use ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId};
+use ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId, PartRow};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -28,6 +28,24 @@ pub(crate) struct CommandForm {
     #[serde(default)]
     machine: String,
     part: Option<i64>,
+    /// Whether the mesh of a part that is taken back may be mended.
+    #[serde(default)]
+    mend: bool,
+}
+
+/// The button that has the mesh of a refused part mended and printed.
+pub(crate) fn mend_button(web: &DashboardState, part: &PartRow) -> Markup {
+    html! {
+        @if web.orders {
+            form.order method="post" action="/commands" {
+                (key_field(web))
+                input type="hidden" name="kind" value=(CommandKind::Retry);
+                input type="hidden" name="part" value=(part.id);
+                input type="hidden" name="mend" value="true";
+                button type="submit" { (say!("mend-and-print")) span.unseen { " " (part.full_name()) } }
+            }
+        }
+    }
 }
 
 /// A button that sends a command to the daemon. `about` completes the label for screen readers.
@@ -74,7 +92,7 @@ pub(crate) async fn post_command(
         kind: order.kind,
         machine: order.machine,
         part: order.part.map(PartId),
-        argument: CommandArgument::default(),
+        argument: CommandArgument { mend: order.mend, ..CommandArgument::default() },
         asked_by,
     };
     Ok(send_commands(&web, vec![command], &back).await?.or_undo(undo))

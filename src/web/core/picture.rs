@@ -12,7 +12,7 @@ use axum::{
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
 use language::say;
-use ledger::{BuildId, MachineStatus, PartId, PartRow, PartState};
+use ledger::{BuildId, MachineStatus, PartId, PartRow, PartState, RefusalCause};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -125,7 +125,7 @@ pub(crate) async fn get_part_picture(
     let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: Some(PartId(part)) };
     let draw = move |cake: &CakeContents| {
         let mesh = cake.parts.first().and_then(|part| part.mesh.as_ref());
-        Ok(mesh.map_or_else(Bytes::new, |mesh| Bytes::from(draw_part(mesh, kind, scheme, PART_PICTURE_SIZE))))
+        Ok(mesh.map_or_else(Bytes::new, |mesh| Bytes::from(draw_part(mesh, &[], kind, scheme, PART_PICTURE_SIZE))))
     };
     let png = render_cached(&web, &build, &profile, kept, draw).await?;
     if png.is_empty() {
@@ -150,12 +150,14 @@ fn no_picture() -> Response {
 #[derive(Debug, Deserialize)]
 pub(crate) struct LonePictureQuery {
     width: Option<u32>,
+    /// As it is mended, with the mended places in red, or `false` as it was dropped; not said = as it is printed.
+    mended: Option<bool>,
     #[serde(default)]
     scheme: PictureScheme,
 }
 
-/// The picture of a part, as it was dropped, whatever became of it: a PNG. It never changes. Where the surface is not closed, its open
-/// edges are red.
+/// The picture of a part, whatever became of it: a PNG. It never changes. Where the surface is not closed, its open edges are red; where it
+/// was mended, the mended places.
 pub(crate) async fn get_lone_picture(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
@@ -165,17 +167,22 @@ pub(crate) async fn get_lone_picture(
     let part = web.ledger.find_part(PartId(number)).await?.ok_or_else(missing)?;
     let width = if asked.width.is_some_and(|width| width <= THUMBNAIL_WIDTH) { THUMBNAIL_WIDTH } else { LONE_WIDTH };
     let scheme = asked.scheme;
+    let mended = asked.mended.unwrap_or(!part.mending.mended_hash.is_empty());
     let key = format!(
-        "{} {} {:?} {:?} {width} {scheme:?}",
+        "{} {} {:?} {:?} {width} {scheme:?} {mended}",
         part.file.content_hash, part.solid.object_index, part.terms.unit, part.measures.read_unit
     );
     let png = match web.caches.parts.get(&key) {
         Some(png) => png,
         None => {
             let _turn = web.render_slot.clone().acquire_owned().await.context("waiting for a turn")?;
-            let mesh = farm::load_part_mesh(&web.current_settings(), &web.ledger, &part).await?;
+            let shown = farm::load_part_mesh(&web.current_settings(), &web.ledger, &part, mended).await?;
             let size = (width, width / 4 * 3);
-            let draw = move || mesh.map_or_else(Bytes::new, |mesh| Bytes::from(draw_part(&mesh, 0, scheme, size)));
+            let draw = move || {
+                shown.map_or_else(Bytes::new, |shown| {
+                    Bytes::from(draw_part(&shown.mesh, &shown.mended, 0, scheme, size))
+                })
+            };
             let png = tokio::task::spawn_blocking(draw).await.context("drawing a part")?;
             web.caches.parts.insert(key, png.clone());
             png
@@ -184,17 +191,24 @@ pub(crate) async fn get_lone_picture(
     Ok(if png.is_empty() { no_picture() } else { lasting_png(png) })
 }
 
-/// The picture of a part on its page.
+/// The picture of a part on its page; of a mesh that was or can be mended two, before and after.
 pub(crate) fn part_picture(part: &PartRow) -> Markup {
     let source = format!("/parts/{}/picture", part.id);
-    let alt = match part.state {
-        PartState::Refused => say!("picture-of-refused"),
-        _ => say!("picture-of-part"),
+    let picture = |source: &str, alt: String| {
+        themed_picture(
+            source,
+            &html! { img.part-picture alt=(alt) title=(alt) width=(LONE_WIDTH) height=(LONE_WIDTH / 4 * 3) src=(source); },
+        )
     };
-    themed_picture(
-        &source,
-        &html! { img.part-picture alt=(alt) width=(LONE_WIDTH) height=(LONE_WIDTH / 4 * 3) src=(source); },
-    )
+    let is_mendable = part.state == PartState::Refused && part.refused.refusal == Some(RefusalCause::Mendable);
+    match (part.state, is_mendable || !part.mending.mended_hash.is_empty()) {
+        (_, true) => html! {
+            (picture(&format!("{source}?mended=false"), say!("picture-of-refused")))
+            (picture(&format!("{source}?mended=true"), say!("picture-of-mended")))
+        },
+        (PartState::Refused, _) => picture(&source, say!("picture-of-refused")),
+        _ => picture(&source, say!("picture-of-part")),
+    }
 }
 
 /// The picture on a machine's card: the open build, else the build that is being nested, else the last published one.

@@ -3,8 +3,8 @@
 
 use build_file::LengthUnit;
 use ledger::{
-    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, LineCopies, OutcomeRow, PartId, PartRow,
-    PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
+    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, LineCopies, OutcomeRow, PartId, PartMending,
+    PartRow, PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
 };
 use nester::OrientationRule;
 use schemars::JsonSchema;
@@ -137,6 +137,8 @@ pub(crate) struct PartResource {
     terms: PartTermsFields,
     #[serde(flatten)]
     content: PartContentFields,
+    #[serde(flatten)]
+    mending: PartMending,
     /// When it was claimed. Its waiting time is counted from here.
     claimed_at: UtcTimestamp,
     /// When it entered its state.
@@ -326,6 +328,7 @@ impl From<PartRow> for PartResource {
                 note: terms.note,
                 reference: terms.reference,
             },
+            mending: row.mending,
             content: PartContentFields {
                 blake3: row.file.content_hash,
                 file_bytes: row.file.bytes,

@@ -233,7 +233,7 @@ pub(super) async fn delete_line(
 }
 
 fn edit_command(part: PartId, edit: &PartEdit, by: &str) -> NewCommand {
-    let argument = CommandArgument { copies: None, edit: Some(edit.clone()) };
+    let argument = CommandArgument { copies: None, edit: Some(edit.clone()), ..CommandArgument::default() };
     NewCommand { kind: CommandKind::Edit, machine: String::new(), part: Some(part), argument, asked_by: by.to_owned() }
 }
 

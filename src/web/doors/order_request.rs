@@ -91,6 +91,9 @@ pub(crate) struct LineRequest {
     /// What it is to be made of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Whether a mesh that is not closed may be mended; without it such a line is refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mend: Option<bool>,
 }
 
 /// A direction of the mesh that must point nearly straight up. Tickets read it; this describes it.
@@ -217,6 +220,7 @@ impl LineRequest {
             ("clearance_mm", self.clearance_mm.clone()),
             ("unit", self.unit.clone()),
             ("material", self.material.as_ref().map(|material| json!(material))),
+            ("mend", self.mend.map(|mend| json!(mend))),
             ("note", self.note.as_ref().or(order.note.as_ref()).map(|note| json!(note))),
         ];
         Ok(fields.into_iter().filter_map(|(field, value)| Some((field.to_owned(), value?))).collect())

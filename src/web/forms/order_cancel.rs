@@ -103,7 +103,11 @@ fn cancel_command(part: &PartRow, lines: &[OrderLine], by: &str) -> NewCommand {
         kind: CommandKind::Cancel,
         machine: String::new(),
         part: Some(part.id),
-        argument: CommandArgument { copies: line.and_then(waiting_of_several), edit: None },
+        argument: CommandArgument {
+            copies: line.and_then(waiting_of_several),
+            edit: None,
+            ..CommandArgument::default()
+        },
         asked_by: by.to_owned(),
     }
 }

@@ -194,7 +194,7 @@ pub(crate) async fn post_edit(
             kind: CommandKind::Edit,
             machine: String::new(),
             part: Some(line.part),
-            argument: CommandArgument { copies: None, edit: Some(edit) },
+            argument: CommandArgument { copies: None, edit: Some(edit), ..CommandArgument::default() },
             asked_by: by.clone(),
         })
     };

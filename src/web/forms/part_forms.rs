@@ -163,7 +163,7 @@ pub(crate) async fn post_edit(
         kind: CommandKind::Edit,
         machine: String::new(),
         part: Some(part),
-        argument: CommandArgument { copies: None, edit: Some(edit) },
+        argument: CommandArgument { copies: None, edit: Some(edit), ..CommandArgument::default() },
         asked_by,
     });
     send_commands(&web, command.into_iter().collect(), &format!("/parts/{number}")).await

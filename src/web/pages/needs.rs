@@ -20,7 +20,7 @@ use crate::{
             format::prose_with_code,
         },
         core::{
-            command::command_button,
+            command::{command_button, mend_button},
             form_answer::{FormAnswer, key_field},
             state::DashboardState,
         },
@@ -224,6 +224,7 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             // What was found; what to do is on the page of the part.
             @let ends = reason.find(". ").map(|at| at + 1).into_iter().chain(reason.find('。').map(|at| at + '。'.len_utf8()));
             (part_line(part, &reason[..ends.min().unwrap_or(reason.len())], &html! {
+                @if part.refused.refusal == Some(RefusalCause::Mendable) { (mend_button(web, part)) }
                 @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }

@@ -23,7 +23,11 @@ use crate::{
             page::html_page,
             query::{Query, order_address, parse_field, query_string},
         },
-        core::{command::command_button, picture::part_picture, state::DashboardState},
+        core::{
+            command::{command_button, mend_button},
+            picture::part_picture,
+            state::DashboardState,
+        },
         forms::part_forms::part_forms,
         look::chip::{chip, state_text},
     },
@@ -179,6 +183,7 @@ fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup 
     html! {
         div.buttons.acts {
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, &say!("print-as-is"))) }
+            @if part.state == PartState::Refused && part.refused.refusal == Some(RefusalCause::Mendable) { (mend_button(web, part)) }
             @if part.state == PartState::Refused { (command(CommandKind::Retry, &say!("read-again"))) }
             (part_forms(web, part, published))
             @if part.state == PartState::Waiting { (command(CommandKind::Cancel, &say!("cancel"))) }

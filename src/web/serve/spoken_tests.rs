@@ -145,7 +145,7 @@ const DETAILS: [(&str, &str); 12] = [
 ];
 
 /// Reasons of refusals, as parts have them.
-const REASONS: [(RefusalCause, &str); 5] = [
+const REASONS: [(RefusalCause, &str); 6] = [
     (
         RefusalCause::Format,
         "plate.stl: is not valid STL: only 3 of 12 triangles are in the file. Export it again from the CAD program, as \
@@ -154,7 +154,14 @@ const REASONS: [(RefusalCause, &str); 5] = [
     (
         RefusalCause::NotClosed,
         "plate.stl: the mesh is not closed (2 open edges, 1 edge of more than two triangles), so it is not known what \
-                               is inside. Repair it, or set mesh_errors = \"warn\" in the machine cube.",
+                               is inside. It is not mended, because a hole 12.3 mm wide is too large to know what was there. Repair it, or set \
+                               mesh_errors = \"warn\" in the machine cube.",
+    ),
+    (
+        RefusalCause::Mendable,
+        "plate.stl: the mesh is not closed (2 open edges), so it is not known what is inside. It can be mended: 2 holes of at most 1.20 mm \
+                             closed, 5 triangles added, 1 triangle turned, volume 0.4794 -> 0.4800 cm³, at most 0.30 mm off the surface before. \
+                             `nestd mend 7` or the button on its page has it mended and printed.",
     ),
     (
         RefusalCause::Limit,
@@ -222,6 +229,7 @@ async fn add_doubts_and_failures(dashboard: &TestDashboard) {
          with `copies = N` says it.",
         "It was taken without its order list: bracket.stl stands in none of the 3 rows of order.csv.",
         "The mesh is not closed: 1 open edge.",
+        "The mesh was mended, as its ticket allows: 1 triangle left out, 2 corners joined, volume 12.30 -> 12.31 cm³, at most 0.02 mm off the surface before.",
     ];
     let warnings = warnings.map(str::to_owned).to_vec();
     let part = ledger::NewPartRow {

@@ -48,6 +48,7 @@ fn farm() -> tempfile::TempDir {
                 unit: None,
                 read_unit: None,
                 note: String::new(),
+                mend_allowed_by: String::new(),
             },
             warnings: Vec::new(),
             ticket: None,
@@ -67,6 +68,7 @@ fn farm() -> tempfile::TempDir {
             size_mm: [10.0, 20.0, 30.0],
             read_unit: build_file::LengthUnit::Millimeter,
             warnings: Vec::new(),
+            mended: None,
         };
         ledger.accept_solids(id, &[solid]).await.unwrap();
         ledger.close().await;

@@ -106,9 +106,9 @@ pub fn draw_picture_on(
 }
 
 /// Draws one body as large as it fits, as it lies in its own frame, seen as [`Viewpoint::Iso`], in the colour of a kind. Of a surface that
-/// is not closed the inside shows, too, and the edges at which it is open are drawn over all, in red. `size` is width and height in
+/// is not closed the inside shows, too, and the edges at which it is open are drawn over all, in red, as are those of the triangles `marked`. `size` is width and height in
 /// pixels, at least 1. Returns a PNG.
-pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
+pub fn draw_part(mesh: &Mesh, marked: &[[DVec3; 3]], kind: usize, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
     let (width, height, fine) = sample_size(size);
     let mut canvas = DepthCanvas::new(width * fine, height * fine);
     let bounds = mesh.bounds();
@@ -119,8 +119,10 @@ pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u3
     let mut left = MAX_LOOKS_PER_SAMPLE * canvas.width * canvas.height;
     draw_body(&mut canvas, &view, forward, &body, 0, &mut left);
     let thick = FAULT_PIXELS * fine;
-    for edge in mesh.faulty_edges() {
-        let [from, to] = edge.map(|at| view.project_point(mesh.vertices()[at as usize]).with_z(f32::MIN));
+    let faulty = mesh.faulty_edges().into_iter().map(|edge| edge.map(|at| mesh.vertices()[at as usize]));
+    let marked = marked.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    for edge in faulty.chain(marked) {
+        let [from, to] = edge.map(|place| view.project_point(place).with_z(f32::MIN));
         canvas.draw_line(from, to, thick, 0.0, TAG_FAULT);
     }
     encode_png(&resolve_pixels(&canvas, &[kind_colour(kind)], scheme, fine), width, height)

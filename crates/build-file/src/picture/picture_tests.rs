@@ -91,7 +91,7 @@ fn a_picture_for_dark_pages_has_a_dark_ground_and_the_same_body() {
 #[test]
 fn a_part_alone_fills_its_picture_without_a_frame() {
     let mesh = sample_parts::ring(40.0, 28.0, 8.0);
-    let drawn = decode(&draw_part(&mesh, 3, PictureScheme::Light, (160, 120)));
+    let drawn = decode(&draw_part(&mesh, &[], 3, PictureScheme::Light, (160, 120)));
     assert!(drawn.like(3) > 160 * 120 / 8, "{} pixels", drawn.like(3));
     let empty = drawn.exactly(LIGHT_COLOURS.background) + drawn.exactly(LIGHT_COLOURS.floor);
     assert!(empty > 160 * 120 / 8 && drawn.exactly(LIGHT_COLOURS.floor) == 0);
@@ -192,7 +192,8 @@ fn a_body_outside_the_picture_does_no_harm() {
 
 /// Pixels of the edges at which a surface is open.
 fn faults(mesh: &Mesh) -> usize {
-    decode(&draw_part(mesh, 0, PictureScheme::Light, (200, 150))).count(|p| p.x > 180.0 && p.y < 90.0 && p.z < 90.0)
+    decode(&draw_part(mesh, &[], 0, PictureScheme::Light, (200, 150)))
+        .count(|p| p.x > 180.0 && p.y < 90.0 && p.z < 90.0)
 }
 
 #[test]
@@ -213,7 +214,7 @@ fn a_flat_face_has_one_colour_however_far_it_reaches() {
         // Edges are drawn smoothly: a few pixels have colours between those of two faces.
         many.into_iter().filter(|(rgb, count)| *count > 300 && is_body(rgb)).count()
     };
-    assert_eq!(colours(decode(&draw_part(&mesh, 0, PictureScheme::Light, (320, 240)))), 3, "three faces are seen");
+    assert_eq!(colours(decode(&draw_part(&mesh, &[], 0, PictureScheme::Light, (320, 240)))), 3, "three faces are seen");
     let bodies = [at(&mesh, 0, 5.0, 10.0, 0.0)];
     assert_eq!(colours(decode(&draw_picture(&bodies, VOLUME, Viewpoint::Iso, (320, 240)))), 3);
 }

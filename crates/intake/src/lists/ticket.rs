@@ -39,6 +39,8 @@ pub struct Ticket {
     pub unit: Option<LengthUnit>,
     /// Note for people.
     pub note: Option<String>,
+    /// Whether a mesh that is not closed may be mended.
+    pub mend: Option<bool>,
 }
 
 /// Why a ticket cannot be used. Its part is then refused, because its number of copies is unknown.
@@ -91,6 +93,7 @@ struct TicketFields {
     clearance_mm: Option<toml::Value>,
     unit: Option<LengthUnit>,
     note: Option<String>,
+    mend: Option<bool>,
 }
 
 impl Ticket {
@@ -122,6 +125,7 @@ impl Ticket {
             clearance_mm: self.clearance_mm.or(weaker.clearance_mm),
             unit: self.unit.or(weaker.unit),
             note: self.note.or(weaker.note),
+            mend: self.mend.or(weaker.mend),
         }
     }
 
@@ -143,6 +147,7 @@ impl Ticket {
                 .transpose()?,
             unit: words.unit,
             note: words.note.as_deref().map(check_note).transpose()?,
+            mend: words.mend,
         })
     }
 }
@@ -217,11 +222,11 @@ mod tests {
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
         let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nemail = \"anna@brandt.example\"\nmaterial = \"PA12\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
-                    keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
+                    keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\nmend = true\n";
         let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","email":"anna@brandt.example","material":"PA12","due":"2026-11-25","priority":100,"orientation":"upright",
                        "keep_up":[{"direction":[0,0,1],"within_deg":30}],
                        "not_down":[{"direction":[1,0,0],"spare_deg":45}],
-                       "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
+                       "clearance_mm":2,"unit":"in","note":"für Jörg","mend":true}"#;
         let expected = Ticket {
             copies: Some(10),
             order: Some("A-7".into()),
@@ -236,6 +241,7 @@ mod tests {
             clearance_mm: Some(2.0),
             unit: Some(LengthUnit::Inch),
             note: Some("für Jörg".into()),
+            mend: Some(true),
         };
         assert_eq!(Ticket::from_toml(toml, "t").unwrap(), expected);
         assert_eq!(Ticket::from_json(&format!("\u{feff}{json}"), "t").unwrap(), expected);

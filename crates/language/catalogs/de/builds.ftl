@@ -85,6 +85,7 @@ pick-plan = Was sie bedecken, von oben, mit ihren Nummern
 front = vorn
 name-of-order = { $name } (Auftrag { $order })
 picture-of-refused = Das Teil, wie es abgelegt wurde; wo die Oberfläche nicht geschlossen ist, sind die Kanten rot
+picture-of-mended = Das Teil, wie es ausgebessert ist; die ausgebesserten Stellen sind rot
 picture-of-part = Das Teil, wie es abgelegt wurde
 picture-so-far = bisher
 picture-published-last = zuletzt ausgegeben

@@ -106,6 +106,7 @@ silent-database = Die Verbindung zur Datenbank ist unterbrochen oder langsam, od
 
 cause-format = das Format ist unbekannt oder die Datei abgeschnitten
 cause-not-closed = die Oberfläche ist nicht geschlossen
+cause-mendable = die Oberfläche ist nicht geschlossen und kann ausgebessert werden
 cause-too-large = es passt nicht in die Maschine
 cause-limit = die Datei überschreitet eine Grenze
 cause-ticket = das Ticket oder die Liste ist falsch oder gehört zu keinem Teil

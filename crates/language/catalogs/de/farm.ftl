@@ -151,6 +151,7 @@ add-files = Dateien hinzufügen
 parts-that-wait = Die wartenden Teile
 order-of = Auftrag { $order }
 read-again = Neu einlesen
+mend-and-print = Ausbessern und drucken
 all-refused = Alle abgelehnten
 seen-to = Erledigt
 unseen-seen-to = : dort liegen lassen ({ $machine })

@@ -144,7 +144,47 @@ told-entries-of = sie hat { $count } von { $all } Einträgen des Elements { $nam
 
 ## Why a part cannot be printed on a machine
 
-told-not-closed = { $name }: das Netz ist nicht geschlossen ({ $why }); es ist nicht bekannt, was innen ist. Es reparieren oder in der Maschine { $machine } mesh_errors = "warn" setzen.
+told-not-closed = { $name }: das Netz ist nicht geschlossen ({ $why }); es ist nicht bekannt, was innen ist. Es wird nicht ausgebessert, denn { $rest }. Es reparieren oder in der Maschine { $machine } mesh_errors = "warn" setzen.
+told-mendable = { $name }: das Netz ist nicht geschlossen ({ $why }); es ist nicht bekannt, was innen ist. Es kann ausgebessert werden: { $what }. { $remedy }
+told-mend-remedy = `nestd mend { $part }` oder der Knopf auf seiner Seite lässt es ausbessern und drucken.
+told-mend-remedy-ticket = Ein Ticket mit mend = true lässt es ausbessern und drucken.
+told-mend-holes =
+    { $n ->
+        [one] { $n } Loch von höchstens { $mm } mm geschlossen
+       *[other] { $n } Löcher von höchstens { $mm } mm geschlossen
+    }
+told-mend-added =
+    { $n ->
+        [one] { $n } Dreieck ergänzt
+       *[other] { $n } Dreiecke ergänzt
+    }
+told-mend-turned =
+    { $n ->
+        [one] { $n } Dreieck gewendet
+       *[other] { $n } Dreiecke gewendet
+    }
+told-mend-left-out =
+    { $n ->
+        [one] { $n } Dreieck weggelassen
+       *[other] { $n } Dreiecke weggelassen
+    }
+told-mend-joined =
+    { $n ->
+        [one] { $n } Ecke verbunden
+       *[other] { $n } Ecken verbunden
+    }
+told-mend-volume = Volumen { $before } -> { $now } cm³
+told-mend-off = höchstens { $mm } mm neben der vorigen Oberfläche
+told-not-mended-closed = es ist geschlossen
+told-not-mended-too-large = es hat zu viele Dreiecke oder Löcher
+told-not-mended-ambiguous = wo sich mehr als zwei Dreiecke in einer Kante treffen, ist nicht bekannt, welche zusammengehören
+told-not-mended-one-sided = ein Stück davon hat nur eine Seite
+told-not-mended-large-hole = ein Loch von { $mm } mm ist zu groß, um zu wissen, was dort war
+told-not-mended-opening = eine Öffnung von { $mm } mm hat ringsum scharfe Kanten und kann gewollt sein
+told-not-mended-crossing = was seine Löcher schlösse, ginge durch seine Oberfläche
+told-not-mended-doubt = die Oberfläche biegt sich um seine Löcher zu stark, um zu wissen, was dort war
+told-not-mended-sheet = ein Stück davon ist eine Fläche ohne Volumen
+told-not-mended-cavity = ob ein Stück in einem anderen ein Hohlraum ist, ist nicht bekannt
 told-open-edges =
     { $n ->
         [one] { $n } offene Kante
@@ -175,12 +215,17 @@ told-with-exit-code = mit dem Code { $code }
 told-file-not-kept = Seine Datei wird nicht mehr aufbewahrt. Sie erneut ablegen.
 told-file-not-here = Die Datei ist nicht hier, denn nestd hat sie nicht mehr vollständig ({ $detail }).
 told-size-differs = { $name } war beim ersten Einlesen { $before } mm groß und ist jetzt { $now } mm groß
+told-mend-differs = das Netz von { $name } wird jetzt nicht so ausgebessert wie beim ersten Einlesen
 told-stored-missing = die gespeicherte Datei von { $name } fehlt
 told-stored-damaged = die gespeicherte Datei von { $name } war beschädigt und liegt jetzt als { $aside } beiseite
 
 ## Warnings about a file
 
 told-mesh-not-closed = Das Netz ist nicht geschlossen: { $why }.
+told-mended-by = Das Netz wurde ausgebessert, wie { $who } es erlaubt: { $what }.
+told-mended-by-person = Das Netz wurde ausgebessert, wie { $name } es erlaubt: { $what }.
+told-mend-by-ticket = sein Ticket
+told-mend-by-setting = mesh_errors seiner Maschine
 told-far-from-origin = Seine Koordinaten liegen so weit vom Ursprung der Datei, dass 32-Bit-Zahlen dort { $step } mm auseinander liegen: seine Einzelheiten können um so viel abweichen. Es im CAD-Programm zum Ursprung verschieben und neu exportieren.
 told-turned-inside-out = die Oberfläche war umgestülpt und wurde gewendet
 told-suspicious-size = auffällige Größe: die größte Ausdehnung ist { $size } mm, gelesen in { $unit } (andere Einheiten, auf Englisch: { $detail })

@@ -89,6 +89,7 @@ pick-plan = What they cover, from above, with their numbers
 front = front
 name-of-order = { $name } (order { $order })
 picture-of-refused = The part as it was dropped; where its surface is not closed, the edges are red
+picture-of-mended = The part as it is mended; the mended places are red
 picture-of-part = The part as it was dropped
 picture-so-far = so far
 picture-published-last = published last

@@ -132,6 +132,7 @@ silent-database = Its way to the database is cut or slow, or all changes wait fo
 
 cause-format = its format is not known, or the file is truncated
 cause-not-closed = the surface is not closed
+cause-mendable = the surface is not closed, and can be mended
 cause-too-large = it does not fit into the machine
 cause-limit = the file exceeds a limit
 cause-ticket = its ticket or list is wrong, or belongs to no part

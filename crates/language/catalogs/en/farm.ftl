@@ -163,6 +163,7 @@ add-files = Add files
 parts-that-wait = The parts that wait
 order-of = order { $order }
 read-again = Read it again
+mend-and-print = Mend and print
 all-refused = All refused
 seen-to = Seen to
 unseen-seen-to = : leave them there ({ $machine })

@@ -144,7 +144,47 @@ told-entries-of = it has { $count } of { $all } entries of element { $name }
 
 ## Why a part cannot be printed on a machine
 
-told-not-closed = { $name }: the mesh is not closed ({ $why }), so it is not known what is inside. Repair it, or set mesh_errors = "warn" in the machine { $machine }.
+told-not-closed = { $name }: the mesh is not closed ({ $why }), so it is not known what is inside. It is not mended, because { $rest }. Repair it, or set mesh_errors = "warn" in the machine { $machine }.
+told-mendable = { $name }: the mesh is not closed ({ $why }), so it is not known what is inside. It can be mended: { $what }. { $remedy }
+told-mend-remedy = `nestd mend { $part }` or the button on its page has it mended and printed.
+told-mend-remedy-ticket = A ticket with mend = true has it mended and printed.
+told-mend-holes =
+    { $n ->
+        [one] { $n } hole of at most { $mm } mm closed
+       *[other] { $n } holes of at most { $mm } mm closed
+    }
+told-mend-added =
+    { $n ->
+        [one] { $n } triangle added
+       *[other] { $n } triangles added
+    }
+told-mend-turned =
+    { $n ->
+        [one] { $n } triangle turned
+       *[other] { $n } triangles turned
+    }
+told-mend-left-out =
+    { $n ->
+        [one] { $n } triangle left out
+       *[other] { $n } triangles left out
+    }
+told-mend-joined =
+    { $n ->
+        [one] { $n } corner joined
+       *[other] { $n } corners joined
+    }
+told-mend-volume = volume { $before } -> { $now } cm³
+told-mend-off = at most { $mm } mm off the surface before
+told-not-mended-closed = it is closed
+told-not-mended-too-large = it has too many triangles or holes
+told-not-mended-ambiguous = which triangles belong together is not known where more than two meet in an edge
+told-not-mended-one-sided = a piece of it has one side only
+told-not-mended-large-hole = a hole { $mm } mm wide is too large to know what was there
+told-not-mended-opening = an opening { $mm } mm wide has sharp edges all around and may be meant
+told-not-mended-crossing = what would close its holes would cross its surface
+told-not-mended-doubt = the surface bends too much around its holes to know what was there
+told-not-mended-sheet = a piece of it is a sheet without a volume
+told-not-mended-cavity = whether a piece inside another is a cavity is not known
 told-open-edges =
     { $n ->
         [one] { $n } open edge
@@ -175,12 +215,17 @@ told-with-exit-code = with exit code { $code }
 told-file-not-kept = Its file is no longer kept. Drop it again.
 told-file-not-here = The file is not here, for nestd does not have it whole any more: { $detail }.
 told-size-differs = { $name } was { $before } mm when it was first read, and is { $now } mm now
+told-mend-differs = the mesh of { $name } is not mended now as it was when it was first read
 told-stored-missing = the stored file of { $name } is not there
 told-stored-damaged = the stored file of { $name } was damaged and is set aside as { $aside }
 
 ## Warnings about a file
 
 told-mesh-not-closed = The mesh is not closed: { $why }.
+told-mended-by = The mesh was mended, as { $who } allows: { $what }.
+told-mended-by-person = The mesh was mended, as { $name } allows: { $what }.
+told-mend-by-ticket = its ticket
+told-mend-by-setting = mesh_errors of its machine
 told-far-from-origin = Its coordinates are so far from the origin of the file that 32-bit numbers are { $step } mm apart there: its details may be off by as much. Move it to the origin in the CAD program and export it again.
 told-turned-inside-out = the surface was inside out and has been turned
 told-suspicious-size = suspicious size: the largest extent is { $size } mm as read in { $unit }; it would be { $detail }

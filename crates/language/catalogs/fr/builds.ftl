@@ -89,6 +89,7 @@ pick-plan = Ce qu’ils couvrent, vu d’en haut, avec leurs numéros
 front = avant
 name-of-order = { $name } (commande { $order })
 picture-of-refused = La pièce telle que déposée ; là où sa surface n’est pas fermée, les arêtes sont rouges
+picture-of-mended = La pièce telle que réparée ; les endroits réparés sont rouges
 picture-of-part = La pièce telle que déposée
 picture-so-far = état actuel
 picture-published-last = dernier publié

@@ -132,6 +132,7 @@ silent-database = L’accès à la base de données est coupé ou lent, ou toute
 
 cause-format = son format n’est pas connu, ou le fichier est tronqué
 cause-not-closed = la surface n’est pas fermée
+cause-mendable = la surface n’est pas fermée, et peut être réparée
 cause-too-large = la pièce ne tient pas dans la machine
 cause-limit = le fichier dépasse une limite
 cause-ticket = son ticket ou sa liste est faux, ou n’appartient à aucune pièce

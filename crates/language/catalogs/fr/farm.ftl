@@ -163,6 +163,7 @@ add-files = Ajouter des fichiers
 parts-that-wait = Les pièces en attente
 order-of = commande { $order }
 read-again = Relire
+mend-and-print = Réparer et imprimer
 all-refused = Tous les refusés
 seen-to = Marquer comme vu
 unseen-seen-to =  : les y laisser ({ $machine })

@@ -144,7 +144,47 @@ told-entries-of = il a { $count } entrées sur { $all } de l’élément { $name
 
 ## Why a part cannot be printed on a machine
 
-told-not-closed = { $name } : le maillage n’est pas fermé ({ $why }), on ne sait donc pas ce qui est à l’intérieur. Le réparer, ou mettre mesh_errors = "warn" dans la machine { $machine }.
+told-not-closed = { $name } : le maillage n’est pas fermé ({ $why }), on ne sait donc pas ce qui est à l’intérieur. Il n’est pas réparé, car { $rest }. Le réparer, ou mettre mesh_errors = "warn" dans la machine { $machine }.
+told-mendable = { $name } : le maillage n’est pas fermé ({ $why }), on ne sait donc pas ce qui est à l’intérieur. Il peut être réparé : { $what }. { $remedy }
+told-mend-remedy = `nestd mend { $part }` ou le bouton de sa page le fait réparer et imprimer.
+told-mend-remedy-ticket = Un ticket avec mend = true le fait réparer et imprimer.
+told-mend-holes =
+    { $n ->
+        [one] { $n } trou de { $mm } mm au plus fermé
+       *[other] { $n } trous de { $mm } mm au plus fermés
+    }
+told-mend-added =
+    { $n ->
+        [one] { $n } triangle ajouté
+       *[other] { $n } triangles ajoutés
+    }
+told-mend-turned =
+    { $n ->
+        [one] { $n } triangle retourné
+       *[other] { $n } triangles retournés
+    }
+told-mend-left-out =
+    { $n ->
+        [one] { $n } triangle écarté
+       *[other] { $n } triangles écartés
+    }
+told-mend-joined =
+    { $n ->
+        [one] { $n } sommet joint
+       *[other] { $n } sommets joints
+    }
+told-mend-volume = de { $before } à { $now } cm³
+told-mend-off = écart de { $mm } mm au plus avec la surface d’avant
+told-not-mended-closed = il est fermé
+told-not-mended-too-large = il a trop de triangles ou de trous
+told-not-mended-ambiguous = on ne sait pas quels triangles vont ensemble là où plus de deux se rejoignent sur une arête
+told-not-mended-one-sided = un morceau n’a qu’un seul côté
+told-not-mended-large-hole = un trou large de { $mm } mm est trop grand pour savoir ce qui s’y trouvait
+told-not-mended-opening = une ouverture large de { $mm } mm a des arêtes vives tout autour et peut être voulue
+told-not-mended-crossing = ce qui fermerait ses trous traverserait sa surface
+told-not-mended-doubt = la surface se courbe trop autour de ses trous pour savoir ce qui s’y trouvait
+told-not-mended-sheet = un morceau est une feuille sans volume
+told-not-mended-cavity = on ne sait pas si un morceau à l’intérieur d’un autre est une cavité
 told-open-edges =
     { $n ->
         [one] { $n } arête ouverte
@@ -175,12 +215,17 @@ told-with-exit-code = avec le code { $code }
 told-file-not-kept = Son fichier n’est plus conservé. Le déposer à nouveau.
 told-file-not-here = Le fichier n’est pas ici, car nestd ne l’a plus en entier ({ $detail }).
 told-size-differs = { $name } faisait { $before } mm à la première lecture, et fait { $now } mm maintenant
+told-mend-differs = le maillage de { $name } n’est pas réparé comme à la première lecture
 told-stored-missing = le fichier conservé de { $name } manque
 told-stored-damaged = le fichier conservé de { $name } était endommagé et est mis de côté comme { $aside }
 
 ## Warnings about a file
 
 told-mesh-not-closed = Le maillage n’est pas fermé : { $why }.
+told-mended-by = Le maillage a été réparé, avec l’accord de : { $who } ({ $what }).
+told-mended-by-person = Le maillage a été réparé, avec l’accord de { $name } : { $what }.
+told-mend-by-ticket = son ticket
+told-mend-by-setting = mesh_errors de sa machine
 told-far-from-origin = Ses coordonnées sont si loin de l’origine du fichier que les nombres de 32 bits y sont espacés de { $step } mm : ses détails peuvent s’écarter d’autant. La ramener à l’origine dans le logiciel de CAO et l’exporter à nouveau.
 told-turned-inside-out = la surface était retournée et a été remise à l’endroit
 told-suspicious-size = taille suspecte : la plus grande dimension est de { $size } mm, lue en { $unit } (autres unités, en anglais : { $detail })

@@ -68,6 +68,7 @@ pick-plan = 上から見た範囲と番号
 front = 手前
 name-of-order = { $name }(注文 { $order })
 picture-of-refused = 入れたままのパーツ。表面が閉じていない縁は赤で表示
+picture-of-mended = 補修したパーツ。補修した箇所は赤で表示
 picture-of-part = 入れたままのパーツ
 picture-so-far = 現在の配置
 picture-published-last = 最後に発行

@@ -68,6 +68,7 @@ silent-database = データベースへの経路が切れているか遅い、�
 
 cause-format = ファイル形式が不明か、ファイルが途中で切れている
 cause-not-closed = 表面が閉じていない
+cause-mendable = 表面が閉じていないが、補修できる
 cause-too-large = 装置に収まらない
 cause-limit = ファイルが制限を超えている
 cause-ticket = チケットまたはリストに誤りがあるか、対応するパーツがない

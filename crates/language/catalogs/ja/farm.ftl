@@ -116,6 +116,7 @@ add-files = ファイルを追加
 parts-that-wait = 待機中のパーツ
 order-of = 注文 { $order }
 read-again = 読み取り直す
+mend-and-print = 補修して造形
 all-refused = 受付不可をすべて表示
 seen-to = 対応済み
 unseen-seen-to = : ファイルはそこに残す({ $machine })

@@ -144,7 +144,27 @@ told-entries-of = 要素 { $name } の項目 { $all } 個のうち { $count } �
 
 ## Why a part cannot be printed on a machine
 
-told-not-closed = { $name }: メッシュが閉じておらず({ $why })、どこが内側かわかりません。修復するか、装置 { $machine } で mesh_errors = "warn" を設定してください。
+told-not-closed = { $name }: メッシュが閉じておらず({ $why })、どこが内側かわかりません。補修しない理由: { $rest }。修復するか、装置 { $machine } で mesh_errors = "warn" を設定してください。
+told-mendable = { $name }: メッシュが閉じておらず({ $why })、どこが内側かわかりません。補修できます: { $what }。{ $remedy }
+told-mend-remedy = `nestd mend { $part }` またはパーツのページのボタンで、補修して造形します。
+told-mend-remedy-ticket = チケットに mend = true と書くと、補修して造形します。
+told-mend-holes = 最大 { $mm } mm の穴 { $n } か所をふさぐ
+told-mend-added = 三角形 { $n } 個を追加
+told-mend-turned = 三角形 { $n } 個を反転
+told-mend-left-out = 三角形 { $n } 個を除外
+told-mend-joined = 頂点 { $n } 個を結合
+told-mend-volume = 体積 { $before } -> { $now } cm³
+told-mend-off = 元の表面からのずれは最大 { $mm } mm
+told-not-mended-closed = メッシュは閉じています
+told-not-mended-too-large = 三角形または穴が多すぎます
+told-not-mended-ambiguous = 3 個以上の三角形が接する辺で、どれが組になるかわかりません
+told-not-mended-one-sided = 表裏のない部分があります
+told-not-mended-large-hole = 幅 { $mm } mm の穴は大きすぎて、元の形がわかりません
+told-not-mended-opening = 幅 { $mm } mm の開口部は周囲がすべて鋭い縁で、意図されたものかもしれません
+told-not-mended-crossing = 穴をふさぐ面が表面と交差します
+told-not-mended-doubt = 穴の周りの曲がりが大きく、元の形がわかりません
+told-not-mended-sheet = 体積のない面だけの部分があります
+told-not-mended-cavity = 別の部分の内側にある部分が空洞かどうかわかりません
 told-open-edges = 開いたエッジ { $n } 本
 told-non-manifold-edges = 3 つ以上の三角形が共有するエッジ { $n } 本
 told-inconsistent-edges = 三角形の向きが逆のエッジ { $n } 本
@@ -163,12 +183,17 @@ told-with-exit-code = 終了コード { $code } で
 told-file-not-kept = ファイルはもう保管されていません。もう一度入れてください。
 told-file-not-here = nestd に完全なファイルが残っていないため、ここにはありません({ $detail })。
 told-size-differs = { $name } は最初の読み取りでは { $before } mm でしたが、今は { $now } mm です
+told-mend-differs = { $name } のメッシュが最初の読み取りと同じように補修されません
 told-stored-missing = 保管した { $name } のファイルがありません
 told-stored-damaged = 保管した { $name } のファイルが破損していたため、{ $aside } として除けました
 
 ## Warnings about a file
 
 told-mesh-not-closed = メッシュが閉じていません: { $why }。
+told-mended-by = { $who } の許可により、メッシュを補修しました: { $what }。
+told-mended-by-person = { $name } の許可により、メッシュを補修しました: { $what }。
+told-mend-by-ticket = チケット
+told-mend-by-setting = 装置の設定 mesh_errors
 told-far-from-origin = 座標がファイルの原点から遠く、32 ビットの数値の間隔が { $step } mm になっています。細部がその分ずれることがあります。CAD で原点に移して書き出し直してください。
 told-turned-inside-out = 表裏が逆だった面を反転しました
 told-suspicious-size = サイズが疑わしい値です: { $unit } として読むと最大寸法は { $size } mm です(ほかの単位、英語: { $detail })

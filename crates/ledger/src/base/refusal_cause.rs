@@ -13,6 +13,8 @@ pub enum RefusalCause {
     Format,
     /// The mesh is not closed.
     NotClosed,
+    /// The mesh is not closed, and could be mended if somebody says so.
+    Mendable,
     /// The part does not fit into the machine.
     TooLarge,
     /// The file exceeds one of the `[limits]`.
@@ -46,6 +48,7 @@ impl RefusalCause {
         match self {
             Self::Format => say!("cause-format"),
             Self::NotClosed => say!("cause-not-closed"),
+            Self::Mendable => say!("cause-mendable"),
             Self::TooLarge => say!("cause-too-large"),
             Self::Limit => say!("cause-limit"),
             Self::Ticket => say!("cause-ticket"),
@@ -68,9 +71,10 @@ impl RefusalCause {
     }
 
     /// All causes.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Format,
         Self::NotClosed,
+        Self::Mendable,
         Self::TooLarge,
         Self::Limit,
         Self::Ticket,

@@ -57,7 +57,8 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let set = sql::query(
             "UPDATE part SET customer = $1, material = $2, material_key = $3, priority = $4, due_at = $5, due_text = $6, orientation = $7, \
-             tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12, email = $13 WHERE claim = $14",
+             tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12, email = $13, \
+             mend_allowed_by = $14 WHERE claim = $15",
         );
         set.bind(&terms.customer)
             .bind(&terms.material)
@@ -72,6 +73,7 @@ impl Ledger {
             .bind(terms.read_unit)
             .bind(&terms.note)
             .bind(&terms.email)
+            .bind(&terms.mend_allowed_by)
             .bind(claim)
             .execute(change.db())
             .await?;

@@ -20,7 +20,7 @@ pub(super) fn with_words_of_now(mut row: JsonRow) -> JsonRow {
 }
 
 /// Columns of a part that say what was asked for, and what was read of it.
-const ASKED_AND_READ: [&str; 23] = [
+const ASKED_AND_READ: [&str; 26] = [
     "machine",
     "order_name",
     "customer",
@@ -44,6 +44,9 @@ const ASKED_AND_READ: [&str; 23] = [
     "size_y_mm",
     "size_z_mm",
     "object_name",
+    "mend_allowed_by",
+    "mended",
+    "mended_hash",
 ];
 
 /// What the row of a part says of what was asked for and read.

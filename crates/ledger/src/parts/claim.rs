@@ -2,8 +2,8 @@
 
 use super::{material::material_key, part_size::is_same_size};
 use crate::{
-    BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedAs, RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
+    BuildId, EventKind, IllegalMove, Ledger, LedgerError, MEND_BY_SETTING, NewPartRow, NewTicketRow, PartId, PartRow,
+    PartState, RecordedAs, RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
     base::{error::Result, sql},
     store::change::LedgerChange,
 };
@@ -82,7 +82,8 @@ impl Ledger {
         for (part, solid) in parts {
             let copies = taken_over.unwrap_or(solid.copies);
             write_solid_facts(&mut change, &part, solid, copies).await?;
-            change.move_known_part(&part, PartState::Waiting, None, "").await?;
+            let mended = solid.mended.as_ref().map_or("", |mended| mended.text.as_str());
+            change.move_known_part(&part, PartState::Waiting, None, mended).await?;
             let is_first = part.measures.triangles.is_none();
             // A part that is read again keeps its copies, which were counted when it was read first.
             if is_first {
@@ -163,40 +164,6 @@ impl Ledger {
         change.commit().await?;
         Ok(parts)
     }
-
-    /// refused -> claimed: the part is read again.
-    pub async fn retry_part(&self, id: PartId) -> Result<()> {
-        let mut change = self.begin_change().await?;
-        let state = change.require_part(id).await?.state;
-        if state != PartState::Refused {
-            return Err(LedgerError::NotRefused { part: id, state });
-        }
-        let wanted_again = copies_lost_by_refusal(&mut change, id).await?;
-        change.move_part(id, PartState::Claimed, None, "taken back").await?;
-        // A revision that is taken back is wanted beside the newer one. One that was never read is read in the unit that its machine has
-        // by now.
-        let now = change.now;
-        let set = sql::query(
-            "UPDATE part SET replaced_by = NULL, waits_since = $1, \
-             read_unit = CASE WHEN size_x_mm IS NOT NULL THEN read_unit END WHERE id = $2",
-        );
-        set.bind(now).bind(id).execute(change.db()).await?;
-        if wanted_again > 0 {
-            change.note_wanted_change(wanted_again).await?;
-            change.change_cancelled(id, -wanted_again).await?;
-        }
-        change.count_decision(id).await?;
-        change.update_orders_of([id]).await?;
-        change.commit().await
-    }
-}
-
-/// By how many the copies wanted of a part fell when it was last refused, or replaced after that.
-async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
-    let last = sql::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('refused', 'revised', 'order_closed') ORDER BY id DESC LIMIT 1",
-    );
-    Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
 
 async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Result<()> {
@@ -242,8 +209,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let id = sql::query_scalar(
         "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
-         read_unit, customer, material, material_key, email) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
-         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22, $23, $24, $25) \
+         read_unit, customer, material, material_key, email, mend_allowed_by) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
+         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22, $23, $24, $25, $26) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -271,6 +238,7 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(&part.terms.material)
     .bind(material_key(&part.terms.material))
     .bind(&part.terms.email)
+    .bind(&part.terms.mend_allowed_by)
     .fetch_optional(change.db())
     .await?;
     Ok(id)
@@ -313,9 +281,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
-         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit) \
+         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit, mend_allowed_by) \
          SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
-         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit FROM part WHERE id = $3 RETURNING id",
+         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit, mend_allowed_by FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)
@@ -332,12 +300,17 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     if let Some(told_mm) = part.size_mm().filter(|told| !is_same_size(*told, solid.size_mm)) {
         return change.hold_other_size(part, told_mm, solid.size_mm, solid.read_unit).await;
     }
+    let mended_hash = solid.mended.as_ref().map_or("", |mended| mended.hash.as_str());
+    if !part.mending.mended_hash.is_empty() && part.mending.mended_hash != mended_hash {
+        return change.hold_other_mending(part).await;
+    }
     let [x, y, z] = solid.size_mm;
     sql::query(
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
          volume_mm3 = $4, size_x_mm = $5, size_y_mm = $6, size_z_mm = $7, warnings = $8, \
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
-         THEN '' ELSE $9 END, file_copies = $10, read_unit = $11, copy_of = $12, size_differs = FALSE WHERE id = $13",
+         THEN '' ELSE $9 END, file_copies = $10, read_unit = $11, size_differs = FALSE, mended = $12, mended_hash = $13, \
+         mend_allowed_by = CASE WHEN mend_allowed_by = '' AND $13 <> '' THEN $14 ELSE mend_allowed_by END, copy_of = $15 WHERE id = $16",
     )
     .bind(copies)
     .bind(&solid.object_name)
@@ -350,6 +323,9 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(&solid.question)
     .bind(solid.file_copies)
     .bind(solid.read_unit)
+    .bind(solid.mended.as_ref().map_or("", |mended| mended.text.as_str()))
+    .bind(mended_hash)
+    .bind(MEND_BY_SETTING)
     .bind(&solid.copy_of)
     .bind(part.id)
     .execute(change.db())

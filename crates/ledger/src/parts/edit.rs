@@ -339,7 +339,7 @@ impl LedgerChange {
     /// A person says in which size a part is meant: its file is read as if for the first time.
     async fn read_anew(&mut self, id: PartId, why: &str) -> Result<()> {
         let forget = sql::query(
-            "UPDATE part SET size_x_mm = NULL, size_y_mm = NULL, size_z_mm = NULL, size_differs = FALSE, \
+            "UPDATE part SET size_x_mm = NULL, size_y_mm = NULL, size_z_mm = NULL, size_differs = FALSE, mended = '', mended_hash = '', \
              question = CASE WHEN size_differs THEN '' ELSE question END WHERE id = $1",
         );
         forget.bind(id).execute(self.db()).await?;

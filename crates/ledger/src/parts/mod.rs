@@ -11,4 +11,5 @@ pub(super) mod part_list;
 pub(super) mod part_question;
 pub(super) mod part_size;
 pub(super) mod revision;
+pub(super) mod taken_back;
 pub(super) mod waiting;

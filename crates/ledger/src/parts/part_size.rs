@@ -31,7 +31,30 @@ impl Ledger {
     }
 }
 
+impl Ledger {
+    /// The file of a waiting part was mended otherwise than the first time: it waits for a person.
+    pub async fn hold_other_mending(&self, id: PartId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let part = change.require_part(id).await?;
+        if !part.owed.size_differs {
+            change.hold_other_mending(&part).await?;
+        }
+        change.commit().await
+    }
+}
+
 impl LedgerChange {
+    /// A part waits for a person, because its mesh was mended otherwise than the first time.
+    pub(crate) async fn hold_other_mending(&mut self, part: &PartRow) -> Result<()> {
+        let question = format!(
+            "its mesh is not mended now as it was when it was first read. `nestd confirm {}` has it read and mended anew.",
+            part.id
+        );
+        let hold = sql::query("UPDATE part SET question = $1, size_differs = TRUE WHERE id = $2");
+        hold.bind(&question).bind(part.id).execute(self.db()).await?;
+        self.write_event(EventKind::SizeDiffers, &part.machine, Some(part.id), None, &question).await
+    }
+
     /// A part waits for a person, because its file was read in another size than the first time.
     pub(crate) async fn hold_other_size(
         &mut self,

@@ -1,6 +1,7 @@
 //! What was measured of a part, and the times of its states.
 
 use build_file::LengthUnit;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::{UtcTimestamp, base::sql::sql_row};
@@ -23,6 +24,24 @@ pub struct PartMeasures {
 }
 
 sql_row!(PartMeasures { triangles, volume_mm3, size_x_mm, size_y_mm, size_z_mm, read_unit });
+
+/// Whether the mesh of a part may be mended, and what was done to it. From then on the mended mesh is the part's.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, JsonSchema)]
+pub struct PartMending {
+    /// Who said that its mesh may be mended: user@host, `ticket`, or `mesh_errors`, the setting of its machine. "" = nobody.
+    pub mend_allowed_by: String,
+    /// What was done to its mesh, in words with measures; "" = it is printed as it was dropped.
+    pub mended: String,
+    /// BLAKE3 of the mended mesh, 64 hex digits; "" = not mended.
+    pub mended_hash: String,
+}
+
+sql_row!(PartMending { mend_allowed_by, mended, mended_hash });
+
+/// The ticket of a part allows that its mesh is mended.
+pub const MEND_BY_TICKET: &str = "ticket";
+/// The setting of its machine allows it.
+pub const MEND_BY_SETTING: &str = "mesh_errors";
 
 /// Times of the states of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    PartId, PartMeasures, PartState, PartTimes, RefusalCause, UtcTimestamp,
+    PartId, PartMeasures, PartMending, PartState, PartTimes, RefusalCause, UtcTimestamp,
     base::{
         sql::{bind_as_text, read_text_by, sql_row},
         text_column::own_word,
@@ -88,6 +88,9 @@ pub struct NewTerms {
     pub read_unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
+    /// Who said that its mesh may be mended where it is not closed, "" = nobody.
+    #[serde(default)]
+    pub mend_allowed_by: String,
 }
 
 /// Directions of the part's mesh that must point nearly straight up; all of them apply. Stored in SQL as one line of text.
@@ -168,12 +171,15 @@ pub struct PartRow {
     /// Its measurements.
     #[serde(flatten)]
     pub measures: PartMeasures,
+    /// Whether its mesh may be mended, and was.
+    #[serde(flatten)]
+    pub mending: PartMending,
     /// Times of its states.
     #[serde(flatten)]
     pub times: PartTimes,
 }
 
-sql_row!(PartRow { id, machine, name, state, warnings; solid, file, refused, owed, terms, measures, times });
+sql_row!(PartRow { id, machine, name, state, warnings; solid, file, refused, owed, terms, measures, mending, times });
 
 /// Which solid of a file a part is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]

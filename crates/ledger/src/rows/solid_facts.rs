@@ -30,8 +30,19 @@ pub struct SolidFacts {
     pub copy_of: String,
     /// Warnings, one sentence each, added to those of the claim.
     pub warnings: Vec<String>,
+    /// What was done to its mesh; `None` = it is as it was dropped.
+    pub mended: Option<MendedFacts>,
     /// What the file asks for it itself; `None` = nothing. Not asked again when it is read once more.
     pub request: Option<RequestedTerms>,
+}
+
+/// What was done to a mesh that was mended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MendedFacts {
+    /// In words, with measures.
+    pub text: String,
+    /// BLAKE3 of the mended mesh, 64 hex digits.
+    pub hash: String,
 }
 
 impl SolidFacts {

@@ -51,6 +51,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (43, "profile of machine", include_str!("../../../../migrations/0043_profile_of_machine.sql")),
     (44, "email", include_str!("../../../../migrations/0044_email.sql")),
     (45, "people", include_str!("../../../../migrations/0045_people.sql")),
+    (47, "mended meshes", include_str!("../../../../migrations/0047_mended_meshes.sql")),
     (48, "copy of", include_str!("../../../../migrations/0048_copy_of.sql")),
     (49, "lots", include_str!("../../../../migrations/0049_lots.sql")),
 ];

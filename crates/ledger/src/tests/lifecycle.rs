@@ -38,6 +38,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         unit: Some(build_file::LengthUnit::Inch),
         read_unit: None,
         note: "handle with care".into(),
+        mend_allowed_by: "ann@farm".to_owned(),
     };
     let part = NewPartRow { terms, ..new_part("full", 2) };
     let id = ledger.record_claim(&part).await.unwrap().id;
@@ -47,6 +48,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         ("kit 7", "Brandt", 100, 684)
     );
     assert_eq!(row.terms.email, "ann@brandt.example");
+    assert_eq!(row.mending.mend_allowed_by, "ann@farm");
     assert_eq!(row.terms.due_at.map(|t| t.0), part.terms.due_at);
     assert_eq!(
         (row.terms.orientation, &row.terms.tilts, row.terms.unit),

@@ -96,7 +96,7 @@ async fn close_line(change: &mut LedgerChange, line: &OrderLine, by: &str) -> Re
             kind: CommandKind::Cancel,
             machine: String::new(),
             part: Some(line.part),
-            argument: CommandArgument { copies, edit: None },
+            argument: CommandArgument { copies, edit: None, ..CommandArgument::default() },
             asked_by: by.to_owned(),
         };
         change.insert_command(&cancel).await?;

@@ -75,6 +75,13 @@ pub struct CommandArgument {
     /// Changes of an edit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edit: Option<PartEdit>,
+    /// Whether the mesh of a part that is taken back may be mended.
+    #[serde(skip_serializing_if = "is_false")]
+    pub mend: bool,
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 impl CommandArgument {

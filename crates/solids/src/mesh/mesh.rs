@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{
     equal_pieces::keep_one_of_equal_pieces,
     local_order::put_in_local_order,
-    weld::{edge_defects, weld_equal_vertices, weld_open_edges},
+    weld::{edge_defects, noise_of, weld_equal_vertices, weld_open_edges},
 };
 use crate::{Bounds, MeshDefects, Pose};
 
@@ -76,7 +76,8 @@ impl Mesh {
         let mut defects = edge_defects(&triangles, vertices.len(), |_, _| {});
         if !defects.is_closed() {
             let apart = vertices.len();
-            (vertices, triangles) = weld_open_edges(&vertices, triangles);
+            let noise_mm = noise_of(&vertices);
+            (vertices, triangles) = weld_open_edges(&vertices, triangles, noise_mm);
             defects = edge_defects(&triangles, vertices.len(), |_, _| {});
             defects.welded_vertices = apart - vertices.len();
         }

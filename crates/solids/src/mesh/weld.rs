@@ -111,16 +111,23 @@ fn hash_position(place: DVec3) -> u64 {
     (place + DVec3::ZERO).to_array().into_iter().map(f64::to_bits).fold(0x2545_f491_4f6c_dd1d, fold)
 }
 
-/// Merges vertices that exact equality left separate: those on defective edges that differ only by the rounding of
-/// 32-bit coordinates, as exporters write them. Vertices of sound edges do not move.
-pub(super) fn weld_open_edges(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// How far places may differ that differ only by the rounding of 32-bit coordinates, as exporters write them, mm.
+pub(super) fn noise_of(vertices: &[DVec3]) -> f64 {
+    NOISE_MM + NOISE_SHARE * vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max)
+}
+
+/// Merges vertices that exact equality left separate: those on defective edges that differ by at most `noise_mm`. Vertices of sound
+/// edges do not move.
+pub(crate) fn weld_open_edges(
+    vertices: &[DVec3],
+    triangles: Vec<[u32; 3]>,
+    noise_mm: f64,
+) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut loose = vec![false; vertices.len()];
     edge_defects(&triangles, vertices.len(), |a, b| {
         loose[a as usize] = true;
         loose[b as usize] = true;
     });
-    let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
-    let noise_mm = NOISE_MM + NOISE_SHARE * largest;
     let mut mended = vertices.to_vec();
     // The cells are as wide as the noise: a neighbour within it is in one of the 27 surrounding cells.
     let cell = |place: DVec3| (place / noise_mm).floor().as_i64vec3();

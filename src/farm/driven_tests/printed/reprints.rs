@@ -55,7 +55,7 @@ fn new_command(kind: CommandKind, part: PartId, argument: CommandArgument, machi
 }
 
 pub fn edit(edit: PartEdit) -> CommandArgument {
-    CommandArgument { edit: Some(edit), copies: None }
+    CommandArgument { edit: Some(edit), copies: None, ..CommandArgument::default() }
 }
 
 #[test]
@@ -181,7 +181,13 @@ fn what_was_asked_is_changed_after_the_drop_and_the_next_build_has_it() {
     change(&mut farm, CommandKind::Edit, id("b.stl"), edit(inches), "");
     let answer = change(&mut farm, CommandKind::Move, id("c.stl"), CommandArgument::default(), "other");
     assert!(answer.contains("moved to other"), "{answer}");
-    change(&mut farm, CommandKind::Cancel, id("a.stl"), CommandArgument { copies: Some(1), edit: None }, "");
+    change(
+        &mut farm,
+        CommandKind::Cancel,
+        id("a.stl"),
+        CommandArgument { copies: Some(1), edit: None, ..CommandArgument::default() },
+        "",
+    );
     farm.wait_for_parts(PartState::Waiting, 3);
     let b = farm.ask(async |ledger| ledger.find_part(id("b.stl")).await.unwrap().unwrap());
     assert_eq!(b.size_mm().unwrap(), [120.0, 100.0, 100.0], "it was read again in the new unit");

@@ -4,6 +4,7 @@ pub(super) mod camspec;
 pub(super) mod languages;
 pub(super) mod late;
 pub(super) mod lists;
+pub(super) mod mended;
 pub(super) mod orders;
 pub(super) mod spoken;
 pub(super) mod taken_places;

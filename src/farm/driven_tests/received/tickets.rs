@@ -85,8 +85,11 @@ fn answer_in_every_way(farm: &mut HandDrivenFarm) {
         argument,
         asked_by: "ann@farm".to_owned(),
     };
-    let edit =
-        |copies| CommandArgument { copies: None, edit: Some(PartEdit { copies: Some(copies), ..PartEdit::default() }) };
+    let edit = |copies| CommandArgument {
+        copies: None,
+        edit: Some(PartEdit { copies: Some(copies), ..PartEdit::default() }),
+        ..CommandArgument::default()
+    };
     let one = id(farm, "bracketx4.stl");
     let four = id(farm, "plugx4.stl");
     let commands = [
@@ -94,7 +97,11 @@ fn answer_in_every_way(farm: &mut HandDrivenFarm) {
         command(CommandKind::Confirm, id(farm, "hookx4.stl"), CommandArgument::default()),
         command(CommandKind::Edit, four, edit(4)),
         // It is wanted once again, and that is not asked.
-        command(CommandKind::Cancel, four, CommandArgument { copies: Some(3), edit: None }),
+        command(
+            CommandKind::Cancel,
+            four,
+            CommandArgument { copies: Some(3), edit: None, ..CommandArgument::default() },
+        ),
     ];
     for command in commands {
         let number = farm.submit_command(&command);

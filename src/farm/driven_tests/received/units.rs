@@ -135,7 +135,7 @@ fn a_part_that_a_restored_ledger_has_forgotten_keeps_its_size() {
 }
 
 /// Changes the ledger behind the farm's back.
-fn write_into_ledger(farm: &HandDrivenFarm, change: &'static str) {
+pub(super) fn write_into_ledger(farm: &HandDrivenFarm, change: &'static str) {
     farm.ask(async |ledger| {
         let file = ledger.file().unwrap().display().to_string();
         let pool = sqlx::SqlitePool::connect(&format!("sqlite://{file}")).await.unwrap();

@@ -111,7 +111,7 @@ async fn a_change_that_a_command_asked_for_is_committed_together_with_the_comman
         kind: CommandKind::Cancel,
         machine: String::new(),
         part: Some(part),
-        argument: CommandArgument { copies: Some(2), edit: None },
+        argument: CommandArgument { copies: Some(2), edit: None, ..CommandArgument::default() },
         asked_by: "ann@farm".into(),
     };
     let id = ledger.submit_command(&cancel).await.unwrap();

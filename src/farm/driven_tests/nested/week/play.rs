@@ -221,11 +221,15 @@ impl<'a> WeekPlay<'a> {
             }
             LateWord::Edit { copies } => {
                 let edit = Some(PartEdit { copies: Some(*copies), ..PartEdit::default() });
-                let command = command(CommandKind::Edit, CommandArgument { edit, copies: None }, "");
+                let command = command(
+                    CommandKind::Edit,
+                    CommandArgument { edit, copies: None, ..CommandArgument::default() },
+                    "",
+                );
                 SaidWord::Command { command, line: key, copies: *copies }
             }
             LateWord::Cancel => {
-                let argument = CommandArgument { edit: None, copies: Some(1) };
+                let argument = CommandArgument { edit: None, copies: Some(1), ..CommandArgument::default() };
                 SaidWord::Command { command: command(CommandKind::Cancel, argument, ""), line: key, copies: copies - 1 }
             }
             LateWord::Move { machine } => {

@@ -1,0 +1,7 @@
+-- A mesh that is not closed is mended when somebody says yes, and the mended one is what is printed.
+ALTER TABLE part ADD COLUMN mend_allowed_by TEXT COLLATE "C" NOT NULL DEFAULT '';
+COMMENT ON COLUMN part.mend_allowed_by IS 'who said that its mesh may be mended: user@host, ''ticket'', ''mesh_errors'' (the setting of its machine); '''' = nobody';
+ALTER TABLE part ADD COLUMN mended TEXT COLLATE "C" NOT NULL DEFAULT '';
+COMMENT ON COLUMN part.mended IS 'what was done to its mesh, in words with measures; '''' = it is printed as it was dropped';
+ALTER TABLE part ADD COLUMN mended_hash TEXT COLLATE "C" NOT NULL DEFAULT '';
+COMMENT ON COLUMN part.mended_hash IS 'BLAKE3 of the mended mesh, 64 hex digits: its file is mended to the same each time it is read; '''' = not mended';

@@ -29,14 +29,14 @@ const CRACK_MM: f64 = 0.02;
 const MAX_HOLE_SHARE: f64 = 0.15;
 /// Where the surface bends by less than this, it goes on across the rim of a hole, radians.
 const GOES_ON: f64 = 0.7;
-/// The surface goes on across at least this share of the rim of a hole that is flat, or closed by one or two triangles: a hole with sharp
-/// edges all around may be meant.
+/// The surface goes on across at least this share of the rim of a hole that is flat, or closed by one triangle: a hole with sharp edges all
+/// around may be meant.
 const MIN_SMOOTH_SHARE: f64 = 0.3;
 /// The same where the surface bends, by at most this, radians.
 const MIN_SMOOTH_BENT: f64 = 0.6;
 const BENT: f64 = 0.35;
-/// Corners of the rim of a hole that one or two triangles close: what was there is known.
-const PLAIN_RIM: usize = 4;
+/// Corners of the rim of a hole that one triangle closes. Where it takes two, a corner may be lost that was raised.
+const PLAIN_RIM: usize = 3;
 /// The most that a hole may be wide where the surface bends, as a share of the root of the area of its piece.
 const MAX_BENT_SHARE: f64 = 0.1;
 /// What is not known of the volume below all holes, as a share of it.

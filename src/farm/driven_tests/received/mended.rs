@@ -52,9 +52,6 @@ fn a_mesh_that_can_be_mended_is_refused_with_what_would_be_done_and_is_printed_m
     for said in ["3 open edges", "1 hole of at most", "1 triangle added", "0.4800 cm³", "`nestd mend 1`"] {
         assert!(part.refused.reason.contains(said), "{said}: {}", part.refused.reason);
     }
-    // Read again without a yes, it is refused again.
-    farm.order_and_wait(CommandKind::Retry, Some(part.id));
-    farm.wait_for_parts(PartState::Refused, 1);
     assert!(mend(&mut farm, part.id).contains("its mesh is mended"));
     let waiting = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!((waiting.owed.copies, waiting.measures.triangles), (2, Some(12)));
@@ -94,7 +91,17 @@ fn it_is_mended_the_same_after_a_restart_a_failed_print_an_issue_once_more_and_a
         assert_whole(&farm, build, copies);
     }
     assert_eq!(row(&farm, part.id).mending.mended_hash, hash);
-    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn read_again_without_a_yes_it_is_refused_again() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let part = drop_torn(&mut farm);
+    farm.order_and_wait(CommandKind::Retry, Some(part.id));
+    farm.pass_secs(3.0);
+    let again = row(&farm, part.id);
+    assert_eq!((again.state, again.file.reads), (PartState::Refused, 2));
+    assert_eq!(again.mending, ledger::PartMending::default());
 }
 
 #[test]

@@ -80,8 +80,8 @@ fn mesh_hash(mesh: &Mesh) -> String {
 pub(super) fn mend_text(measures: &MendMeasures) -> String {
     let mut said = Vec::new();
     if measures.holes > 0 {
-        let holes = format_count(measures.holes, "hole", "holes");
-        said.push(format!("{holes} of at most {:.2} mm closed", measures.widest_hole_mm));
+        let holes = format_count(measures.holes, "hole of at most", "holes of at most");
+        said.push(format!("{holes} {:.2} mm closed", measures.widest_hole_mm));
     }
     let counts = [
         (measures.added, "triangle added", "triangles added"),

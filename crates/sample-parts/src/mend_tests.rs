@@ -129,6 +129,7 @@ fn deviation(original: &Mesh, mended: &[[DVec3; 3]]) -> f64 {
 }
 
 #[test]
+#[allow(clippy::print_stdout)] // its figures stand in the book
 fn of_hundreds_of_broken_meshes_none_is_mended_wrongly() {
     let mut table: BTreeMap<usize, (u32, u32, f64, f64)> = BTreeMap::new();
     let mut reasons: HashMap<String, u32> = HashMap::new();

@@ -66,6 +66,9 @@ pub enum QuoteError {
     TryLater(String),
 }
 
+/// As what a file is read: its path, its unit, whether it may be mended, and the ending of its name.
+type FileReading<'f> = (&'f Path, Option<LengthUnit>, Option<bool>, Option<String>);
+
 /// Reads the files of a quote, each once. `isolated_until`: in a process of their own each, because they come from outside, and none
 /// is begun later.
 ///
@@ -80,8 +83,7 @@ pub fn read_quoted_files(
 ) -> Result<Vec<QuotedPart>, QuoteError> {
     let (mut parts, mut triangles): (Vec<QuotedPart>, u64) = Default::default();
     // The ending of its name tells the format where the content does not.
-    let mut known: HashMap<(&Path, Option<LengthUnit>, Option<bool>, Option<String>), PartFileContents> =
-        HashMap::new();
+    let mut known: HashMap<FileReading<'_>, PartFileContents> = HashMap::new();
     for file in files {
         let terms = FileTerms::of_ticket(&file.ticket, profile);
         let contents = match known.entry((&file.path, terms.unit, file.ticket.mend, ending(&file.name))) {

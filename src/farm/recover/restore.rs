@@ -158,7 +158,7 @@ async fn rebuild_copy(
     if !matches!(begin, LedgerSource::Present) {
         reconciled.doubts.extend(doubts_on_printers(settings, &down?));
         let people =
-            people?.then(|| "who may sign in, and with which password, is as in the backup: `nestd people list`");
+            people?.then_some("who may sign in, and with which password, is as in the backup: `nestd people list`");
         reconciled.doubts.extend(people.map(str::to_owned));
     }
     if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {

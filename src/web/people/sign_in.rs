@@ -76,7 +76,7 @@ pub(crate) async fn form_page(web: &DashboardState, headers: &HeaderMap, asked: 
         @if !with_pin.is_empty() {
             section {
                 h2 { (say!("go-on-with-pin")) }
-                form.filters method="post" action="/sign-in/pin" {
+                form.tell method="post" action="/sign-in/pin" {
                     input type="hidden" name="to" value=(asked.to);
                     label { (say!("pin")) input name="pin" type="password" inputmode="numeric" autocomplete="off" required maxlength="8"; }
                     @for name in &with_pin { button type="submit" name="name" value=(name) translate="no" { (name) } }
@@ -84,11 +84,11 @@ pub(crate) async fn form_page(web: &DashboardState, headers: &HeaderMap, asked: 
             }
             h2 { (say!("with-password")) }
         }
-        form.filters method="post" action="/sign-in" {
+        form.tell method="post" action="/sign-in" {
             input type="hidden" name="to" value=(asked.to);
             label { (say!("your-name")) input name="name" value=(asked.name) autocomplete="username" autocapitalize="none" required maxlength="64"; }
             label { (say!("password")) input name="password" type="password" autocomplete="current-password" required maxlength="200"; }
-            label { input type="checkbox" name="shared" value="true" checked[is_shared]; " " (say!("device-is-shared")) }
+            label.check { input type="checkbox" name="shared" value="true" checked[is_shared]; (say!("device-is-shared")) }
             button type="submit" { (say!("sign-in")) }
         }
     };

@@ -1,12 +1,13 @@
-//! Why a file that can be read cannot be printed: too many copies, a mesh that is not closed, too large for the machine.
+//! Why a file that can be read cannot be printed: too many copies, a mesh that is not closed, too large for the machine. What a file asks for
+//! its solids itself, as CAMSPEC packages do, is put into the words of the ledger and of the search.
 
-use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits};
+use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits, SolidRequest};
 use intake::Ticket;
-use ledger::{PartId, RefusalCause, RequestedTerms};
-use nester::{OrientationLimits, OrientationRule};
+use ledger::{PartId, RefusalCause, RequestedTerms, RequiredTilts};
+use nester::{FaceNotDown, OrientationLimits, OrientationRule, TiltLimit, TiltLimitError};
 use solids::MeshDefects;
 
-use super::{file_request::requested_terms, mending::mend_text};
+use super::mending::mend_text;
 use crate::settings::{MachineProfile, MeshErrorPolicy};
 
 /// A part that would be smaller than this in another unit was not meant in it.
@@ -54,6 +55,28 @@ impl FileTerms {
         }
         terms
     }
+}
+
+/// What a file asks for a solid of this machine.
+///
+/// # Errors
+/// A direction or an angle is none.
+pub(crate) fn requested_terms(
+    request: &SolidRequest,
+    profile: &MachineProfile,
+) -> Result<RequestedTerms, TiltLimitError> {
+    let up = request.up.iter().map(|&(direction, within_deg)| TiltLimit::new(direction, within_deg));
+    let up: Vec<TiltLimit> = up.collect::<Result<_, _>>()?;
+    let not_down = request.not_down.iter().map(|&(normal, spare_deg)| FaceNotDown::new(normal, spare_deg));
+    let not_down: Vec<FaceNotDown> = not_down.collect::<Result<_, _>>()?;
+    Ok(RequestedTerms {
+        reference: request.reference.clone(),
+        material: request.material.as_deref().map(|word| profile.materials.name_of(word)),
+        priority: request.priority,
+        clearance_mm: request.clearance_mm,
+        orientation: request.is_fixed.then_some(OrientationRule::Fixed),
+        tilts: RequiredTilts(OrientationLimits::new(OrientationRule::Free, &up, &not_down).tilts),
+    })
 }
 
 /// Why the solids of a file cannot be printed on a machine, in whole sentences.

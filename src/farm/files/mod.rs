@@ -4,7 +4,6 @@ pub(super) mod claim_note;
 pub(super) mod disk_cache;
 pub(super) mod error_folder;
 pub(super) mod file_fault;
-pub(super) mod file_request;
 pub(super) mod isolated_read;
 pub(super) mod judged_file;
 pub(super) mod mending;

@@ -6,8 +6,7 @@ use build_file::{LengthUnit, PartFileSolid};
 use ledger::{PartRow, RefusalCause, SolidFacts};
 
 use super::{
-    file_fault::{FileTerms, defects_text, find_file_fault},
-    file_request::requested_terms,
+    file_fault::{FileTerms, defects_text, find_file_fault, requested_terms},
     mending::{allowed_by, mend_solids},
     mesh_cache::MeshCacheKey,
     mesh_source::MeshSource,

@@ -20,8 +20,7 @@ use crate::{
     farm::{
         alerts::failure::PartReadError,
         files::{
-            file_fault::{FileTerms, find_file_fault},
-            file_request::requested_terms,
+            file_fault::{FileTerms, find_file_fault, requested_terms},
             isolated_read::PartReadRequest,
             mending::{allowed_by_ticket, mend_solids},
         },

@@ -48,17 +48,7 @@ pub async fn serve_dashboard(
     farm: ServiceBridge,
     judged: JudgedFiles,
 ) -> Result<()> {
-    if let Some(file) = &web.tokens_file {
-        access::read_tokens(file)?;
-    }
-    let clients = ClientGate {
-        token: web.token_file.as_deref().map(access::read_secret).transpose()?,
-        tokens_file: web.tokens_file,
-        without_token: web.without_token,
-        sign_in: web.sign_in,
-        people: Default::default(),
-        watch: Mutex::default(),
-    };
+    let clients = read_clients(&web)?;
     let current = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
     let (path, quote_meshes) = (current.ledger.clone(), QuoteMeshes::of_farm(&current));
     let opened = Ledger::open_existing_for(&path, LedgerUser::Pages).await;
@@ -118,6 +108,21 @@ pub async fn serve_dashboard(
         DashboardListener::Unix(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
     }
     .context("serving the dashboard")
+}
+
+/// Who may ask, as the settings and the files of tokens say.
+fn read_clients(web: &WebSettings) -> Result<ClientGate> {
+    if let Some(file) = &web.tokens_file {
+        access::read_tokens(file)?;
+    }
+    Ok(ClientGate {
+        token: web.token_file.as_deref().map(access::read_secret).transpose()?,
+        tokens_file: web.tokens_file.clone(),
+        without_token: web.without_token,
+        sign_in: web.sign_in,
+        people: Default::default(),
+        watch: Mutex::default(),
+    })
 }
 
 /// All routes of the dashboard.

@@ -36,8 +36,8 @@ pub fn is_pin(text: &str) -> bool {
 /// Whether a text may be the name of a person: letters, digits, `-`, `_`, `.` and `@`, with single blanks between them.
 pub fn is_person_name(text: &str) -> bool {
     let is_letter = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | '@');
-    let words = text.split(' ');
-    text.chars().count() <= MAX_NAME && words.into_iter().all(|word| !word.is_empty() && word.chars().all(is_letter))
+    let mut words = text.split(' ');
+    text.chars().count() <= MAX_NAME && words.all(|word| !word.is_empty() && word.chars().all(is_letter))
 }
 
 /// The hash of a password or PIN, as a PHC string; "" = there is none. It is not shown by accident.

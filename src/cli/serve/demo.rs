@@ -82,8 +82,7 @@ async fn play_demo(farm: &DemoFarm, stays: bool) -> Result<()> {
     watch.ledger.close().await;
     if stays {
         println!("\nThe farm runs until you press Ctrl-C. Drop parts of your own on its page, or into its hot folder:");
-        println!("  {}", farm.machine_folder("inbox").display());
-        farm.page().iter().for_each(|page| println!("  {page}"));
+        print_places(farm);
         daemon.run_until_stopped().await?;
     }
     daemon.stop()?;
@@ -92,9 +91,14 @@ async fn play_demo(farm: &DemoFarm, stays: bool) -> Result<()> {
     );
     let program = std::env::current_exe().context("cannot find this program")?;
     println!("  {} run{} -c {}", program.display(), root_option(), farm.config_file().display());
+    print_places(farm);
+    Ok(())
+}
+
+/// Where parts can be dropped.
+fn print_places(farm: &DemoFarm) {
     println!("  {}", farm.machine_folder("inbox").display());
     farm.page().iter().for_each(|page| println!("  {page}"));
-    Ok(())
 }
 
 /// The option that root needs, for example in a container, to run a daemon by hand.

@@ -1,6 +1,6 @@
 //! Causes of failures: the file, the store or the disk.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
 use build_file::FileReadError;
 use ledger::{PartId, PartRow, RefusalCause};
@@ -88,6 +88,16 @@ pub enum PartFault<'a> {
     SizeDiffers(&'a SizeDiffersError),
     /// It is mended otherwise.
     MendDiffers(&'a MendDiffersError),
+}
+
+impl fmt::Display for PartFault<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lost(lost) => lost.fmt(f),
+            Self::SizeDiffers(differs) => differs.fmt(f),
+            Self::MendDiffers(differs) => differs.fmt(f),
+        }
+    }
 }
 
 impl<'a> PartFault<'a> {

@@ -111,7 +111,7 @@ fn find_solid_fault(
 ) -> Option<(RefusalCause, String)> {
     let defects = solid.mesh.defects();
     if !defects.is_closed() && profile.intake.mesh_errors != MeshErrorPolicy::Warn {
-        return Some(open_mesh_fault(solid, terms, profile));
+        return Some(open_mesh_fault(solid, &defects, terms, profile));
     }
     let terms = match solid.request.as_deref().map(|request| requested_terms(request, profile)).transpose() {
         Ok(request) => terms.with_request(request.as_ref()),
@@ -121,11 +121,16 @@ fn find_solid_fault(
 }
 
 /// Why a mesh that is not closed is refused: what could be mended if somebody says so, or why it cannot.
-fn open_mesh_fault(solid: &PartFileSolid, terms: &FileTerms, profile: &MachineProfile) -> (RefusalCause, String) {
+fn open_mesh_fault(
+    solid: &PartFileSolid,
+    defects: &MeshDefects,
+    terms: &FileTerms,
+    profile: &MachineProfile,
+) -> (RefusalCause, String) {
     let found = format!(
         "{}: the mesh is not closed ({}), so it is not known what is inside.",
         solid.name,
-        defects_text(&solid.mesh.defects())
+        defects_text(defects)
     );
     match solid.mesh.mended() {
         Ok(done) => {

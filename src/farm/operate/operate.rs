@@ -14,7 +14,7 @@ use crate::{
         printers::printers::fate_of_queued,
         scanning::{
             machine_fit::find_misfit,
-            queue_contents::{BuildFiles, ContentReader, SoughtFile, VisibleFile, is_proved},
+            queue_contents::{BuildFiles, ContentReader, SoughtFile, VisibleFile, is_at, is_proved},
         },
     },
     queue::{OpenQueue, QueueAddress},
@@ -165,7 +165,7 @@ fn look_into(printers: &[(String, QueueAddress)], build: &BuildRow, second: &[St
     let was_withdrawn = published_in.is_some_and(|(_, queue)| queue.holds_taken_back(name));
     let files = BuildFiles::find(&queues, &sought);
     let others = files.other_places();
-    let is_unseen = |place: &&String| !queues.iter().any(|(printer, _)| place.ends_with(&format!(" at {printer}")));
+    let is_unseen = |place: &&String| !queues.iter().any(|(printer, _)| is_at(place, printer));
     let unseen = second.iter().filter(is_unseen).cloned().collect();
     if let Some(VisibleFile { printer, queue, .. }) = files.own {
         let mut reader = ContentReader::new(1);

@@ -89,11 +89,7 @@ pub(crate) async fn continue_without_faulty_part(
     let Some(fault) = PartFault::find_in_chain(failure) else { return Ok(()) };
     let parts = desk.shared.ledger.parts_of_build(build).await?;
     let parts: Vec<PartId> = parts.iter().filter(|part| fault.is_of(part)).map(|part| part.id).collect();
-    let why = match &fault {
-        PartFault::Lost(lost) => lost.to_string(),
-        PartFault::SizeDiffers(differs) => differs.to_string(),
-        PartFault::MendDiffers(differs) => differs.to_string(),
-    };
+    let why = fault.to_string();
     let all = desk.shared.ledger.copies_of_build(build).await?;
     let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
     match gone.len() < all.len() {

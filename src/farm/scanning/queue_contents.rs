@@ -147,10 +147,19 @@ impl VisibleFile {
 }
 
 impl fmt::Display for VisibleFile {
-    /// As people are told, and as the ledger keeps it: `job.3mf at left`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} at {}", self.name, self.printer)
+        f.write_str(&told_place(&self.name, &self.printer))
     }
+}
+
+/// Where a file lies, as people are told, and as the ledger keeps it: `job.3mf at left`.
+pub(crate) fn told_place(name: &str, printer: &str) -> String {
+    format!("{name} at {printer}")
+}
+
+/// Whether such a place is in the queue of a printer.
+pub(crate) fn is_at(place: &str, printer: &str) -> bool {
+    place.ends_with(&told_place("", printer))
 }
 
 /// Where the files of a build are in the queues of its machine. A queue that is away keeps nobody from looking into the others.

@@ -8,7 +8,7 @@ use ledger::{BuildId, BuildRow, BuildState};
 
 use super::{
     machine_fit::find_misfit,
-    queue_contents::{self, BuildFiles, ContentReader, SoughtFile, VisibleFile},
+    queue_contents::{self, BuildFiles, ContentReader, SoughtFile, VisibleFile, is_at, told_place},
 };
 use crate::{
     queue::{FileState, OpenQueue, PrinterQueue},
@@ -53,9 +53,8 @@ struct LookedAt<'a> {
 }
 
 impl LookedAt<'_> {
-    /// As people are told.
     fn place(&self) -> String {
-        format!("{} at {}", self.name, self.printer)
+        told_place(self.name, self.printer)
     }
 }
 
@@ -67,7 +66,7 @@ impl QueueFileLook<'_> {
         for (printer, queue) in self.queues {
             // A folder that is away keeps nobody from looking into the others.
             let Ok(names) = queue.names(FileState::Visible) else {
-                away.push(format!(" at {printer}"));
+                away.push(printer);
                 continue;
             };
             for name in &names {
@@ -80,7 +79,7 @@ impl QueueFileLook<'_> {
         }
         for build in self.copied {
             let second = (self.second_files)(build)?;
-            let is_gone = |place: &&String| !places.contains(*place) && !away.iter().any(|away| place.ends_with(away));
+            let is_gone = |place: &&String| !places.contains(*place) && !away.iter().any(|away| is_at(place, away));
             let gone: Vec<&str> = second.iter().filter(is_gone).map(String::as_str).collect();
             if !gone.is_empty() {
                 found.wrong.extend(self.describe_gone(build, &second, &gone.join(" and ")));

@@ -7,6 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use anyhow::Context;
 use tokio::sync::Semaphore;
 
 use super::error::HandlerError;
@@ -188,7 +189,7 @@ const ATTEMPTS_KEPT: Duration = Duration::from_secs(15 * 60);
 pub(crate) struct SignInAttempts {
     counts: Mutex<HashMap<String, (u32, Instant)>>,
     /// Who holds one of these compares or hashes a password, which takes a core and 19 MiB.
-    pub(crate) slots: Arc<Semaphore>,
+    slots: Arc<Semaphore>,
 }
 
 impl Default for SignInAttempts {
@@ -198,6 +199,16 @@ impl Default for SignInAttempts {
 }
 
 impl SignInAttempts {
+    /// Compares or hashes a password where that holds up no other request.
+    pub(crate) async fn work<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> anyhow::Result<T> {
+        let slot = self.slots.clone().acquire_owned().await.context("nobody works on passwords any more")?;
+        let in_slot = move || {
+            let _slot = slot;
+            work()
+        };
+        tokio::task::spawn_blocking(in_slot).await.context("working on a password")
+    }
+
     /// Counts an attempt for each of these, which may have so many; or returns how long to wait. An attempt counts before it is judged, so
     /// that many at once are no way around.
     pub(crate) fn begin(&self, tried: &[(String, u32)], now: Instant) -> Result<(), Duration> {

@@ -70,13 +70,8 @@ pub(super) async fn hash_secret(web: &DashboardState, secret: &str) -> HandlerRe
     if secret.is_empty() {
         return Ok(PasswordHash::default());
     }
-    let slot = web.attempts.slots.clone().acquire_owned().await.context("nobody hashes passwords any more")?;
     let secret = secret.to_owned();
-    let hash = move || {
-        let _slot = slot;
-        PasswordHash::of(&secret)
-    };
-    let hashed = tokio::task::spawn_blocking(hash).await.context("hashing a password")?;
+    let hashed = web.attempts.work(move || PasswordHash::of(&secret)).await?;
     Ok(hashed.context("there is no memory to hash a password")?)
 }
 

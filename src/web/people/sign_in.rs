@@ -4,7 +4,6 @@
 use std::{sync::Arc, time::Instant};
 
 use access::{PasswordHash, hash_token, is_person_name, random_token};
-use anyhow::Context;
 use axum::{
     Form,
     extract::State,
@@ -211,18 +210,13 @@ pub(super) async fn check_secret(
         let secs = wait.as_secs().max(1);
         return Err(HandlerError::TooMany(secs, say!("too-many-attempts", minutes = secs.div_ceil(60))));
     }
-    let slot = web.attempts.slots.clone().acquire_owned().await.context("nobody compares passwords any more")?;
     let hash = match (&found, secret) {
         (Some(PersonSecrets { password, .. }), Secret::Password) => password.clone(),
         (Some(PersonSecrets { pin, .. }), Secret::Pin) => pin.clone(),
         (None, _) => PasswordHash::default(),
     };
     let given = given.to_owned();
-    let compare = move || {
-        let _slot = slot;
-        hash.is_of(&given)
-    };
-    let is_right = tokio::task::spawn_blocking(compare).await.context("comparing a password")?;
+    let is_right = web.attempts.work(move || hash.is_of(&given)).await?;
     if is_right {
         web.attempts.succeed(&tried);
     } else {

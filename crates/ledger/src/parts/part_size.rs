@@ -1,4 +1,4 @@
-//! The size of a part, which never changes unless a person says so.
+//! The size of a part, and how its mesh was mended: neither changes unless a person says so.
 
 use build_file::LengthUnit;
 
@@ -29,9 +29,7 @@ impl Ledger {
         change.hold_other_size(&part, told_mm, found_mm, unit).await?;
         change.commit().await
     }
-}
 
-impl Ledger {
     /// The file of a waiting part was mended otherwise than the first time: it waits for a person.
     pub async fn hold_other_mending(&self, id: PartId) -> Result<()> {
         let mut change = self.begin_change().await?;

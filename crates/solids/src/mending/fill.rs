@@ -6,6 +6,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
+use crate::mesh::triangle::point_segment_distance_sq;
+
 /// Less is flat, radians.
 pub(super) const FLAT: f64 = 0.02;
 /// What area counts beside bending: it decides where nothing bends.
@@ -130,11 +132,9 @@ fn bend(one: DVec3, other: DVec3) -> f64 {
 fn distance_to_rim(point: DVec3, rim: &[DVec3]) -> f64 {
     let to_edge = |at: usize| {
         let (from, along) = (rim[at], rim[(at + 1) % rim.len()] - rim[at]);
-        let length2 = along.length_squared();
-        let share = if length2 > 0.0 { ((point - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        point.distance(from + along * share)
+        point_segment_distance_sq(point, from, along, along.length_squared())
     };
-    (0..rim.len()).map(to_edge).fold(f64::INFINITY, f64::min)
+    (0..rim.len()).map(to_edge).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 #[cfg(test)]

@@ -223,8 +223,7 @@ impl Repair {
         if rims.iter().map(|rim| rim.corners.len().pow(3)).sum::<usize>() > MAX_STEPS {
             return Err(MendError::TooLarge);
         }
-        let mut areas = vec![0.0; facing.turned_share.len()];
-        (0..self.triangles.len()).for_each(|at| areas[facing.piece_of[at]] += area(self.corners(at)));
+        let areas = self.piece_areas(facing);
         let mut holes = Vec::new();
         for rim in rims {
             let piece = facing.piece_of[rim.beside[0]];
@@ -285,6 +284,13 @@ impl Repair {
         Ok(())
     }
 
+    /// Area of each piece, mm2.
+    fn piece_areas(&self, facing: &Facing) -> Vec<f64> {
+        let mut areas = vec![0.0; facing.turned_share.len()];
+        (0..self.triangles.len()).for_each(|at| areas[facing.piece_of[at]] += area(self.corners(at)));
+        areas
+    }
+
     /// Signed volume of each piece, mm3.
     fn piece_volumes(&self, facing: &Facing) -> Vec<f64> {
         let mut volumes = vec![0.0; facing.turned_share.len()];
@@ -317,9 +323,7 @@ impl Repair {
 
     /// No piece that was mended is a sheet, and what is not known below the holes is little.
     fn ensure_volumes(&self, facing: &Facing, is_changed: &[bool], holes: &[ClosedHole]) -> Result<(), MendError> {
-        let volumes = self.piece_volumes(facing);
-        let mut areas = vec![0.0; volumes.len()];
-        (0..self.triangles.len()).for_each(|at| areas[facing.piece_of[at]] += area(self.corners(at)));
+        let (volumes, areas) = (self.piece_volumes(facing), self.piece_areas(facing));
         for piece in (0..volumes.len()).filter(|&piece| is_changed[piece]) {
             let volume = volumes[piece].abs();
             if volume <= MIN_THICKNESS * f64::powf(areas[piece], 1.5) {

@@ -192,7 +192,7 @@ fn segments_distance_sq(from1: DVec3, to1: DVec3, from2: DVec3, to2: DVec3) -> f
 }
 
 /// The squared distance of a point to the segment from `from` along `d`, whose squared length is `d_sq`.
-fn point_segment_distance_sq(point: DVec3, from: DVec3, d: DVec3, d_sq: f64) -> f64 {
+pub(crate) fn point_segment_distance_sq(point: DVec3, from: DVec3, d: DVec3, d_sq: f64) -> f64 {
     let r = point - from;
     let share = if d_sq > 0.0 { (r.dot(d) / d_sq).clamp(0.0, 1.0) } else { 0.0 };
     (r - d * share).length_squared()

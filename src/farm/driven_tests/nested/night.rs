@@ -192,8 +192,12 @@ fn a_flush_takes_what_it_has_found_so_far() {
     let (mut farm, _) = searching_long();
     let height_mm = open_height_mm(&farm);
     farm.order(CommandKind::Flush, None);
-    farm.pass_moments_until("the build is in the queue", |farm| !farm.queued().is_empty());
-    let built = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()).remove(0);
+    // The file is visible a moment before its row says so.
+    let published = |farm: &HandDrivenFarm| {
+        farm.ask(async |ledger| ledger.builds_in_state(BuildState::Published).await.unwrap()).pop()
+    };
+    farm.pass_moments_until("the build is published", |farm| published(farm).is_some());
+    let built = published(&farm).unwrap();
     assert!(built.measures.height_mm.unwrap() <= height_mm + 1e-6);
     farm.assert_nothing_lost_or_doubled();
 }

@@ -54,6 +54,7 @@ pub use facts::machine_fact::{MachineFact, MachineWord, asked_text, machine_fact
 pub use facts::material_fact::{MaterialReading, with_lot};
 pub use facts::order_fact::{DatedOrder, OrderFact, OrderWord, delay_text};
 pub use facts::part_fact::{part_fact, read_part_facts, said_state};
+pub use facts::part_record::{RecordedBuild, RecordedCopy, read_part_record};
 pub use facts::printer_fact::{PrinterFact, PrinterWord};
 pub use facts::read_facts::{FarmReading, dates_at_risk, read_plans};
 pub use files::disk_cache::DiskPreparationCache;

@@ -165,6 +165,14 @@ pub const SIZE: FieldDefinition = FieldDefinition::real("Size", "mm", 2);
 pub const WARNING: FieldDefinition = FieldDefinition::text("Warning");
 /// The builds that contain copies of a part.
 pub const WHERE: FieldDefinition = FieldDefinition::text("Where");
+/// Where the origin of the file of a copy stood in its machine.
+pub const ORIGIN_AT: FieldDefinition = FieldDefinition::text("Origin of the file at");
+/// How a copy was turned from its file to its build.
+pub const TURN: FieldDefinition = FieldDefinition::text("Turned");
+/// What was said of a copy when its build was broken out.
+pub const BREAK_OUT: FieldDefinition = FieldDefinition::text("Break-out");
+/// What was done to a mesh that was not closed, and who allowed it.
+pub const MENDED: FieldDefinition = FieldDefinition::text("Mended");
 /// Number of a copy of a part, from 1.
 pub const COPY: FieldDefinition = FieldDefinition::whole("Copy");
 

@@ -34,6 +34,7 @@ pub use sheets::build_sheet::{
 };
 pub use sheets::machine_status::{MACHINE_COLUMNS, MachineForecast, MachineNow};
 pub use sheets::part_sheet::part_facts;
+pub use sheets::record_sheet::{RECORDED_COPY_COLUMNS, mark_word, record_facts};
 
 #[cfg(test)]
 mod tests;

@@ -15,8 +15,8 @@ mod doors;
 mod figures;
 mod forms;
 mod help;
-mod labels;
 mod pages;
+mod paper;
 mod people;
 mod serve;
 #[cfg(test)]

@@ -40,10 +40,10 @@ mod form_tests;
 mod guard;
 #[path = "help_tests.rs"]
 mod help_tests;
-#[path = "labels/label_tests.rs"]
-mod label_tests;
 #[path = "order_tests.rs"]
 mod order_tests;
+#[path = "paper/paper_tests.rs"]
+mod paper_tests;
 #[path = "people/people_tests.rs"]
 mod people_tests;
 #[path = "plan_tests.rs"]
@@ -146,7 +146,7 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 19] = [
+const PAGES: [&str; 20] = [
     "/",
     "/components",
     "/history",
@@ -155,6 +155,7 @@ const PAGES: [&str; 19] = [
     "/builds/1/pick",
     "/builds/1/break-out",
     "/parts/1",
+    "/parts/1/record",
     "/orders",
     "/orders/bracket.stl",
     "/search?q=bracket",
@@ -303,12 +304,8 @@ async fn a_recorded_outcome_changes_the_change_token_of_the_pages() {
     let dashboard = with_a_build("bracket.stl").await;
     let before = dashboard.web.change_token().await.ok().unwrap();
     assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
-    let printed = ledger::PrintOutcome::Complete;
-    dashboard
-        .ledger
-        .record_outcome(ledger::BuildId(1), &ledger::ToldOutcome::new(printed, "", "me@here"))
-        .await
-        .unwrap();
+    let printed = ledger::ToldOutcome::new(ledger::PrintOutcome::Complete, "", "me@here");
+    dashboard.ledger.record_outcome(ledger::BuildId(1), &printed).await.unwrap();
     assert_ne!(dashboard.web.change_token().await.ok().unwrap(), before);
 }
 

@@ -126,8 +126,17 @@ fn of_all(value: String, all: Option<String>) -> String {
 
 fn clearance(row: &BuildRow, machine: Option<&MachineProfile>) -> Option<String> {
     let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.space.clearance_mm));
+    clearance_text(asked_mm, row.measures.clearance_proved_mm, row.times.verified_at)
+}
+
+/// The clearance that was asked for, and what is proved of it.
+pub(super) fn clearance_text(
+    asked_mm: Option<f64>,
+    proved_mm: Option<f64>,
+    verified_at: Option<UtcTimestamp>,
+) -> Option<String> {
     let asked = fields::CLEARANCE.with_unit(asked_mm)?;
-    let proved = match (fields::CLEARANCE_PROVED.with_unit(row.measures.clearance_proved_mm), row.times.verified_at) {
+    let proved = match (fields::CLEARANCE_PROVED.with_unit(proved_mm), verified_at) {
         (Some(proved), _) => say!("clearance-proved", clearance = proved),
         (None, Some(_)) => say!("clearance-no-two"),
         (None, None) => say!("clearance-once-fired"),

@@ -3,3 +3,4 @@
 pub(super) mod build_sheet;
 pub(super) mod machine_status;
 pub(super) mod part_sheet;
+pub(super) mod record_sheet;

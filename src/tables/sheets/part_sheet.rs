@@ -1,7 +1,7 @@
 //! The facts of a part, line by line.
 
 use language::say;
-use ledger::{PartRow, PartState};
+use ledger::{PartMending, PartRow, PartState};
 
 use super::build_sheet::{content, joined};
 use crate::farm::said_state;
@@ -40,10 +40,18 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         optional_fact(fields::PART_VOLUME, volume),
         fields::NOTE.fact(&row.terms.note),
         fields::REFERENCE.fact(&row.terms.reference),
+        optional_fact(fields::MENDED, mended(row)),
         Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
         view.time_fact(fields::CLAIMED, row.times.claimed_at),
     ];
     lines.into_iter().flatten().collect()
+}
+
+/// What was done to its mesh, and who allowed it.
+fn mended(row: &PartRow) -> Option<String> {
+    let PartMending { mend_allowed_by, mended, mended_hash } = &row.mending;
+    let told = || say!("mended-text", what = language::told(mended), by = mend_allowed_by, hash = mended_hash);
+    (!mended_hash.is_empty()).then(told)
 }
 
 fn orientation(row: &PartRow) -> String {

@@ -18,21 +18,24 @@ use serde::Deserialize;
 use super::{
     bins::bins_table,
     break_out_card::{ShownStep, current_card, last_line, open_list, progress_line, summary_section},
-    break_out_state::{BreakOutState, CopyState, copy_title, mark_word},
+    break_out_state::{BreakOutState, CopyState, copy_title},
     together::positions_in,
 };
-use crate::web::{
-    base::{error::HandlerResult, page::html_page, query::Query},
-    core::{
-        command::answer_form,
-        device_name::device_user,
-        form_answer::FormAnswer,
-        request_user::{RequestUser, name_of_user},
-        shown_copies::{RequestDevice, ScreenLook},
-        state::DashboardState,
+use crate::{
+    tables::mark_word,
+    web::{
+        base::{error::HandlerResult, page::html_page, query::Query},
+        core::{
+            command::answer_form,
+            device_name::device_user,
+            form_answer::FormAnswer,
+            request_user::{RequestUser, name_of_user},
+            shown_copies::{RequestDevice, ScreenLook},
+            state::DashboardState,
+        },
+        forms::operate_form::say_word,
+        paper::label_form::build_labels,
     },
-    forms::operate_form::say_word,
-    labels::label_form::build_labels,
 };
 
 /// Which copy is shown, by its number in the list; without any, the next that is in the cake and on no other screen.

@@ -9,12 +9,12 @@ use maud::{Markup, html};
 
 use super::{
     bins::{bin_badge, bin_kind},
-    break_out_state::{BinCount, BreakOutState, CopyState, copy_title, mark_word, sum_of},
+    break_out_state::{BinCount, BreakOutState, CopyState, copy_title, sum_of},
     step_plan::step_plan,
     together::together_buttons,
 };
 use crate::{
-    tables::{PickedCopy, TimeView, fields, points_down, removal_in_words},
+    tables::{PickedCopy, TimeView, fields, mark_word, points_down, removal_in_words},
     web::core::{form_answer::key_field, picture::themed_picture, request_user::name_of_user, state::DashboardState},
 };
 

@@ -164,13 +164,3 @@ pub(super) fn sum_of(counts: &[BinCount]) -> BinCount {
     }
     sum
 }
-
-/// A mark in words.
-pub(super) fn mark_word(mark: PickMark) -> String {
-    match mark {
-        PickMark::Out => say!("mark-out"),
-        PickMark::Bad => say!("mark-bad"),
-        PickMark::Missing => say!("mark-missing"),
-        PickMark::Open => say!("mark-open"),
-    }
-}

@@ -12,7 +12,7 @@ use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource};
+use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource, RecordResponse};
 use crate::{
     farm::{
         AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts,
@@ -32,6 +32,7 @@ use crate::{
             live::MAX_LISTENERS,
             part,
         },
+        paper::record_page::read_record,
     },
 };
 
@@ -159,6 +160,15 @@ pub(super) async fn get_part(
         events: convert_rows(events),
         same_content,
     }))
+}
+
+/// How the copies of a part were made.
+pub(super) async fn get_record(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Json<RecordResponse>> {
+    let (part, builds) = read_record(&web, number).await?;
+    Ok(Json(RecordResponse { part: part.into(), builds }))
 }
 
 /// Converts rows of the ledger to their JSON form.

@@ -16,7 +16,7 @@ use ledger::HeightSummary;
 use super::{
     api,
     api_route::{ApiRoute, RequestBody, SchemaMaker, ask, is_path_of, schema_of, tell},
-    dto::{BuildResponse, PartResource, PartResponse},
+    dto::{BuildResponse, PartResource, PartResponse, RecordResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
 use crate::{
@@ -34,7 +34,7 @@ const ORDER: RequestBody = RequestBody::Form("order", schema_of::<order_request:
 const ACCEPTED: (&str, Option<SchemaMaker>) = ("202", Some(schema_of::<order_door::OrderAccepted>));
 
 /// What programs may ask.
-const QUESTIONS: [ApiRoute; 15] = [
+const QUESTIONS: [ApiRoute; 16] = [
     ask("/api/v1/farm", "farm", "The farm as it stands", schema_of::<api::FarmResponse>, |method| {
         on(method, api::get_farm)
     }),
@@ -90,6 +90,13 @@ const QUESTIONS: [ApiRoute; 15] = [
         "A part, where its copies are and what happened to it",
         schema_of::<PartResponse>,
         |method| on(method, api::get_part),
+    ),
+    ask(
+        "/api/v1/parts/{part}/record",
+        "record",
+        "How the copies of a part were made: powder, file, proof and print of each build, and who took each copy out",
+        schema_of::<RecordResponse>,
+        |method| on(method, api::get_record),
     ),
     ApiRoute {
         query: Some(schema_of::<order::OrderFilter>),

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::enum_words::{words_of, words_or_null};
 
 use crate::{
-    farm::{BuildFact, CakeCopy},
+    farm::{BuildFact, CakeCopy, RecordedBuild},
     settings::MachineProfile,
 };
 
@@ -43,6 +43,15 @@ pub(crate) struct PartResponse {
     pub(crate) events: Vec<EventResource>,
     /// Numbers of other parts with the same file content.
     pub(super) same_content: Vec<PartId>,
+}
+
+/// How the copies of a part were made.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct RecordResponse {
+    /// The part itself.
+    pub(super) part: PartResource,
+    /// The builds that made copies of it, in the order of their numbers.
+    pub(super) builds: Vec<RecordedBuild>,
 }
 
 /// A build.

@@ -34,11 +34,11 @@ use crate::{
         },
         figures::chart::height_curve,
         forms::build_forms::{again_forms, outcome_forms, release_form, second_files, unseen_failure},
-        labels::label_form::build_labels,
         look::{
             chip::{Tone, chip},
             pieces::{figure, figure_link},
         },
+        paper::label_form::build_labels,
     },
 };
 

@@ -31,12 +31,12 @@ use crate::{
         },
         core::state::DashboardState,
         forms::order_forms::order_forms,
-        labels::label_form::order_labels,
         look::{
             chip::{chip, state_text},
             pieces::empty,
             times::{due_of, promise_of, time_of},
         },
+        paper::label_form::order_labels,
     },
 };
 

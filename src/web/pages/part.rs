@@ -162,6 +162,7 @@ pub(crate) async fn show_part(
         }
         h2 { (say!("where-its-copies-are")) }
         (copies_section(&part, &placed, open, &view))
+        @if !placed.is_empty() { p { a.button href=(format!("/parts/{number}/record")) { (say!("manufacturing-record")) } } }
         h2 { (say!("what-happened")) }
         (table_of(&say!("events"), None, EVENT_COLUMNS, &gathered_events(events), &view))
         @if !same.is_empty() { h2 { (say!("same-file")) } (newest_table(&web, same, &plans).await?) }

@@ -19,10 +19,10 @@ use crate::web::{
     doors::api_route::{HandlerMaker, is_path_of},
     forms::{build_forms, machine_forms, order_forms, part_forms},
     help::pages as help,
-    labels::label_form,
     pages::{
         build, costs, downloads, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search,
     },
+    paper::{label_form, record_page},
     people::{account, people_page, sign_in},
 };
 
@@ -94,6 +94,8 @@ pub(crate) const PAGES: &[PageRoute] = &[
     look("/components", |method| on(method, components::show_components)),
     look("/parts", |method| on(method, part::list_parts)),
     look("/parts/{part}", |method| on(method, part::show_part)),
+    look("/parts/{part}/record", |method| on(method, record_page::show_record)),
+    look("/parts/{part}/record.pdf", |method| on(method, record_page::get_record_pdf)),
     look("/parts/{part}/picture", |method| on(method, picture::get_lone_picture)),
     order("/parts/{part}/edit", |method| on(method, part_forms::post_edit)),
     operate("/parts/{part}/reprint", |method| on(method, part_forms::post_reprint)),

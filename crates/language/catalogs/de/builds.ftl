@@ -140,3 +140,4 @@ way-right = rechts
 way-left = links
 way-back = hinten
 way-front = vorn
+mended-text = { $what }; erlaubt von { $by }; BLAKE3 des reparierten Netzes { $hash }

@@ -148,3 +148,4 @@ way-right = right
 way-left = left
 way-back = back
 way-front = front
+mended-text = { $what }; allowed by { $by }; mended mesh BLAKE3 { $hash }

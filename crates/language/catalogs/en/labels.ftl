@@ -16,7 +16,13 @@ copies-of-build =
         [one] { $copies } copy
        *[other] { $copies } copies
     } of build { $build }
-labels-lack = No font of this server has these letters of the labels: { $letters }.
+labels-lack = No font of this server has these letters: { $letters }.
 labels-lack-remedy = Install a font that has them on the server, such as fonts-noto-cjk or fonts-ipafont-gothic on Debian; nothing needs to be restarted.
 labels-with-boxes = Print boxes in their place
 copies-number-not-known = number of copies not known
+manufacturing-record = Record
+record-of-part = Record of part { $part }, { $name }
+record-empty = No copy of it stands in a proved build yet.
+labelled-text = { $label }: { $text }
+turned-not = as in the file
+turned-about = { $degrees }° about { $axis }

@@ -148,3 +148,4 @@ way-right = droite
 way-left = gauche
 way-back = arrière
 way-front = avant
+mended-text = { $what } ; permis par { $by } ; BLAKE3 du maillage réparé { $hash }

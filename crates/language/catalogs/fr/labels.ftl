@@ -17,7 +17,13 @@ copies-of-build =
         [one] { $copies } exemplaire
        *[other] { $copies } exemplaires
     } du plateau { $build }
-labels-lack = Aucune police de ce serveur n’a ces caractères des étiquettes : { $letters }.
+labels-lack = Aucune police de ce serveur n’a ces caractères : { $letters }.
 labels-lack-remedy = Installer sur le serveur une police qui les a, par exemple fonts-noto-cjk ou fonts-ipafont-gothic sous Debian ; rien n’est à redémarrer.
 labels-with-boxes = Imprimer des cases à leur place
 copies-number-not-known = quantité inconnue
+manufacturing-record = Dossier de fabrication
+record-of-part = Dossier de fabrication de la pièce { $part }, { $name }
+record-empty = Aucun exemplaire n’est encore dans un plateau vérifié.
+labelled-text = { $label } : { $text }
+turned-not = comme dans le fichier
+turned-about = { $degrees }° autour de { $axis }

@@ -115,3 +115,4 @@ way-right = 右
 way-left = 左
 way-back = 奥
 way-front = 手前
+mended-text = { $what }; 許可: { $by }; 修復後のメッシュの BLAKE3 { $hash }

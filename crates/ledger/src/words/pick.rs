@@ -6,6 +6,7 @@ use std::{
     ops::RangeInclusive,
 };
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::{move_to_outcome, record_told};
@@ -24,7 +25,7 @@ const PRINTED_STATES: &[BuildState] =
     &[BuildState::Published, BuildState::Printing, BuildState::Complete, BuildState::Interrupted];
 
 /// What somebody says of a copy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum PickMark {
     /// It is out of the cake, and good.

@@ -4,7 +4,7 @@ use axum::http::HeaderMap;
 use language::say;
 use ledger::{OrderLine, PartRow};
 
-use super::label_pdf::Label;
+use super::label_layout::Label;
 use crate::web::{base::query::order_address, figures::pick_map::bin_orders};
 
 /// Where links on paper lead: the address by which the browser came here.
@@ -21,7 +21,12 @@ impl LinkRoot {
 
     /// The address of an order's page; "" = no order.
     fn of_order(&self, order: &str) -> String {
-        if order.is_empty() { String::new() } else { format!("{}{}", self.0, order_address(order)) }
+        if order.is_empty() { String::new() } else { self.of_page(&order_address(order)) }
+    }
+
+    /// The address of a page.
+    pub(super) fn of_page(&self, path: &str) -> String {
+        format!("{}{path}", self.0)
     }
 }
 

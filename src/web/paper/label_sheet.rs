@@ -41,6 +41,20 @@ pub(super) struct SheetShape {
 }
 
 impl SheetShape {
+    /// A page of A4 with a rim: one text fills it.
+    pub(super) const PAGE: Self = Self {
+        page_mm: [210.0, 297.0],
+        label_mm: [180.0, 267.0],
+        first_mm: [15.0, 15.0],
+        pitch_mm: [180.0, 267.0],
+        counts: [1, 1],
+    };
+
+    /// Whether it is that page.
+    pub(super) fn is_page(&self) -> bool {
+        *self == Self::PAGE
+    }
+
     /// Labels of a page.
     pub(super) fn per_page(&self) -> usize {
         self.counts[0] * self.counts[1]

@@ -13,10 +13,11 @@ use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    label_pdf::{Label, fonts_for, write_labels},
+    label_layout::Label,
+    label_pdf::{fonts_for, write_labels},
     label_sheet::{LabelSheet, SHEETS},
     labels_of::{Bag, LinkRoot, bag_labels, bin_labels},
-    system_fonts::font_folders,
+    system_fonts::{SystemFont, font_folders},
 };
 use crate::{
     farm::load_placed_parts,
@@ -97,7 +98,7 @@ pub(crate) async fn get_build_labels(
         Labelled::Bags => bag_labels(&bags, Some(number), &root),
     };
     let title = say!("labels-of-build", build = number.to_string());
-    answer_pdf(title, labels, &query, &format!("/builds/{number}/labels.pdf")).await
+    answer_labels(title, labels, query, &format!("/builds/{number}/labels.pdf")).await
 }
 
 /// The labels of an order as PDF, one for each of its parts.
@@ -111,37 +112,65 @@ pub(crate) async fn get_order_labels(
     let bags: Vec<Bag> = lines.iter().map(|line| Bag::of_line(&name, line)).collect();
     let labels = bag_labels(&bags, None, &LinkRoot::of_request(&headers));
     let address = format!("{}/labels.pdf", order_address(&name));
-    answer_pdf(say!("labels-of-order", order = &name), labels, &query, &address).await
+    answer_labels(say!("labels-of-order", order = &name), labels, query, &address).await
 }
 
-/// The PDF; instead of it a page that names the letters that no font has, unless boxes are meant. `address` = that of the PDF.
-async fn answer_pdf(title: String, labels: Vec<Label>, query: &LabelQuery, address: &str) -> HandlerResult<Response> {
+/// Labels as PDF. `address` = where they are.
+async fn answer_labels(title: String, labels: Vec<Label>, query: LabelQuery, address: &str) -> HandlerResult<Response> {
     if labels.is_empty() {
         return Err(HandlerError::NotFound(say!("part-to-label")));
     }
-    let (place, takes_boxes, heading) = ((query.sheet, query.used), query.boxes.is_some(), title.clone());
-    let write = move || -> anyhow::Result<Result<Vec<u8>, Vec<char>>> {
-        let (fonts, missing) = fonts_for(&labels, &font_folders())?;
-        if !missing.is_empty() && !takes_boxes {
-            return Ok(Err(missing));
-        }
-        Ok(Ok(write_labels(&title, &labels, place, &fonts)?))
-    };
-    // Fonts of the system are files.
-    match tokio::task::spawn_blocking(write).await.context("a step ended")?? {
-        Ok(pdf) => {
-            let name = "inline; filename=\"labels.pdf\"";
-            Ok(([(header::CONTENT_TYPE, "application/pdf"), (header::CONTENT_DISPOSITION, name)], pdf).into_response())
-        }
-        Err(missing) => {
-            let anyway = query_string(&LabelQuery { boxes: Some("yes".to_owned()), ..query.clone() })?;
-            let content = html! {
-                h1 { (heading) }
-                p #problem role="alert" { (say!("labels-lack", letters = missing.into_iter().collect::<String>())) }
-                p { (say!("labels-lack-remedy")) }
-                p { a.button href=(format!("{address}?{anyway}")) { (say!("labels-with-boxes")) } }
-            };
-            Ok(html_page(&heading, "", None, &content).into_response())
+    let place = (query.sheet.shape(), query.used);
+    let takes_boxes = query.boxes.is_some();
+    let anyway = query_string(&LabelQuery { boxes: Some("yes".to_owned()), ..query })?;
+    let write = move |title: &str, labels: Vec<Label>, fonts: &[SystemFont]| write_labels(title, &labels, place, fonts);
+    let file = PaperFile { title, name: "labels.pdf".to_owned(), with_boxes: format!("{address}?{anyway}") };
+    file.answer(labels, takes_boxes, write).await
+}
+
+/// A file that is printed.
+pub(super) struct PaperFile {
+    /// What it is called.
+    pub(super) title: String,
+    /// Name of the file.
+    pub(super) name: String,
+    /// Where it is with boxes instead of letters that no font has.
+    pub(super) with_boxes: String,
+}
+
+impl PaperFile {
+    /// The PDF that is written of labels; instead of it a page that names the letters that no font has, unless boxes are meant.
+    pub(super) async fn answer(
+        self,
+        labels: Vec<Label>,
+        takes_boxes: bool,
+        write: impl FnOnce(&str, Vec<Label>, &[SystemFont]) -> anyhow::Result<Vec<u8>> + Send + 'static,
+    ) -> HandlerResult<Response> {
+        let title = self.title.clone();
+        let write = move || -> anyhow::Result<Result<Vec<u8>, Vec<char>>> {
+            let (fonts, missing) = fonts_for(&labels, &font_folders())?;
+            if !missing.is_empty() && !takes_boxes {
+                return Ok(Err(missing));
+            }
+            Ok(Ok(write(&title, labels, &fonts)?))
+        };
+        // Fonts of the system are files.
+        match tokio::task::spawn_blocking(write).await.context("a step ended")?? {
+            Ok(pdf) => {
+                let name = format!("inline; filename=\"{}\"", self.name);
+                let headers =
+                    [(header::CONTENT_TYPE, "application/pdf".to_owned()), (header::CONTENT_DISPOSITION, name)];
+                Ok((headers, pdf).into_response())
+            }
+            Err(missing) => {
+                let content = html! {
+                    h1 { (self.title) }
+                    p #problem role="alert" { (say!("labels-lack", letters = missing.into_iter().collect::<String>())) }
+                    p { (say!("labels-lack-remedy")) }
+                    p { a.button href=(self.with_boxes) { (say!("labels-with-boxes")) } }
+                };
+                Ok(html_page(&self.title, "", None, &content).into_response())
+            }
         }
     }
 }

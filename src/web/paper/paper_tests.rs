@@ -1,6 +1,8 @@
-//! Labels of a build and of an order, as a browser asks for them.
+//! Labels of a build and of an order, and the record of a part, as a browser asks for them.
 
 use axum::http::StatusCode;
+use ledger::{BuildId, PartId, PickMark, PrintOutcome, ToldOutcome};
+use ledger_fixtures::ToldWords;
 
 use super::with_a_build;
 
@@ -40,4 +42,33 @@ async fn letters_that_no_font_has_are_named_instead_of_boxes_that_nobody_asked_f
         answer.text.split("href=\"/builds/1/labels.pdf?").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
     let boxes = dashboard.get(&format!("/builds/1/labels.pdf?{}", anyway.replace("&amp;", "&"))).await;
     assert!(boxes.status == StatusCode::OK && boxes.text.starts_with("%PDF-"), "{}", boxes.text);
+}
+
+#[tokio::test]
+async fn the_record_of_a_part_tells_how_each_copy_was_made_and_who_took_it_out() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let (build, part) = (BuildId(1), PartId(1));
+    dashboard.ledger.mark_pick(build, (part, 0), PickMark::Out, 0, "ann@farm").await.unwrap();
+    let printed = ToldOutcome::new(PrintOutcome::Complete, "", "bob@farm");
+    dashboard.ledger.record_outcome(build, &printed).await.unwrap();
+    let record: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/parts/1/record").await.text).unwrap();
+    let row = dashboard.ledger.find_build(build).await.unwrap().unwrap();
+    let made = &record["builds"][0];
+    assert_eq!(record["part"]["part"], 1);
+    assert_eq!(made["file_blake3"], row.staged.file_hash.unwrap());
+    assert_eq!(made["told"]["told_by"], "bob@farm");
+    let copy = &made["copies"][0];
+    let said = [&copy["copy"], &copy["copy_state"], &copy["mark"], &copy["marked_by"]];
+    assert_eq!(said.map(ToString::to_string), ["1", "\"good\"", "\"out\"", "\"ann@farm\""]);
+    assert!(copy["translation_mm"].is_array() && copy["rotation_xyzw"].is_array(), "{copy}");
+    let page = dashboard.get("/parts/1/record").await;
+    for said in ["Record of part 1, bracket.stl", "ann@farm", "bob@farm", "as in the file", "/parts/1/record.pdf"] {
+        assert!(page.text.contains(said), "{said}: {}", page.text);
+    }
+    assert!(dashboard.get("/parts/1").await.text.contains("href=\"/parts/1/record\""));
+    let pdf = dashboard.get("/parts/1/record.pdf").await;
+    assert!(pdf.status == StatusCode::OK && pdf.text.starts_with("%PDF-"), "{}", pdf.text);
+    for nothing in ["/parts/9/record", "/parts/9/record.pdf", "/api/v1/parts/9/record"] {
+        assert_eq!(dashboard.get(nothing).await.status, StatusCode::NOT_FOUND, "{nothing}");
+    }
 }

@@ -13,48 +13,17 @@ use qrcode::{Color, EcLevel, QrCode};
 
 use super::{
     label_font::{FONT_FILE, LabelFont, LetterShape},
-    label_sheet::{LabelSheet, SheetShape},
+    label_layout::{LINE_HEIGHT, Label, POINTS_PER_MM, RIM_MM, code_size, fitted, inner_size, text_size},
+    label_sheet::SheetShape,
     system_fonts::{SystemFont, draw_glyph, fonts_with},
 };
 
-/// Points in a millimetre.
-const POINTS_PER_MM: f64 = 72.0 / 25.4;
-/// Free rim of a label, mm.
-const RIM_MM: f64 = 2.5;
-/// Greatest side of a code, and its greatest share of the width of a label.
-const CODE_MM: f64 = 24.0;
-const CODE_SHARE: f64 = 0.36;
 /// Free cells that a reader needs around a code; the rim of the label gives most of them.
 const QUIET_CELLS: usize = 2;
-/// Sizes of the first line and of the others, points.
-const TITLE_SIZE: f64 = 13.0;
-const LINE_SIZE: f64 = 9.5;
-/// Height of a line, in sizes, and how much smaller each attempt to fit is.
-const LINE_HEIGHT: f64 = 1.15;
-const SMALLER: f64 = 0.94;
-/// Smallest scale of the sizes.
-const SMALLEST: f64 = 0.3;
 /// Name of the font in the file, of its font program, and of what its glyphs mean.
 const FONT_NAME: Name<'static> = Name(b"F");
 const BASE_FONT: Name<'static> = Name(b"NESTDA+Inter-Medium");
 const SYSTEM: SystemInfo<'static> = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
-
-/// A label.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Label {
-    /// In large letters: the order.
-    pub(crate) title: String,
-    /// Below it.
-    pub(crate) lines: Vec<String>,
-    /// Where its code leads; "" = no code.
-    pub(crate) address: String,
-}
-
-impl Label {
-    fn texts(&self) -> impl Iterator<Item = &str> {
-        std::iter::once(&self.title).chain(&self.lines).map(String::as_str)
-    }
-}
 
 /// What the font of labels lacks for labels: fonts below these folders that have it, and the letters that none of them has.
 ///
@@ -77,10 +46,10 @@ pub(super) fn fonts_for(labels: &[Label], folders: &[PathBuf]) -> Result<(Vec<Sy
 pub(super) fn write_labels(
     title: &str,
     labels: &[Label],
-    (sheet, used): (LabelSheet, usize),
+    (shape, used): (SheetShape, usize),
     fonts: &[SystemFont],
 ) -> Result<Vec<u8>> {
-    let (font, shape) = (LabelFont::read(fonts)?, sheet.shape());
+    let font = LabelFont::read(fonts)?;
     let (mut pdf, mut next) = (Pdf::new(), Ref::new(1));
     let (catalog, tree, info, font_ref) = (next.bump(), next.bump(), next.bump(), next.bump());
     pdf.document_info(info).title(TextStr(title)).producer(TextStr("nestd"));
@@ -124,38 +93,20 @@ fn draw_label(
     label: &Label,
     (corner_mm, shape): ([f64; 2], &SheetShape),
 ) -> Result<()> {
-    let [width, height] = shape.label_mm.map(|mm| (mm - 2.0 * RIM_MM) * POINTS_PER_MM);
     let left = (corner_mm[0] + RIM_MM) * POINTS_PER_MM;
     let top = (shape.page_mm[1] - corner_mm[1] - RIM_MM) * POINTS_PER_MM;
-    let mut aside = 0.0;
-    if !label.address.is_empty() {
-        let side = height.min(CODE_SHARE * width).min(CODE_MM * POINTS_PER_MM);
-        draw_code(content, &label.address, [left, top - 0.5 * (height - side)], side)?;
-        aside = side + RIM_MM * POINTS_PER_MM;
+    let (side, aside) = code_size(label, shape);
+    if side > 0.0 {
+        // In the middle of a label, and at the top of a page.
+        let below = if shape.is_page() { 0.0 } else { 0.5 * (inner_size(shape)[1] - side) };
+        draw_code(content, &label.address, [left, top - below], side)?;
     }
     let mut y = top;
-    for (size, line) in fitted(font, label, [width - aside, height]) {
+    for (size, line) in fitted(font, label, text_size(label, shape)) {
         y -= LINE_HEIGHT * size;
         draw_text(content, font, letters, &line, [left + aside, y + 0.25 * size], size);
     }
     Ok(())
-}
-
-/// The lines of a label with their sizes, as large as they fit.
-fn fitted(font: &LabelFont<'_>, label: &Label, [width, height]: [f64; 2]) -> Vec<(f64, String)> {
-    let mut scale = 1.0;
-    loop {
-        let wrapped = |text: &str, size: f64| -> Vec<(f64, String)> {
-            font.wrapped(text, width / size).into_iter().map(|line| (size, line)).collect()
-        };
-        let mut lines = wrapped(&label.title, scale * TITLE_SIZE);
-        lines.extend(label.lines.iter().flat_map(|line| wrapped(line, scale * LINE_SIZE)));
-        let high: f64 = lines.iter().map(|(size, _)| LINE_HEIGHT * size).sum();
-        if high <= height || scale < SMALLEST {
-            return lines;
-        }
-        scale *= SMALLER;
-    }
 }
 
 fn draw_text(
@@ -274,31 +225,10 @@ fn embed_font(
 
 #[cfg(test)]
 mod tests {
-    use super::{super::system_fonts::triangle_font, *};
-
-    /// A text of 60 letters.
-    fn long(first: char) -> String {
-        std::iter::once(first).chain(('a'..='z').cycle()).take(60).collect()
-    }
-
-    #[test]
-    fn three_names_of_sixty_letters_fit_on_every_label() {
-        let font = LabelFont::read(&[]).unwrap();
-        let label = Label {
-            title: long('O'),
-            lines: vec![long('C'), long('P'), "12 copies, build 1234".to_owned()],
-            address: "https://farm.example.org:7878/orders/K-2026-1182".to_owned(),
-        };
-        for sheet in super::super::label_sheet::SHEETS {
-            let [width, height] = sheet.shape().label_mm.map(|mm| (mm - 2.0 * RIM_MM) * POINTS_PER_MM);
-            let aside = height.min(CODE_SHARE * width).min(CODE_MM * POINTS_PER_MM) + RIM_MM * POINTS_PER_MM;
-            let lines = fitted(&font, &label, [width - aside, height]);
-            let high: f64 = lines.iter().map(|(size, _)| LINE_HEIGHT * size).sum();
-            assert!(high <= height, "{sheet:?}: {high} of {height}");
-            let smallest = lines.iter().map(|(size, _)| *size).fold(f64::MAX, f64::min);
-            assert!(smallest >= 5.0, "{sheet:?}: {smallest} points cannot be read");
-        }
-    }
+    use super::{
+        super::{label_sheet::LabelSheet, system_fonts::triangle_font},
+        *,
+    };
 
     #[test]
     fn a_japanese_name_is_drawn_with_a_font_of_the_system_and_what_none_has_is_named() {
@@ -337,7 +267,8 @@ mod tests {
         let (fonts, lacks) = fonts_for(&labels, &[folder.path().to_owned()]).unwrap();
         assert!(lacks.is_empty(), "{lacks:?}");
         let file = folder.path().join("labels.pdf");
-        std::fs::write(&file, write_labels("Labels", &labels, (LabelSheet::A4Wide, 0), &fonts).unwrap()).unwrap();
+        std::fs::write(&file, write_labels("Labels", &labels, (LabelSheet::A4Wide.shape(), 0), &fonts).unwrap())
+            .unwrap();
         // Where poppler-utils are installed.
         let Ok(read) = std::process::Command::new("pdftotext").args(["-enc", "UTF-8"]).arg(&file).arg("-").output()
         else {
@@ -353,7 +284,7 @@ mod tests {
     fn a_sheet_that_is_begun_is_gone_on_with_and_a_page_holds_what_fits() {
         let label = Label { title: "K".to_owned(), lines: Vec::new(), address: String::new() };
         let pages = |labels: usize, sheet: LabelSheet, used: usize| {
-            let pdf = write_labels("Labels", &vec![label.clone(); labels], (sheet, used), &[]).unwrap();
+            let pdf = write_labels("Labels", &vec![label.clone(); labels], (sheet.shape(), used), &[]).unwrap();
             String::from_utf8_lossy(&pdf).matches("/Type /Page\n").count()
         };
         assert_eq!(pages(24, LabelSheet::A4Small, 0), 1);

@@ -1,0 +1,140 @@
+//! The record of a part, as page and PDF: how its copies were made, for a customer or an auditor who asks.
+
+use std::sync::Arc;
+
+use axum::{
+    extract::{Path, State},
+    http::HeaderMap,
+    response::Response,
+};
+use language::say;
+use ledger::{PartId, PartRow};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{
+    label_form::PaperFile,
+    label_layout::{Label, split_into_pages},
+    label_pdf::write_labels,
+    label_sheet::SheetShape,
+    labels_of::LinkRoot,
+    system_fonts::SystemFont,
+};
+use crate::{
+    farm::{RecordedBuild, RecordedCopy, read_part_record},
+    tables::{
+        CellValue, RECORDED_COPY_COLUMNS, SheetFact, TableColumn, TimeView, fields, part_facts, people_columns,
+        record_facts, wanted_text,
+    },
+    web::{
+        base::{
+            error::{HandlerError, HandlerResult},
+            listing::{fact_sheet, table_of},
+            page::html_page,
+            query::Query,
+        },
+        core::state::DashboardState,
+    },
+};
+
+/// The record of a part that exists.
+pub(crate) async fn read_record(web: &DashboardState, number: i64) -> HandlerResult<(PartRow, Vec<RecordedBuild>)> {
+    let id = PartId(number);
+    let missing = || HandlerError::NotFound(say!("part-named", part = number.to_string()));
+    let part = web.ledger.find_part(id).await?.ok_or_else(missing)?;
+    let builds = read_part_record(&web.ledger, id, &web.read_plans().await?).await?;
+    Ok((part, builds))
+}
+
+/// The record as a page.
+pub(crate) async fn show_record(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Markup> {
+    let (part, builds) = read_record(&web, number).await?;
+    let (title, view) = (title_of(&part), web.time_view());
+    let content = html! {
+        h1 { (title) }
+        div.buttons.acts {
+            a.button href=(format!("/parts/{number}/record.pdf")) { (say!("open-pdf")) }
+            a.button href=(format!("/parts/{number}")) { (say!("part-number", part = number.to_string())) }
+        }
+        (fact_sheet(part_facts(&part, wanted_text(&part), &view), &[], &view))
+        @if builds.is_empty() { p { (say!("record-empty")) } }
+        @for build in &builds {
+            h2 { a href=(format!("/builds/{}", build.build)) { (say!("build-number", build = build.build.to_string())) } }
+            (fact_sheet(record_facts(build, &view), &[], &view))
+            (table_of(&fields::COPIES.said(), None, RECORDED_COPY_COLUMNS, &build.copies, &view))
+        }
+    };
+    Ok(html_page(&title, "/parts", None, &content))
+}
+
+fn title_of(part: &PartRow) -> String {
+    say!("record-of-part", part = part.id.to_string(), name = part.full_name())
+}
+
+/// How the PDF is asked for.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct RecordQuery {
+    /// Sent if letters that no font has may be boxes.
+    boxes: Option<String>,
+}
+
+/// The record as PDF.
+pub(crate) async fn get_record_pdf(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    Query(query): Query<RecordQuery>,
+    headers: HeaderMap,
+) -> HandlerResult<Response> {
+    let (part, builds) = read_record(&web, number).await?;
+    let address = LinkRoot::of_request(&headers).of_page(&format!("/parts/{number}/record"));
+    let text = Label { title: title_of(&part), lines: record_lines(&part, &builds, &web.time_view()), address };
+    let file = PaperFile {
+        title: text.title.clone(),
+        name: format!("part-{number}-record.pdf"),
+        with_boxes: format!("/parts/{number}/record.pdf?boxes=yes"),
+    };
+    let write = |title: &str, texts: Vec<Label>, fonts: &[SystemFont]| {
+        let shape = SheetShape::PAGE;
+        let pages =
+            texts.iter().map(|text| split_into_pages(text, shape, fonts)).collect::<anyhow::Result<Vec<_>>>()?;
+        write_labels(title, &pages.concat(), (shape, 0), fonts)
+    };
+    file.answer(vec![text], query.boxes.is_some(), write).await
+}
+
+/// The record, line by line.
+fn record_lines(part: &PartRow, builds: &[RecordedBuild], view: &TimeView) -> Vec<String> {
+    let fact_line = |fact: SheetFact| labelled(&language::say_word("field", fact.label), &fact.text);
+    let mut lines: Vec<String> = part_facts(part, wanted_text(part), view).into_iter().map(fact_line).collect();
+    if builds.is_empty() {
+        lines.extend([String::new(), say!("record-empty")]);
+    }
+    for build in builds {
+        lines.extend([String::new(), say!("build-number", build = build.build.to_string())]);
+        lines.extend(record_facts(build, view).into_iter().map(fact_line));
+        let columns = people_columns(RECORDED_COPY_COLUMNS, &build.copies);
+        lines.extend(build.copies.iter().map(|copy| copy_line(copy, &columns, view)));
+    }
+    lines
+}
+
+/// A copy with what is known of it.
+fn copy_line(copy: &RecordedCopy, columns: &[&TableColumn<RecordedCopy>], view: &TimeView) -> String {
+    let said = |column: &&TableColumn<RecordedCopy>| {
+        let text = match (column.value)(copy) {
+            CellValue::State(word) => language::say_word("state", &word),
+            value => column.field.cell_text(&value, view)?,
+        };
+        Some(labelled(&column.field.said(), &text))
+    };
+    columns.iter().filter_map(said).collect::<Vec<_>>().join("; ")
+}
+
+/// `Material: PA12`.
+fn labelled(label: &str, text: &str) -> String {
+    say!("labelled-text", label = label, text = text)
+}

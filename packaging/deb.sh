@@ -5,11 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 binary=${1:-target/release/nestd}
 out=${2:-target/debian}
-version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
-# Between releases, the number of commits: a newer package is installed over an older one, and the release over both.
-if [ -e .git ] && ! git describe --exact-match --match "v$version" HEAD >/dev/null 2>&1; then
-    version="$version~dev.$(git rev-list --count HEAD)+g$(git rev-parse --short=10 HEAD)"
-fi
+. packaging/version.sh
 arch=$(dpkg --print-architecture)
 tree=$(mktemp -d)
 trap 'rm -r "$tree"' EXIT

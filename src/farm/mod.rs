@@ -47,7 +47,7 @@ pub use decisions::queue_depth::held_text;
 pub use decisions::trigger::FireTrigger;
 pub use facts::build_fact::{BuildFact, DatedBuild, build_fact, build_of_copy, build_of_search};
 pub use facts::copy_fact::{CopyWord, copy_counts, copy_fact, counted_words};
-pub use facts::cost_fact::{CostReport, CostShare, OrderCost};
+pub use facts::cost_fact::{CostReport, CostShare, MM3_PER_LITRE, OrderCost, cake_litres};
 pub use facts::customer_note::customer_note;
 pub use facts::late_fact::read_late_parts;
 pub use facts::machine_fact::{MachineFact, MachineWord, asked_text, machine_fact};

@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::settings::{CostRules, MachineProfile, Money, PriceSum};
 
 /// Cubic millimetres of a litre.
-const MM3_PER_LITRE: f64 = 1e6;
+pub const MM3_PER_LITRE: f64 = 1e6;
 
 /// What an order bears of a build.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -96,6 +96,16 @@ impl CostReport {
         Self { totals: price_sums(&shares), orders: OrderCost::of_shares(&shares), shares }
     }
 
+    /// Fresh powder that the builds of each machine took, kg; `None` = not known of all of them.
+    pub fn powder_of_machines(&self) -> BTreeMap<String, Option<f64>> {
+        let mut powder: BTreeMap<String, Option<f64>> = BTreeMap::new();
+        for share in &self.shares {
+            let sum = powder.entry(share.machine.clone()).or_insert(Some(0.0));
+            *sum = sum.zip(share.powder_kg).map(|(kg, more)| kg + more);
+        }
+        powder
+    }
+
     /// What one order bears of it, by currency.
     pub fn sums_of_order(&self, order_name: &str) -> Vec<PriceSum> {
         price_sums(self.shares.iter().filter(|share| share.order_name == order_name && !share.is_bad))
@@ -122,6 +132,11 @@ async fn read_cost_shares(
     Ok(shares)
 }
 
+/// Volume of the cake of a build, parts and powder up to its height, litres: its density is the share that is parts.
+pub fn cake_litres(part_volume_mm3: f64, density: Option<f64>) -> Option<f64> {
+    density.filter(|density| *density > 0.0).map(|density| part_volume_mm3 / density / MM3_PER_LITRE)
+}
+
 /// Shares the cost of a build among the orders in it.
 fn share_build(build: &CostedBuild, copies: &[OrderedCopies], hours_per_mm: f64, rules: &CostRules) -> Vec<CostShare> {
     let hours = build.height_mm * hours_per_mm;
@@ -132,8 +147,7 @@ fn share_build(build: &CostedBuild, copies: &[OrderedCopies], hours_per_mm: f64,
     };
     let prices: Vec<f64> = copies.iter().map(price_of).collect();
     let prices = round_to_sum(&prices);
-    let density = build.density.filter(|density| *density > 0.0 && rules.powder_kg_per_litre > 0.0);
-    let cake_litres = density.map(|density| build.part_volume_mm3 / density / MM3_PER_LITRE);
+    let cake_litres = cake_litres(build.part_volume_mm3, build.density).filter(|_| rules.powder_kg_per_litre > 0.0);
     let powder_kg = cake_litres.map(|litres| litres * rules.powder_kg_per_litre * rules.refresh);
     let shares = copies.iter().zip(prices).map(|(ordered, price)| CostShare {
         build: build.build,
@@ -293,5 +307,8 @@ mod tests {
         assert_eq!(lines, [("", false), ("a", false), ("a", true)]);
         let free = CostReport::of_shares(share_build(&build(100.0), &three, 0.1, &CostRules::default()));
         assert!(free.totals.is_empty() && free.orders.len() == 3);
+        // A cake of 40 l.
+        assert_eq!(report.powder_of_machines()["left"].map(f64::round), Some(20.0));
+        assert_eq!(free.powder_of_machines()["left"], None);
     }
 }

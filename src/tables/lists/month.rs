@@ -7,10 +7,10 @@ use ledger::{BadCopies, BuildState, HistoryRow};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::tables::{columns::table_column::TableColumn, fields};
-
-/// Cubic millimetres of a litre.
-const MM3_PER_LITRE: f64 = 1e6;
+use crate::{
+    farm::{MM3_PER_LITRE, cake_litres},
+    tables::{columns::table_column::TableColumn, fields},
+};
 
 /// What a machine made in a span of time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
@@ -29,6 +29,8 @@ pub struct MachineOutput {
     pub part_litres: f64,
     /// Volume of their cakes, parts and powder up to the height, litres.
     pub cake_litres: f64,
+    /// Fresh powder that they took, kg; `None` = not known of all of them.
+    pub powder_kg: Option<f64>,
     /// Copies in them.
     pub copies: u32,
     /// Copies in prints that were told complete, without the bad ones.
@@ -48,6 +50,7 @@ pub const MONTH_COLUMNS: &[TableColumn<MachineOutput>] = &[
     TableColumn::new("print_hours", fields::PRINT_HOURS, |row| row.print_hours.into()),
     TableColumn::new("part_litres", fields::PART_LITRES, |row| row.part_litres.into()),
     TableColumn::new("cake_litres", fields::CAKE_LITRES, |row| row.cake_litres.into()),
+    TableColumn::new("powder_kg", fields::POWDER, |row| row.powder_kg.into()),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
     TableColumn::new("good_copies", fields::COPIES_GOOD, |row| row.good_copies.into()),
     TableColumn::new("bad_copies", fields::COPIES_BAD, |row| row.bad_copies.into()),
@@ -57,13 +60,20 @@ pub const MONTH_COLUMNS: &[TableColumn<MachineOutput>] = &[
 impl MachineOutput {
     /// What each machine made according to the history of a span of time, by name, and their sum if there are several.
     /// `hours_per_mm` says how long a machine prints for a mm of height; machines that it names are there without a build, too.
-    pub fn of_history(rows: &[HistoryRow], bad: &[BadCopies], hours_per_mm: &BTreeMap<String, f64>) -> Vec<Self> {
+    /// `powder_kg` says what each took.
+    pub fn of_history(
+        rows: &[HistoryRow],
+        bad: &[BadCopies],
+        hours_per_mm: &BTreeMap<String, f64>,
+        powder_kg: &BTreeMap<String, Option<f64>>,
+    ) -> Vec<Self> {
         let names: BTreeSet<&String> = rows.iter().map(|row| &row.machine).chain(hours_per_mm.keys()).collect();
         let mut all: Vec<Self> = names
             .into_iter()
             .map(|name| {
                 let own = rows.iter().filter(|row| row.machine == *name && row.is_published());
-                let empty = Self { machine: name.clone(), ..Self::default() };
+                let powder_kg = powder_kg.get(name).copied().unwrap_or(Some(0.0));
+                let empty = Self { machine: name.clone(), powder_kg, ..Self::default() };
                 own.fold(empty, |sum, row| sum.with_build(row, bad)).with_shares(hours_per_mm.get(name).copied())
             })
             .collect();
@@ -81,9 +91,7 @@ impl MachineOutput {
         self.failed_builds += u32::from(matches!(row.state, BuildState::Failed | BuildState::Interrupted));
         self.height_mm += measures.height_mm.unwrap_or(0.0);
         self.part_litres += volume_mm3 / MM3_PER_LITRE;
-        // The density is the share of the cake that is parts.
-        let density = measures.density.filter(|density| *density > 0.0);
-        self.cake_litres += density.map_or(0.0, |density| volume_mm3 / density / MM3_PER_LITRE);
+        self.cake_litres += cake_litres(volume_mm3, measures.density).unwrap_or(0.0);
         self.copies += copies;
         self.bad_copies += bad;
         if row.state == BuildState::Complete {
@@ -101,7 +109,7 @@ impl MachineOutput {
 
     /// The sum over machines. A machine whose hours are not known counts as none.
     fn total_of(all: &[Self]) -> Self {
-        let empty = Self { machine: say!("all-machines"), ..Self::default() };
+        let empty = Self { machine: say!("all-machines"), powder_kg: Some(0.0), ..Self::default() };
         let sum = all.iter().fold(empty, |sum, one| Self {
             builds: sum.builds + one.builds,
             failed_builds: sum.failed_builds + one.failed_builds,
@@ -109,6 +117,7 @@ impl MachineOutput {
             print_hours: Some(sum.print_hours.unwrap_or(0.0) + one.print_hours.unwrap_or(0.0)),
             part_litres: sum.part_litres + one.part_litres,
             cake_litres: sum.cake_litres + one.cake_litres,
+            powder_kg: sum.powder_kg.zip(one.powder_kg).map(|(kg, more)| kg + more),
             copies: sum.copies + one.copies,
             good_copies: sum.good_copies + one.good_copies,
             bad_copies: sum.bad_copies + one.bad_copies,

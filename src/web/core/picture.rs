@@ -156,7 +156,7 @@ pub(crate) struct LonePictureQuery {
     scheme: PictureScheme,
 }
 
-/// The picture of a part, whatever became of it: a PNG. It never changes. Where the surface is not closed, its open edges are red; where it
+/// The picture of a part, whatever became of it: a PNG. It never changes, but where the part may still be mended. Where the surface is not closed, its open edges are red; where it
 /// was mended, the mended places.
 pub(crate) async fn get_lone_picture(
     State(web): State<Arc<DashboardState>>,
@@ -188,7 +188,19 @@ pub(crate) async fn get_lone_picture(
             png
         }
     };
-    Ok(if png.is_empty() { no_picture() } else { lasting_png(png) })
+    Ok(match png.is_empty() {
+        true => no_picture(),
+        // Once somebody says yes, the same address shows the mended part.
+        false if asked.mended.is_none() && is_mendable(&part) => {
+            ([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "private, no-cache")], png).into_response()
+        }
+        false => lasting_png(png),
+    })
+}
+
+/// Whether a part was refused and would be printed if somebody said that it may be mended.
+pub(crate) fn is_mendable(part: &PartRow) -> bool {
+    part.state == PartState::Refused && part.refused.refusal == Some(RefusalCause::Mendable)
 }
 
 /// The picture of a part on its page; of a mesh that was or can be mended two, before and after.
@@ -200,8 +212,7 @@ pub(crate) fn part_picture(part: &PartRow) -> Markup {
             &html! { img.part-picture alt=(alt) title=(alt) width=(LONE_WIDTH) height=(LONE_WIDTH / 4 * 3) src=(source); },
         )
     };
-    let is_mendable = part.state == PartState::Refused && part.refused.refusal == Some(RefusalCause::Mendable);
-    match (part.state, is_mendable || !part.mending.mended_hash.is_empty()) {
+    match (part.state, is_mendable(part) || !part.mending.mended_hash.is_empty()) {
         (_, true) => html! {
             (picture(&format!("{source}?mended=false"), say!("picture-of-refused")))
             (picture(&format!("{source}?mended=true"), say!("picture-of-mended")))

@@ -13,14 +13,14 @@ use jiff::{
     civil::{Date, date},
 };
 use language::{colon, comma, say};
-use ledger::{BuildState, HistoryQuery, HistoryRow, LatePart};
+use ledger::{BuildState, CostQuery, HistoryQuery, HistoryRow, LatePart};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::farm::risk_row;
 use crate::{
-    farm::{DateRisk, dates_at_risk, read_late_parts},
+    farm::{CostReport, DateRisk, dates_at_risk, read_late_parts},
     settings::FarmZone,
     tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields, people_columns},
     web::{
@@ -134,7 +134,9 @@ async fn read_output(
     let settings = web.current_settings();
     let hours: BTreeMap<String, f64> =
         settings.profiles.iter().map(|(name, profile)| (name.clone(), profile.space.print_hours_per_mm)).collect();
-    let machines = MachineOutput::of_history(&rows, &bad, &hours);
+    let costed = CostQuery { since: Some(since), until: Some(until), ..CostQuery::default() };
+    let powder = CostReport::read(&web.ledger, &costed, &settings.profiles).await?.powder_of_machines();
+    let machines = MachineOutput::of_history(&rows, &bad, &hours, &powder);
     Ok((rows, machines))
 }
 

@@ -22,6 +22,7 @@ use crate::{
         core::{
             command::{command_button, mend_button},
             form_answer::{FormAnswer, key_field},
+            picture::is_mendable,
             state::DashboardState,
         },
         forms::build_forms::unseen_failure,
@@ -224,7 +225,7 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             // What was found; what to do is on the page of the part.
             @let ends = reason.find(". ").map(|at| at + 1).into_iter().chain(reason.find('。').map(|at| at + '。'.len_utf8()));
             (part_line(part, &reason[..ends.min().unwrap_or(reason.len())], &html! {
-                @if part.refused.refusal == Some(RefusalCause::Mendable) { (mend_button(web, part)) }
+                @if is_mendable(part) { (mend_button(web, part)) }
                 @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }

@@ -25,7 +25,7 @@ use crate::{
         },
         core::{
             command::{command_button, mend_button},
-            picture::part_picture,
+            picture::{is_mendable, part_picture},
             state::DashboardState,
         },
         forms::part_forms::part_forms,
@@ -184,7 +184,7 @@ fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup 
     html! {
         div.buttons.acts {
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, &say!("print-as-is"))) }
-            @if part.state == PartState::Refused && part.refused.refusal == Some(RefusalCause::Mendable) { (mend_button(web, part)) }
+            @if is_mendable(part) { (mend_button(web, part)) }
             @if part.state == PartState::Refused { (command(CommandKind::Retry, &say!("read-again"))) }
             (part_forms(web, part, published))
             @if part.state == PartState::Waiting { (command(CommandKind::Cancel, &say!("cancel"))) }

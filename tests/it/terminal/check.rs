@@ -133,6 +133,12 @@ fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
     assert_eq!((code, problems), (0, vec![]));
     assert!(text.contains("schema is current"), "{text}");
 
+    // A dashboard with sign-in on which nobody can.
+    farm.write("etc/nestd.toml", "[web]\nlisten = \"127.0.0.1:0\"\nsign_in = true\n");
+    let (code, problems, text) = farm.check();
+    assert_eq!((code, problems.len()), (1, 1), "{problems:?}");
+    assert!(problems[0].starts_with("people: ") && text.contains("nestd people add NAME --role admin"), "{text}");
+
     let other = CheckedFarm::new();
     other.write("farm/state/nestd.db", &"this is no database. ".repeat(100));
     let (code, problems, _) = other.check();

@@ -73,12 +73,23 @@ async fn check_rows(
         report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger));
     }
     check_daemon(ledger, settings, report).await?;
+    check_people(ledger, settings, report).await?;
     compare_with_folders(ledger, settings, report).await;
     others.check_waiting_parts(ledger, settings, report).await?;
     for build in ledger.builds_in_state(BuildState::Verified).await? {
         if let Some(profile) = settings.profiles.get(&build.machine) {
             check_staging_queue(&build, profile, report);
         }
+    }
+    Ok(())
+}
+
+/// Reports a dashboard on which nobody can sign in.
+async fn check_people(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) -> Result<(), LedgerError> {
+    let signs_in = settings.interfaces.web.as_ref().is_some_and(|web| web.sign_in);
+    if signs_in && !ledger.has_people().await? {
+        let remedy = "add yourself with `nestd people add NAME --role admin`";
+        report.add_problem("people", "web.sign_in is set, and there is nobody who could sign in", remedy);
     }
     Ok(())
 }

@@ -297,6 +297,19 @@ pub fn signal(pid: i32, signal: rustix::process::Signal) {
     rustix::process::kill_process(rustix::process::Pid::from_raw(pid).unwrap(), signal).unwrap();
 }
 
+/// CPU seconds of a process so far, user and system time; also of one that has ended and nobody has waited for.
+pub fn cpu_secs(pid: i32) -> f64 {
+    const TICKS_PER_SEC: f64 = 100.0;
+    let fields = stat_fields(pid);
+    fields[11..13].iter().map(|field| field.parse::<f64>().unwrap()).sum::<f64>() / TICKS_PER_SEC
+}
+
+/// The fields of `/proc/PID/stat` behind the name of the program, from the state on.
+pub fn stat_fields(pid: i32) -> Vec<String> {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
+    stat.rsplit_once(')').unwrap().1.split_whitespace().map(ToOwned::to_owned).collect()
+}
+
 pub fn wait_until(what: &str, secs: f64, is_true: impl FnMut() -> bool) {
     wait_until_or(what, secs, String::new, is_true);
 }

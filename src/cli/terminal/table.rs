@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
-use super::terminal::{LinePaint, show_marks, without_marks, wrap_words};
+use super::terminal::{LinePaint, is_mark, show_marks, wrap_words};
 use crate::tables::{CellValue, FieldDefinition, TableColumn, TimeView, people_columns};
 
 /// A row that is shown as a list is not wrapped into fewer columns than this.
@@ -155,15 +155,19 @@ impl TextTable {
 /// A text in lines of at most `width` columns, broken at blanks where that is possible.
 fn wrap_cell(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
+    let mut filled = 0;
     for word in text.split_inclusive(' ') {
-        let fits = |line: &str, more: &str| seen_width(line) + seen_width(more.trim_end()) <= width;
-        if lines.last().is_some_and(|line| !line.is_empty() && !fits(line, word)) {
+        if filled > 0 && filled + seen_width(word.trim_end()) > width {
             lines.push(String::new());
+            filled = 0;
         }
         for letter in word.chars() {
-            if lines.last().is_some_and(|line| letter != ' ' && !fits(line, letter.encode_utf8(&mut [0; 4]))) {
+            let columns = letter_width(letter);
+            if letter != ' ' && filled + columns > width {
                 lines.push(String::new());
+                filled = 0;
             }
+            filled += columns;
             lines.last_mut().into_iter().for_each(|line| line.push(letter));
         }
     }
@@ -172,12 +176,14 @@ fn wrap_cell(text: &str, width: usize) -> Vec<String> {
 
 /// Columns that a text takes.
 fn seen_width(text: &str) -> usize {
-    without_marks(text).chars().map(letter_width).sum()
+    text.chars().map(letter_width).sum()
 }
 
-/// Columns that a letter takes: those of Chinese, Japanese and Korean take two (Unicode Standard Annex 11).
+/// Columns that a letter takes: a mark none, those of Chinese, Japanese and Korean two (Unicode Standard Annex 11).
 fn letter_width(letter: char) -> usize {
     match letter {
+        ' '..='~' => 1,
+        mark if is_mark(mark) => 0,
         '\u{1100}'..='\u{115f}'
         | '\u{2e80}'..='\u{a4cf}'
         | '\u{ac00}'..='\u{d7a3}'

@@ -41,7 +41,12 @@ const MARK_END: char = '\u{fdd3}';
 
 /// A text without its marks.
 pub fn without_marks(text: &str) -> String {
-    text.chars().filter(|c| *c != MARK_END && MARKS.iter().all(|(mark, _)| mark != c)).collect()
+    text.chars().filter(|c| !is_mark(*c)).collect()
+}
+
+/// Whether a letter is a mark, which takes no column.
+pub fn is_mark(letter: char) -> bool {
+    letter == MARK_END || MARKS.iter().any(|(mark, _)| *mark == letter)
 }
 
 /// A text with colours in the place of its marks if standard output shows colours, else without them.

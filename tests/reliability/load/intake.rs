@@ -9,15 +9,13 @@ use ledger::PartState;
 
 use crate::{
     harness::{SectionBudget, SectionResult},
-    support::{TestFarm, grid::gridded_box, wait_until_or},
+    support::{TestFarm, cpu_secs, grid::gridded_box, wait_until_or},
 };
 
 /// As in `flood`: parts so large that few fill the volume.
 const PROFILE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
 /// Time limit of `nestd status`, ms (release build).
 const STATUS_MS: f64 = 100.0;
-/// The unit in which Linux reports CPU time, on every architecture on which nestd runs.
-const TICKS_PER_SEC: f64 = 100.0;
 /// Squares along an edge of a small part: 2 to 50 kB.
 const SMALL: [usize; 5] = [2, 3, 5, 7, 9];
 /// Squares along an edge of a part of 47 kB.
@@ -85,12 +83,4 @@ fn waiting(farm: &TestFarm) -> u64 {
     u64::from(farm.query_ledger(async |ledger| {
         ledger.machine_statuses().await.unwrap_or_default().iter().map(|row| row.waiting_parts).sum::<u32>()
     }))
-}
-
-/// CPU seconds of a process so far, user and system time.
-fn cpu_secs(pid: i32) -> f64 {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
-    let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();
-    let ticks: f64 = fields[11..13].iter().map(|field| field.parse::<f64>().unwrap()).sum();
-    ticks / TICKS_PER_SEC
 }

@@ -1,7 +1,7 @@
 //! A ledger of very many builds, made by SQL in a real SQLite file: each build has one part of two copies; the builds
 //! are spread evenly over ten years.
 
-use std::{path::Path, process::Command, time::Instant};
+use std::path::Path;
 
 use sqlx::{Connection, SqliteConnection};
 
@@ -80,16 +80,4 @@ pub async fn fill_waiting(ledger: &Path, parts: u64) {
     );
     sqlx::raw_sql(sqlx::AssertSqlSafe(steps)).execute(&mut db).await.unwrap();
     db.close().await.unwrap();
-}
-
-/// Wall milliseconds of a whole process, the best of several runs, so that other work on the machine has little
-/// influence.
-pub fn best_duration_ms(mut command: impl FnMut() -> Command, times: usize) -> f64 {
-    let once = || {
-        let began = Instant::now();
-        let output = command().output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        began.elapsed().as_secs_f64() * 1000.0
-    };
-    std::iter::repeat_with(once).take(times).fold(f64::INFINITY, f64::min)
 }

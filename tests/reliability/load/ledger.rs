@@ -1,6 +1,12 @@
 //! The ledger: a million builds, damage at hundreds of places, and backups while the daemon is killed.
 
-use std::{fs, path::Path, time::Duration, time::Instant};
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
 
 use ledger::{Ledger, LedgerError, PartState};
 use rand::{RngExt, SeedableRng};
@@ -9,14 +15,14 @@ use rand_chacha::ChaCha8Rng;
 use super::large_ledger;
 use crate::{
     harness::{SectionBudget, SectionResult},
-    support::{QUICK, TestFarm, block},
+    support::{QUICK, TestFarm, block, cpu_secs, stat_fields},
 };
 
 /// Builds in the large ledger of a long run.
 const MANY: u64 = 1_000_000;
 /// Waiting parts in the large ledger.
 const WAITING: u64 = 10_000;
-/// Time limit of a query, ms; for an optimised build of nestd.
+/// Most CPU time of a query, ms; for an optimised build of nestd.
 const ANSWER_MS: f64 = 100.0;
 /// Time limit of checking the whole ledger, s.
 const LOOK_SECS: f64 = 120.0;
@@ -27,6 +33,22 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     damage_ledgers(budget, &mut row);
     backups_while_killed(budget, &mut row);
     row
+}
+
+/// CPU milliseconds of a whole process, the least of several runs, so that other work on the machine has little
+/// influence.
+fn least_cpu_ms(mut command: impl FnMut() -> Command, times: usize) -> f64 {
+    let once = || {
+        let mut child = command().stdout(Stdio::null()).spawn().unwrap();
+        let pid = child.id() as i32;
+        while stat_fields(pid)[0] != "Z" {
+            thread::sleep(Duration::from_millis(2));
+        }
+        let cpu_ms = 1000.0 * cpu_secs(pid);
+        assert!(child.wait().unwrap().success());
+        cpu_ms
+    };
+    std::iter::repeat_with(once).take(times).fold(f64::INFINITY, f64::min)
 }
 
 fn runtime() -> tokio::runtime::Runtime {
@@ -45,20 +67,21 @@ fn measure_large_ledger(budget: &SectionBudget, row: &mut SectionResult) {
         large_ledger::fill_waiting(&path, budget.pick(500, WAITING)).await;
     });
     fs::remove_file(farm.root().join("state/nestd.db.b3")).unwrap();
-    let history = large_ledger::best_duration_ms(|| farm.command(&["history", "--since", "30d"]), budget.pick(7, 40));
-    let status = large_ledger::best_duration_ms(|| farm.command(&["status"]), budget.pick(7, 40));
+    let history = least_cpu_ms(|| farm.command(&["history", "--since", "30d"]), budget.pick(7, 40));
+    let status = least_cpu_ms(|| farm.command(&["status"]), budget.pick(7, 40));
     let began = Instant::now();
     let whole = runtime().block_on(async { Ledger::open_existing(&path).await.unwrap().check_integrity().await });
     let look = began.elapsed().as_secs_f64();
     row.points += 3;
     row.note += &format!(
-        "{builds} builds: history --since 30d {history:.0} ms, status with {} waiting {status:.0} ms, every page checked in {look:.1} s. ",
+        "{builds} builds: history --since 30d {history:.0} CPU ms, status with {} waiting {status:.0} CPU ms, every page checked in {look:.1} s. ",
         budget.pick(500, WAITING)
     );
     let limit = if cfg!(debug_assertions) { 10.0 * ANSWER_MS } else { ANSWER_MS };
     if history > limit || status > limit || look > LOOK_SECS {
-        row.broken
-            .push(format!("a large ledger is slow: history {history:.0} ms, status {status:.0} ms, look {look:.0} s"));
+        row.broken.push(format!(
+            "a large ledger is slow: history {history:.0} CPU ms, status {status:.0} CPU ms, look {look:.0} s"
+        ));
     }
     row.broken.extend(whole.err().map(|error| error.to_string()));
 }
@@ -237,7 +260,7 @@ fn backups_while_killed(budget: &SectionBudget, row: &mut SectionResult) {
         farm.drop_part(&format!("p{round}.stl"), &block(10.0, 10.0, 10.0 + f64::from(round % 50) / 10.0));
         let file = farm.root().join(format!("backup-{round}"));
         let mut backup = farm.command(&["backup", file.to_str().unwrap()]).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(rng.random_range(5..400)));
+        thread::sleep(Duration::from_millis(rng.random_range(5..400)));
         if rng.random_bool(0.3) {
             backup.kill().unwrap();
         }

@@ -8,7 +8,7 @@ use ledger::PartState;
 use nester::{PlacedSolid, prove_with_keep_out};
 use solids::Bounds;
 
-use crate::support::{QUICK, TestFarm, block};
+use crate::support::{QUICK, TestFarm, block, cpu_secs};
 
 #[test]
 fn a_reserved_zone_stays_free_in_the_published_file() {
@@ -54,13 +54,8 @@ fn an_idle_farm_uses_next_to_no_cpu() {
     farm.drop_part("a.stl", &block(20.0, 15.0, 8.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     std::thread::sleep(Duration::from_secs(4));
-    let cpu_secs = || {
-        let text = std::fs::read_to_string(format!("/proc/{}/stat", farm.pid())).unwrap();
-        let fields: Vec<&str> = text.rsplit_once(')').unwrap().1.split_whitespace().collect();
-        (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
-    };
-    let before = cpu_secs();
+    let before = cpu_secs(farm.pid());
     std::thread::sleep(Duration::from_secs(4));
-    let used = cpu_secs() - before;
+    let used = cpu_secs(farm.pid()) - before;
     assert!(used < 0.2, "{used} s in 4 s");
 }

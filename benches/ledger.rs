@@ -105,6 +105,7 @@ fn part(number: u64) -> NewPartRow {
             customer: String::new(),
             email: String::new(),
             material: String::new(),
+            finish: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

@@ -147,6 +147,8 @@ pub const CUSTOMER: FieldDefinition = FieldDefinition::text("Customer");
 pub const EMAIL: FieldDefinition = FieldDefinition::text("E-mail");
 /// What a part or a build is made of.
 pub const MATERIAL: FieldDefinition = FieldDefinition::text("Material");
+/// Finishing steps of a part after the print.
+pub const FINISH: FieldDefinition = FieldDefinition::text("Finishing");
 /// Lot of the powder of a build.
 pub const LOT: FieldDefinition = FieldDefinition::text("Lot");
 /// What is loaded in a machine.

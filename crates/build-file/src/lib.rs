@@ -39,8 +39,8 @@ pub use common::file_name::{
     placement_table_name,
 };
 pub use common::part_terms::{
-    MAX_CLEARANCE_MM, MAX_COPIES, MAX_PRIORITY, MAX_TEXT_BYTES, check_clearance, check_copies, check_email, check_name,
-    check_note, check_priority,
+    MAX_CLEARANCE_MM, MAX_COPIES, MAX_PRIORITY, MAX_TEXT_BYTES, check_clearance, check_copies, check_email,
+    check_finish, check_name, check_note, check_priority, finish_steps,
 };
 pub use common::plural::format_count;
 pub use common::solid::{PartFileContents, PartFileSolid};

@@ -66,6 +66,7 @@ pub fn part_row(id: PartId, copies: u32, arrived: Timestamp) -> PartRow {
             customer: String::new(),
             email: String::new(),
             material: String::new(),
+            finish: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

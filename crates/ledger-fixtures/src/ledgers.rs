@@ -87,6 +87,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
             customer: String::new(),
             email: String::new(),
             material: String::new(),
+            finish: String::new(),
             priority: 50,
             due_at: None,
             due_text: String::new(),

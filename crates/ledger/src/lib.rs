@@ -73,6 +73,7 @@ pub use store::location::find_network_file_system;
 pub use store::on_demand::LedgerOnDemand;
 pub use store::service::{LedgerUser, LiveRights, ServiceState, ServingNode, ServingRight, SharedFarm};
 pub use words::command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
+pub use words::finishing::{FinishingStep, PartFinishing};
 pub use words::operator_word::TakenBackFor;
 pub use words::outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use words::pick::{BreakOutAnswer, PickMark, PickMarkRow};

@@ -57,6 +57,9 @@ pub struct EditArgs {
     /// What it is to be made of, or none
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
+    /// Finishing steps after the print, such as "dye black, smooth", or none; can also be changed where nothing waits any more
+    #[arg(long, value_name = "STEPS")]
+    finish: Option<String>,
     /// Who it is for, or ""; can also be changed where nothing waits any more
     #[arg(long, value_name = "NAME")]
     customer: Option<String>,
@@ -103,6 +106,7 @@ impl EditArgs {
             customer: self.customer.clone(),
             email: self.email.clone(),
             material: self.material.as_deref().map(|word| if is_none(word) { String::new() } else { word.to_owned() }),
+            finish: self.finish.clone(),
             priority: self.priority,
             due: due.transpose()?,
             orientation: self.orientation,
@@ -200,6 +204,7 @@ mod tests {
             customer: None,
             email: None,
             material: None,
+            finish: None,
         };
         let due = |text: &str| args(text).to_edit(&berlin).unwrap().due.unwrap();
         let day = Some(("2026-12-24T22:59:59Z".parse().unwrap(), "2026-12-24".to_owned()));

@@ -159,6 +159,7 @@ fn quoted_row(
         customer: String::new(),
         email: String::new(),
         material: profile.materials.name_of(file.ticket.material.as_deref().unwrap_or_default()),
+        finish: String::new(),
         priority: file.ticket.priority.unwrap_or(USUAL_PRIORITY),
         due_at: None,
         due_text: String::new(),

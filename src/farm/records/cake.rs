@@ -47,6 +47,8 @@ pub struct CakePart {
     pub note: String,
     /// What the customer's own system calls the line, "" = not said.
     pub reference: String,
+    /// Finishing steps after the print, "" = none, or known only to the ledger.
+    pub finish: String,
     /// The mesh; `None` = its original is past its retention.
     pub mesh: Option<Arc<Mesh>>,
     /// The placed copies.
@@ -117,6 +119,7 @@ impl CakeContents {
             due: due_words(&row.terms, &profile.time_zone),
             note: row.terms.note.clone(),
             reference: row.terms.reference.clone(),
+            finish: row.terms.finish.clone(),
             mesh: originals.load_mesh(&row),
             copies,
         };
@@ -140,6 +143,7 @@ impl CakeContents {
                     due: shown(&item.words.due),
                     note: shown(&item.words.note),
                     reference: shown(&item.words.reference),
+                    finish: String::new(),
                     mesh: Some(item.mesh.clone()),
                     copies: Vec::new(),
                 });

@@ -39,6 +39,8 @@ pub struct PickedCopy {
     pub order: String,
     /// When it is due, as people read it: the day that was given, or the time in the farm's zone; empty = no date.
     pub due: String,
+    /// Finishing steps after the print; empty = none.
+    pub finish: String,
     /// The customer's note; empty = none.
     pub note: String,
     /// What the customer's own system calls the line; empty = not said.
@@ -70,6 +72,7 @@ pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
     TableColumn::new("order", fields::ORDER, |copy| (&copy.order).into()),
     TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
     TableColumn::new("due", fields::DUE, |copy| (&copy.due).into()),
+    TableColumn::new("finish", fields::FINISH, |copy| (&copy.finish).into()),
     TableColumn::new("note", fields::NOTE, |copy| (&copy.note).into()),
     TableColumn::new("reference", fields::REFERENCE, |copy| (&copy.reference).into()),
 ];

@@ -31,6 +31,7 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         fields::CUSTOMER.fact(&row.terms.customer),
         fields::EMAIL.fact(&row.terms.email),
         fields::MATERIAL.fact(&row.terms.material),
+        fields::FINISH.fact(&row.terms.finish),
         Some(fields::COPIES.fact_of(copies)),
         fields::PRIORITY.fact(row.terms.priority),
         view.due_fact(fields::DUE, GivenDate::of_terms(&row.terms)),

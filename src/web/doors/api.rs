@@ -32,7 +32,7 @@ use crate::{
             live::MAX_LISTENERS,
             part,
         },
-        paper::record_page::read_record,
+        paper::record_page::MadePart,
     },
 };
 
@@ -167,8 +167,8 @@ pub(super) async fn get_record(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
 ) -> HandlerResult<Json<RecordResponse>> {
-    let (part, builds) = read_record(&web, number).await?;
-    Ok(Json(RecordResponse { part: part.into(), builds }))
+    let MadePart { part, finishing, builds } = MadePart::read(&web, number).await?;
+    Ok(Json(RecordResponse { part: part.into(), finishing: finishing.steps, builds }))
 }
 
 /// Converts rows of the ledger to their JSON form.

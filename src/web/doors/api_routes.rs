@@ -11,7 +11,7 @@ use axum::{
     middleware::from_fn,
     routing::{MethodFilter, on},
 };
-use ledger::HeightSummary;
+use ledger::{FinishingStep, HeightSummary};
 
 use super::{
     api,
@@ -172,7 +172,7 @@ const QUESTIONS: [ApiRoute; 16] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 14] = [
+const DOORS: [ApiRoute; 15] = [
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
@@ -292,6 +292,17 @@ const DOORS: [ApiRoute; 14] = [
             "Says what material is loaded in a machine; parts of another one wait from then on",
             RequestBody::Json(schema_of::<operate_door::LoadRequest>),
             |method| on(method, operate_door::post_load),
+        )
+    },
+    ApiRoute {
+        role: Role::Operate,
+        answer: ("200", Some(schema_of::<Vec<FinishingStep>>)),
+        ..tell(
+            ("POST", "/api/v1/parts/{part}/finishing"),
+            "post_finishing",
+            "Says of a finishing step of a part whether it is done",
+            RequestBody::Json(schema_of::<operate_door::FinishingRequest>),
+            |method| on(method, operate_door::post_finishing),
         )
     },
     ApiRoute {

@@ -3,8 +3,8 @@
 
 use build_file::LengthUnit;
 use ledger::{
-    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, LineCopies, OutcomeRow, PartId, PartMending,
-    PartRow, PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
+    BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, FinishingStep, LineCopies, OutcomeRow, PartId,
+    PartMending, PartRow, PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
 };
 use nester::OrientationRule;
 use schemars::JsonSchema;
@@ -50,6 +50,8 @@ pub(crate) struct PartResponse {
 pub(crate) struct RecordResponse {
     /// The part itself.
     pub(super) part: PartResource,
+    /// Its finishing steps, in their order.
+    pub(super) finishing: Vec<FinishingStep>,
     /// The builds that made copies of it, in the order of their numbers.
     pub(super) builds: Vec<RecordedBuild>,
 }
@@ -165,6 +167,8 @@ struct PartTermsFields {
     email: String,
     /// What it is to be made of; "" = anything.
     material: String,
+    /// Finishing steps after the print; "" = none.
+    finish: String,
     /// Whether it waits because its machine has another material loaded, or none.
     awaits_material: bool,
     /// Priority, 0 to 100.
@@ -326,6 +330,7 @@ impl From<PartRow> for PartResource {
                 customer: terms.customer,
                 email: terms.email,
                 material: terms.material,
+                finish: terms.finish,
                 awaits_material: row.owed.awaits_material,
                 priority: terms.priority,
                 due_at: terms.due_at,

@@ -60,6 +60,8 @@ pub(crate) struct EditRequest {
     order: Option<String>,
     /// What it is to be made of; empty = anything.
     material: Option<String>,
+    /// Finishing steps after the print; empty = none. They can also be changed where nothing waits any more.
+    finish: Option<String>,
     /// Who it is for; can also be changed where nothing waits any more.
     customer: Option<String>,
     /// Where the customer gets e-mail when the order is complete; can also be changed where nothing waits any more.
@@ -106,6 +108,7 @@ impl EditRequest {
             customer: self.customer.clone(),
             email: self.email.clone(),
             material: self.material.clone(),
+            finish: self.finish.clone(),
             priority: self.priority,
             due: self.due.as_ref().map(due).transpose()?,
             orientation: self.orientation,

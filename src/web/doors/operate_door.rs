@@ -8,7 +8,8 @@ use axum::{
     response::Response,
 };
 use ledger::{
-    BuildId, CommandArgument, CommandKind, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome, ToldOutcome,
+    BuildId, CommandArgument, CommandKind, FinishingStep, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome,
+    ToldOutcome,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -137,6 +138,30 @@ pub(super) async fn post_load(
         return Err(HandlerError::NotFound(format!("machine {machine}")));
     }
     say(&web, &OperatorWord::Load { machine, material: request.material, lot: request.lot }, &by, false).await
+}
+
+/// What is said of a finishing step.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FinishingRequest {
+    /// The step, as the finish of the part names it.
+    step: String,
+    /// Whether it is done.
+    done: bool,
+}
+
+/// Says of a finishing step of a part whether it is done, and answers with all of them.
+pub(super) async fn post_finishing(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    JsonBody(request): JsonBody<FinishingRequest>,
+) -> HandlerResult<Json<Vec<FinishingStep>>> {
+    let part = web.ledger.find_part(PartId(number)).await?;
+    let part = part.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
+    let told = web.ledger.tell_finished(part.id, &request.step, request.done, &by).await;
+    told.map_err(refusal_of_ledger)?;
+    Ok(Json(web.ledger.finishing_of_part(&part).await?.steps))
 }
 
 /// Nests and publishes the waiting parts of a machine.

@@ -91,6 +91,9 @@ pub(crate) struct LineRequest {
     /// What it is to be made of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Finishing steps after the print, such as "dye black, smooth".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub finish: Option<String>,
     /// Whether a mesh that is not closed may be mended; without it such a line is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mend: Option<bool>,
@@ -220,6 +223,7 @@ impl LineRequest {
             ("clearance_mm", self.clearance_mm.clone()),
             ("unit", self.unit.clone()),
             ("material", self.material.as_ref().map(|material| json!(material))),
+            ("finish", self.finish.as_ref().map(|finish| json!(finish))),
             ("mend", self.mend.map(|mend| json!(mend))),
             ("note", self.note.as_ref().or(order.note.as_ref()).map(|note| json!(note))),
         ];
@@ -256,7 +260,7 @@ mod tests {
     fn a_line_becomes_the_ticket_that_a_person_would_write() {
         let order = request(
             r#"{"machine":"cube","order":" K-12 ","customer":"Brandt","email":"anna@brandt.example","due":"2026-11-25","priority":70,"lines":[
-                {"name":"hinge_x4.stl","content":"HASH","material":"PA12","note":"for the door"},
+                {"name":"hinge_x4.stl","content":"HASH","material":"PA12","finish":"dye black","note":"for the door"},
                 {"name":"cover.3mf","content":"HASH","copies":2,"due":"2026-11-26T17:00:00Z","orientation":"upright",
                  "keep_up":[{"direction":[0,0,1],"within_deg":30}],"clearance_mm":1.5,"unit":"inch","priority":100}]}"#,
         );
@@ -266,6 +270,7 @@ mod tests {
         assert_eq!(hinge.ticket.order.as_deref(), Some("K-12"));
         assert_eq!(hinge.ticket.note.as_deref(), Some("for the door"));
         assert_eq!(hinge.ticket.material.as_deref(), Some("PA12"));
+        assert_eq!(hinge.ticket.finish.as_deref(), Some("dye black"));
         assert_eq!(hinge.ticket.customer.as_deref(), Some("Brandt"));
         assert_eq!(hinge.ticket.email.as_deref(), Some("anna@brandt.example"));
         assert_eq!(hinge.ticket.due.unwrap().to_string(), "2026-11-25");

@@ -34,6 +34,7 @@ mod tests {
     fn parts_of_nearly_one_size_look_alike_however_they_lie_and_others_do_not() {
         let part = |number: i64, size: [f64; 3]| CakePart {
             reference: String::new(),
+            finish: String::new(),
             part: number,
             name: format!("{number}.stl"),
             order: if number == 2 { "kit".to_owned() } else { String::new() },

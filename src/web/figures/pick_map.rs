@@ -103,6 +103,7 @@ fn pick_list_row(number: usize, pick: &PickEntry<'_>) -> PickedCopy {
         name: pick.part.name.clone(),
         order: pick.part.order.clone(),
         due: pick.part.due.clone(),
+        finish: pick.part.finish.clone(),
         note: pick.part.note.clone(),
         reference: pick.part.reference.clone(),
         copy: pick.copy,
@@ -209,6 +210,7 @@ fn shown_columns(cake: &CakeContents, is_proved: bool) -> Vec<&'static TableColu
     let is_shown = |column: &&'static TableColumn<PickedCopy>| match column.key {
         "way" => is_proved,
         "due" => cake.parts.iter().any(|part| !part.due.is_empty()),
+        "finish" => cake.parts.iter().any(|part| !part.finish.is_empty()),
         "note" => cake.parts.iter().any(|part| !part.note.is_empty()),
         "reference" => cake.parts.iter().any(|part| !part.reference.is_empty()),
         _ => true,

@@ -23,6 +23,7 @@ pub(crate) struct DropFields {
     customer: String,
     email: String,
     material: String,
+    finish: String,
     copies: String,
     due: String,
     due_time: String,
@@ -40,6 +41,7 @@ impl DropFields {
             "customer" => &mut self.customer,
             "email" => &mut self.email,
             "material" => &mut self.material,
+            "finish" => &mut self.finish,
             "copies" => &mut self.copies,
             "due" => &mut self.due,
             "due_time" => &mut self.due_time,
@@ -67,6 +69,7 @@ impl DropFields {
         set("customer", &self.customer);
         set("email", &self.email);
         set("material", &self.material);
+        set("finish", &self.finish);
         set("orientation", &self.orientation);
         set("note", &self.note);
         let due = match self.due_time.as_str() {
@@ -121,6 +124,7 @@ pub(crate) fn drop_form(web: &DashboardState, profile: &MachineProfile, max_byte
                 label { (say!("drop-priority")) input name="priority" type="number" min="0" max="100"; }
                 label { (fields::EMAIL.said()) input name="email" type="email" maxlength="200"; }
                 label { (fields::MATERIAL.said()) input name="material" maxlength="200"; }
+                label { (fields::FINISH.said()) input name="finish" maxlength="200"; }
                 label { (fields::NOTE.said()) input name="note" maxlength="500"; }
             }
             p.chosen role="status" {}

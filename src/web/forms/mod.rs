@@ -2,6 +2,7 @@
 
 pub(super) mod build_forms;
 pub(super) mod drop_form;
+pub(super) mod finish_forms;
 pub(super) mod machine_forms;
 pub(super) mod operate_form;
 pub(super) mod order_cancel;

@@ -53,6 +53,8 @@ pub(crate) struct PartEditForm {
     was_email: String,
     material: String,
     was_material: String,
+    finish: String,
+    was_finish: String,
 }
 
 /// The form that prints copies of a part again.
@@ -107,6 +109,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                 } @else {
                     p { (say!("no-copy-waits")) }
                 }
+                (field(&fields::FINISH.said(), "finish", &part.terms.finish))
                 (field(&fields::CUSTOMER.said(), "customer", &part.terms.customer))
                 (field(&fields::EMAIL.said(), "email", &part.terms.email))
                 button type="submit" { (say!("change")) }
@@ -206,6 +209,7 @@ impl PartEditForm {
             customer: changed(&self.customer, &self.was_customer),
             email: changed(&self.email, &self.was_email),
             material: changed(&self.material, &self.was_material),
+            finish: changed(&self.finish, &self.was_finish),
             ..PartEdit::default()
         };
         edit.checked()

@@ -27,10 +27,10 @@ use crate::{
             error::{HandlerError, HandlerResult},
             listing::{table_of, table_of_keys},
             page::html_page,
-            query::{Query, customer_address, parse_field},
+            query::{Query, customer_address, order_address, parse_field},
         },
         core::state::DashboardState,
-        forms::order_forms::order_forms,
+        forms::{finish_forms::finishing_section, order_forms::order_forms},
         look::{
             chip::{chip, state_text},
             pieces::empty,
@@ -241,6 +241,7 @@ pub(crate) async fn show_order(
         @if waiting > 0 { p { (say!("copies-wait-for-build", count = waiting)) } }
         @if builds.is_empty() { p { (say!("order-in-no-build")) } }
         @else { (table_of_keys((&fields::BUILDS.said(), None), ORDER_BUILD_COLUMNS, &BUILD_PAGE_KEYS, &builds, &view)) }
+        (finishing_section(&web, &web.ledger.finishing_of_order(&name).await?, &order_address(&name)))
         h2 { (say!("what-happened-who")) }
         (table_of(&say!("events"), None, ORDER_EVENT_COLUMNS, &events, &view))
     };

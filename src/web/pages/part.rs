@@ -28,7 +28,7 @@ use crate::{
             picture::{is_mendable, part_picture},
             state::DashboardState,
         },
-        forms::part_forms::part_forms,
+        forms::{finish_forms::finishing_section, part_forms::part_forms},
         look::chip::{chip, state_text},
     },
 };
@@ -163,6 +163,7 @@ pub(crate) async fn show_part(
         h2 { (say!("where-its-copies-are")) }
         (copies_section(&part, &placed, open, &view))
         @if !placed.is_empty() { p { a.button href=(format!("/parts/{number}/record")) { (say!("manufacturing-record")) } } }
+        (finishing_section(&web, &[web.ledger.finishing_of_part(&part).await?], &format!("/parts/{number}")))
         h2 { (say!("what-happened")) }
         (table_of(&say!("events"), None, EVENT_COLUMNS, &gathered_events(events), &view))
         @if !same.is_empty() { h2 { (say!("same-file")) } (newest_table(&web, same, &plans).await?) }

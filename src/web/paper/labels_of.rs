@@ -35,6 +35,8 @@ pub(super) struct Bag {
     order: String,
     customer: String,
     part: String,
+    /// Finishing steps, "" = none.
+    finish: String,
     /// `None` = nobody said how many are wanted.
     copies: Option<u32>,
 }
@@ -43,13 +45,14 @@ impl Bag {
     /// The copies of a part that are in a build.
     pub(super) fn of_part(part: &PartRow, copies: u32) -> Self {
         let (order, customer) = (part.terms.order_name.clone(), part.terms.customer.clone());
-        Self { order, customer, part: part.full_name(), copies: Some(copies) }
+        Self { order, customer, part: part.full_name(), finish: part.terms.finish.clone(), copies: Some(copies) }
     }
 
     /// The copies of a line of an order.
     pub(super) fn of_line(order: &str, line: &OrderLine) -> Self {
-        let (customer, part) = (line.customer.clone(), line.full_name());
-        Self { order: order.to_owned(), customer, part, copies: line.is_number_known.then_some(line.copies.wanted) }
+        let (customer, part, finish) = (line.customer.clone(), line.full_name(), line.finish.clone());
+        let copies = line.is_number_known.then_some(line.copies.wanted);
+        Self { order: order.to_owned(), customer, part, finish, copies }
     }
 
     fn order_words(&self) -> String {
@@ -61,7 +64,12 @@ impl Bag {
 pub(super) fn bag_labels(bags: &[Bag], build: Option<i64>, root: &LinkRoot) -> Vec<Label> {
     let label = |bag: &Bag| Label {
         title: bag.order_words(),
-        lines: lines_of([bag.customer.clone(), bag.part.clone(), copies_of_build(bag.copies, build)]),
+        lines: lines_of([
+            bag.customer.clone(),
+            bag.part.clone(),
+            bag.finish.clone(),
+            copies_of_build(bag.copies, build),
+        ]),
         address: root.of_order(&bag.order),
     };
     bags.iter().map(label).collect()
@@ -98,6 +106,6 @@ fn copies_of_build(copies: Option<u32>, build: Option<i64>) -> String {
     }
 }
 
-fn lines_of(lines: [String; 3]) -> Vec<String> {
+fn lines_of<const N: usize>(lines: [String; N]) -> Vec<String> {
     lines.into_iter().filter(|line| !line.is_empty()).collect()
 }

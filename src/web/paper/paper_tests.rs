@@ -1,8 +1,9 @@
 //! Labels of a build and of an order, and the record of a part, as a browser asks for them.
 
 use axum::http::StatusCode;
-use ledger::{BuildId, PartId, PickMark, PrintOutcome, ToldOutcome};
+use ledger::{BuildId, PartEdit, PartId, PickMark, PrintOutcome, ToldOutcome};
 use ledger_fixtures::ToldWords;
+use serde_json::Value;
 
 use super::with_a_build;
 
@@ -61,8 +62,29 @@ async fn the_record_of_a_part_tells_how_each_copy_was_made_and_who_took_it_out()
     let said = [&copy["copy"], &copy["copy_state"], &copy["mark"], &copy["marked_by"]];
     assert_eq!(said.map(ToString::to_string), ["1", "\"good\"", "\"out\"", "\"ann@farm\""]);
     assert!(copy["translation_mm"].is_array() && copy["rotation_xyzw"].is_array(), "{copy}");
+    let steps = PartEdit { finish: Some("dye black; smooth".to_owned()), ..PartEdit::default() };
+    dashboard.ledger.edit_part(part, &steps, "ann@farm").await.unwrap();
+    dashboard.ledger.tell_finished(part, "smooth", true, "cleo@farm").await.unwrap();
+    let finishing = &serde_json::from_str::<serde_json::Value>(&dashboard.get("/api/v1/parts/1/record").await.text)
+        .unwrap()["finishing"];
+    assert_eq!(
+        (&finishing[0]["done_by"], &finishing[1]["step"], &finishing[1]["done_by"]),
+        (&Value::Null, &"smooth".into(), &"cleo@farm".into())
+    );
+    for path in ["/parts/1", "/orders/bracket.stl"] {
+        let page = dashboard.get(path).await.text;
+        assert!(page.contains("Done: 1 of 2") && page.contains("action=\"/parts/1/finish\""), "{path}");
+    }
     let page = dashboard.get("/parts/1/record").await;
-    for said in ["Record of part 1, bracket.stl", "ann@farm", "bob@farm", "as in the file", "/parts/1/record.pdf"] {
+    for said in [
+        "Record of part 1, bracket.stl",
+        "ann@farm",
+        "bob@farm",
+        "as in the file",
+        "/parts/1/record.pdf",
+        "cleo@farm",
+        "not done yet",
+    ] {
         assert!(page.text.contains(said), "{said}: {}", page.text);
     }
     assert!(dashboard.get("/parts/1").await.text.contains("href=\"/parts/1/record\""));

@@ -8,7 +8,7 @@ use axum::{
     response::Response,
 };
 use language::say;
-use ledger::{PartId, PartRow};
+use ledger::{FinishingStep, PartFinishing, PartId, PartRow};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -37,13 +37,36 @@ use crate::{
     },
 };
 
-/// The record of a part that exists.
-pub(crate) async fn read_record(web: &DashboardState, number: i64) -> HandlerResult<(PartRow, Vec<RecordedBuild>)> {
-    let id = PartId(number);
-    let missing = || HandlerError::NotFound(say!("part-named", part = number.to_string()));
-    let part = web.ledger.find_part(id).await?.ok_or_else(missing)?;
-    let builds = read_part_record(&web.ledger, id, &web.read_plans().await?).await?;
-    Ok((part, builds))
+/// A part, and how its copies were made.
+pub(crate) struct MadePart {
+    pub(crate) part: PartRow,
+    /// What was done with them afterwards.
+    pub(crate) finishing: PartFinishing,
+    /// The builds that made copies of it.
+    pub(crate) builds: Vec<RecordedBuild>,
+}
+
+impl MadePart {
+    /// The record of a part; an error if there is none of this number.
+    pub(crate) async fn read(web: &DashboardState, number: i64) -> HandlerResult<Self> {
+        let id = PartId(number);
+        let missing = || HandlerError::NotFound(say!("part-named", part = number.to_string()));
+        let part = web.ledger.find_part(id).await?.ok_or_else(missing)?;
+        let builds = read_part_record(&web.ledger, id, &web.read_plans().await?).await?;
+        Ok(Self { finishing: web.ledger.finishing_of_part(&part).await?, part, builds })
+    }
+
+    /// What was done with it after the print, a line for each step.
+    fn finishing_lines(&self, view: &TimeView) -> Vec<String> {
+        let line = |step: &FinishingStep| {
+            let how = match step.done_by.as_ref().zip(step.done_at) {
+                Some((by, at)) => say!("time-by", time = view.time_text(at), by = by),
+                None => say!("finishing-open"),
+            };
+            labelled(&step.step, &how)
+        };
+        self.finishing.steps.iter().map(line).collect()
+    }
 }
 
 /// The record as a page.
@@ -51,20 +74,25 @@ pub(crate) async fn show_record(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
 ) -> HandlerResult<Markup> {
-    let (part, builds) = read_record(&web, number).await?;
-    let (title, view) = (title_of(&part), web.time_view());
+    let made = MadePart::read(&web, number).await?;
+    let (part, builds) = (&made.part, &made.builds);
+    let (title, view) = (title_of(part), web.time_view());
     let content = html! {
         h1 { (title) }
         div.buttons.acts {
             a.button href=(format!("/parts/{number}/record.pdf")) { (say!("open-pdf")) }
             a.button href=(format!("/parts/{number}")) { (say!("part-number", part = number.to_string())) }
         }
-        (fact_sheet(part_facts(&part, wanted_text(&part), &view), &[], &view))
+        (fact_sheet(part_facts(part, wanted_text(part), &view), &[], &view))
         @if builds.is_empty() { p { (say!("record-empty")) } }
-        @for build in &builds {
+        @for build in builds {
             h2 { a href=(format!("/builds/{}", build.build)) { (say!("build-number", build = build.build.to_string())) } }
             (fact_sheet(record_facts(build, &view), &[], &view))
             (table_of(&fields::COPIES.said(), None, RECORDED_COPY_COLUMNS, &build.copies, &view))
+        }
+        @if !made.finishing.steps.is_empty() {
+            h2 { (fields::FINISH.said()) }
+            ul { @for line in made.finishing_lines(&view) { li { (line) } } }
         }
     };
     Ok(html_page(&title, "/parts", None, &content))
@@ -89,9 +117,9 @@ pub(crate) async fn get_record_pdf(
     Query(query): Query<RecordQuery>,
     headers: HeaderMap,
 ) -> HandlerResult<Response> {
-    let (part, builds) = read_record(&web, number).await?;
+    let made = MadePart::read(&web, number).await?;
     let address = LinkRoot::of_request(&headers).of_page(&format!("/parts/{number}/record"));
-    let text = Label { title: title_of(&part), lines: record_lines(&part, &builds, &web.time_view()), address };
+    let text = Label { title: title_of(&made.part), lines: record_lines(&made, &web.time_view()), address };
     let file = PaperFile {
         title: text.title.clone(),
         name: format!("part-{number}-record.pdf"),
@@ -107,7 +135,8 @@ pub(crate) async fn get_record_pdf(
 }
 
 /// The record, line by line.
-fn record_lines(part: &PartRow, builds: &[RecordedBuild], view: &TimeView) -> Vec<String> {
+fn record_lines(made: &MadePart, view: &TimeView) -> Vec<String> {
+    let (part, builds) = (&made.part, &made.builds);
     let fact_line = |fact: SheetFact| labelled(&language::say_word("field", fact.label), &fact.text);
     let mut lines: Vec<String> = part_facts(part, wanted_text(part), view).into_iter().map(fact_line).collect();
     if builds.is_empty() {
@@ -118,6 +147,10 @@ fn record_lines(part: &PartRow, builds: &[RecordedBuild], view: &TimeView) -> Ve
         lines.extend(record_facts(build, view).into_iter().map(fact_line));
         let columns = people_columns(RECORDED_COPY_COLUMNS, &build.copies);
         lines.extend(build.copies.iter().map(|copy| copy_line(copy, &columns, view)));
+    }
+    if !made.finishing.steps.is_empty() {
+        lines.extend([String::new(), fields::FINISH.said()]);
+        lines.extend(made.finishing_lines(view));
     }
     lines
 }

@@ -17,7 +17,7 @@ use crate::web::{
     break_out::break_out,
     core::{command, content, device_name, picture, scene, state::DashboardState},
     doors::api_route::{HandlerMaker, is_path_of},
-    forms::{build_forms, machine_forms, order_forms, part_forms},
+    forms::{build_forms, finish_forms, machine_forms, order_forms, part_forms},
     help::pages as help,
     pages::{
         build, costs, downloads, farm as farm_page, flush, history, live, month, needs, order, part, pick_page, search,
@@ -98,6 +98,7 @@ pub(crate) const PAGES: &[PageRoute] = &[
     look("/parts/{part}/record.pdf", |method| on(method, record_page::get_record_pdf)),
     look("/parts/{part}/picture", |method| on(method, picture::get_lone_picture)),
     order("/parts/{part}/edit", |method| on(method, part_forms::post_edit)),
+    operate("/parts/{part}/finish", |method| on(method, finish_forms::post_finish)),
     operate("/parts/{part}/reprint", |method| on(method, part_forms::post_reprint)),
     look("/search", |method| on(method, search::show_found)),
     look("/help", |method| on(method, help::show_contents)),

@@ -97,6 +97,7 @@ fn is_data(word: &str) -> bool {
         "cm3",
         "EUR",
         "kB",
+        "kg",
         "h",
         "s",
         "l",

@@ -40,6 +40,7 @@ fn farm() -> tempfile::TempDir {
                 customer: String::new(),
                 email: String::new(),
                 material: String::new(),
+                finish: String::new(),
                 priority: 50,
                 due_at: None,
                 orientation: OrientationRule::Free,

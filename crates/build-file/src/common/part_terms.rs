@@ -15,6 +15,13 @@ pub const MAX_TEXT_BYTES: usize = 4096;
 /// Maximum length of an address for e-mail, bytes: what SMTP carries (RFC 5321, 4.5.3.1.3).
 const MAX_EMAIL_BYTES: usize = 254;
 
+/// Maximum number of finishing steps of a part.
+const MAX_FINISH_STEPS: usize = 12;
+/// Between the finishing steps of a part.
+const BETWEEN_STEPS: &str = ", ";
+/// Words of people for a part that is as it comes out of the cake.
+const NO_FINISH: &str = "- none no raw natural roh natur unbehandelt keine nein brut aucune なし 無し";
+
 /// A number of copies.
 pub fn check_copies(copies: i64) -> Result<u32, String> {
     match u32::try_from(copies) {
@@ -62,6 +69,28 @@ pub fn check_email(email: &str) -> Result<String, String> {
             escape_invisible(email)
         )),
     }
+}
+
+/// Finishing steps after the print in their order, as people write them in one line: `dye black; smooth`. Joined as [`finish_steps`] reads
+/// them; "" = none.
+pub fn check_finish(finish: &str) -> Result<String, String> {
+    let mut steps: Vec<String> = Vec::new();
+    for step in finish.split([',', ';', '+', '\n', '、', '，', '；']) {
+        let step = check_name("finish", step)?;
+        let is_none = NO_FINISH.split_whitespace().any(|word| word == step.to_lowercase());
+        if !step.is_empty() && !is_none && !steps.iter().any(|known| known.to_lowercase() == step.to_lowercase()) {
+            steps.push(step);
+        }
+    }
+    match steps.len() <= MAX_FINISH_STEPS {
+        true => Ok(steps.join(BETWEEN_STEPS)),
+        false => Err(format!("finish has {} steps; at most {MAX_FINISH_STEPS} are taken", steps.len())),
+    }
+}
+
+/// The steps of a finish as [`check_finish`] joined them.
+pub fn finish_steps(finish: &str) -> impl Iterator<Item = &str> {
+    finish.split(BETWEEN_STEPS).filter(|step| !step.is_empty())
 }
 
 /// A note, of one line or several.

@@ -22,6 +22,7 @@ pub(crate) enum ListColumn {
     Customer,
     Email,
     Material,
+    Finish,
 }
 
 impl ListColumn {
@@ -40,12 +41,13 @@ impl ListColumn {
             Self::Customer => "customer",
             Self::Email => "email",
             Self::Material => "material",
+            Self::Finish => "finish",
         }
     }
 }
 
 /// Header words with one clear meaning, in the languages of customers. [`plain`] is applied to them.
-const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
+const CLEAR_HEADERS: [(ListColumn, &str); 13] = [
     (
         ListColumn::File,
         "file filename path filepath datei dateiname dateipfad fichier nomdufichier nomfichier nomdefichier archivo \
@@ -114,6 +116,12 @@ const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
         ListColumn::Material,
         "material mat materials werkstoff werkstoffe matière matériau materiale materiaal materiál materiał materiaali materyal malzeme \
          材料 材質 材质 素材 原料 재료 소재 재질 материал",
+    ),
+    (
+        ListColumn::Finish,
+        "finish finishing surfacefinish finishingsteps postprocessing postprocess nachbearbeitung nachbehandlung oberflächenbehandlung oberflächenfinish \
+         finition finitions posttraitement acabado acabados finitura finiture afwerking nabewerking efterbehandling wykończenie \
+         仕上げ 後加工 後処理 表面処理 表面处理 后处理 후처리 후가공",
     ),
 ];
 

@@ -5,7 +5,7 @@
 use std::{collections::HashMap, ffi::OsStr};
 
 use build_file::{
-    check_clearance, check_copies, check_email, check_name, check_note, check_priority, escape_invisible,
+    check_clearance, check_copies, check_email, check_finish, check_name, check_note, check_priority, escape_invisible,
 };
 
 use super::{
@@ -365,6 +365,7 @@ fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Resul
         customer: cell(ListColumn::Customer).map(|name| check_name("customer", name)).transpose()?,
         email: cell(ListColumn::Email).map(check_email).transpose()?,
         material: cell(ListColumn::Material).map(|name| check_name("material", name)).transpose()?,
+        finish: cell(ListColumn::Finish).map(check_finish).transpose()?,
         unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
         clearance_mm: cell(ListColumn::Clearance)
             .map(|c| parse_decimal("clearance", c))

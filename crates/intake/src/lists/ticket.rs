@@ -1,7 +1,7 @@
 //! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
 use build_file::{
-    LengthUnit, check_clearance, check_copies, check_email, check_name, check_note, check_priority,
+    LengthUnit, check_clearance, check_copies, check_email, check_finish, check_name, check_note, check_priority,
     escape_invisible_lines,
 };
 use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
@@ -23,6 +23,8 @@ pub struct Ticket {
     pub email: Option<String>,
     /// What it is to be made of.
     pub material: Option<String>,
+    /// Finishing steps after the print.
+    pub finish: Option<String>,
     /// When it is due.
     pub due: Option<DueDate>,
     /// Priority from 0 to 100. A part with 100 must be in the next build.
@@ -84,6 +86,7 @@ struct TicketFields {
     customer: Option<toml::Value>,
     email: Option<String>,
     material: Option<toml::Value>,
+    finish: Option<String>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
     priority: Option<toml::Value>,
@@ -117,6 +120,7 @@ impl Ticket {
             customer: self.customer.or(weaker.customer),
             email: self.email.or(weaker.email),
             material: self.material.or(weaker.material),
+            finish: self.finish.or(weaker.finish),
             due: self.due.or(weaker.due),
             priority: self.priority.or(weaker.priority),
             orientation: self.orientation.or(weaker.orientation),
@@ -136,6 +140,7 @@ impl Ticket {
             customer: words.customer.map(|customer| parse_name("customer", customer)).transpose()?,
             email: words.email.as_deref().map(check_email).transpose()?,
             material: words.material.map(|material| parse_name("material", material)).transpose()?,
+            finish: words.finish.as_deref().map(check_finish).transpose()?,
             due: words.due.map(parse_due_value).transpose()?,
             priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
             orientation: words.orientation,
@@ -221,9 +226,9 @@ mod tests {
 
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
-        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nemail = \"anna@brandt.example\"\nmaterial = \"PA12\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
+        let toml = "copies = 10\norder = \"A-7\"\ncustomer = \"Brandt\"\nemail = \"anna@brandt.example\"\nmaterial = \"PA12\"\nfinish = \"dye black; smooth\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
                     keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\nmend = true\n";
-        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","email":"anna@brandt.example","material":"PA12","due":"2026-11-25","priority":100,"orientation":"upright",
+        let json = r#"{"copies":10,"order":"A-7","customer":"Brandt","email":"anna@brandt.example","material":"PA12","finish":"dye black, smooth","due":"2026-11-25","priority":100,"orientation":"upright",
                        "keep_up":[{"direction":[0,0,1],"within_deg":30}],
                        "not_down":[{"direction":[1,0,0],"spare_deg":45}],
                        "clearance_mm":2,"unit":"in","note":"für Jörg","mend":true}"#;
@@ -233,6 +238,7 @@ mod tests {
             customer: Some("Brandt".into()),
             email: Some("anna@brandt.example".into()),
             material: Some("PA12".into()),
+            finish: Some("dye black, smooth".into()),
             due: Some(DueDate::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
             orientation: Some(OrientationRule::Upright),

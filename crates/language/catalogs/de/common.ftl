@@ -179,6 +179,7 @@ field-order = Auftrag
 field-e-mail = E-Mail
 field-customer = Kunde
 field-material = Werkstoff
+field-finishing = Nachbearbeitung
 field-lot = Charge
 field-loaded = Geladen
 field-priority = Priorität
@@ -372,6 +373,7 @@ event-edited = geändert
 event-moved = verschoben
 event-loaded = geladen
 event-confirmed = freigegeben
+event-finishing = Nachbearbeitung
 event-revised = neue Fassung
 event-seen = erledigt
 

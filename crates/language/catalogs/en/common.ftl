@@ -183,6 +183,7 @@ field-order = Order
 field-e-mail = E-mail
 field-customer = Customer
 field-material = Material
+field-finishing = Finishing
 field-lot = Lot
 field-loaded = Loaded
 field-priority = Priority
@@ -376,6 +377,7 @@ event-edited = edited
 event-moved = moved
 event-loaded = loaded
 event-confirmed = confirmed
+event-finishing = finishing
 event-revised = revised
 event-seen = seen
 

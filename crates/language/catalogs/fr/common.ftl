@@ -199,6 +199,7 @@ field-order = Commande
 field-e-mail = Adresse e-mail
 field-customer = Client
 field-material = Matériau
+field-finishing = Finition
 field-lot = Lot de poudre
 field-loaded = Chargé
 field-priority = Priorité
@@ -392,6 +393,7 @@ event-edited = modifié
 event-moved = déplacé
 event-loaded = chargé
 event-confirmed = accord donné
+event-finishing = finition
 event-revised = remplacé
 event-seen = marqué comme vu
 

@@ -131,6 +131,7 @@ field-order = 注文
 field-e-mail = メール
 field-customer = 顧客
 field-material = 材料
+field-finishing = 仕上げ
 field-lot = ロット
 field-loaded = 入っている材料
 field-priority = 優先度
@@ -324,6 +325,7 @@ event-edited = 変更
 event-moved = 移動
 event-loaded = 材料を記録
 event-confirmed = 承認
+event-finishing = 仕上げ
 event-revised = 改訂
 event-seen = 対応済み
 

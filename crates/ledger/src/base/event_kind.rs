@@ -79,6 +79,8 @@ pub enum EventKind {
     Moved,
     /// A person said that a part is to be printed as it is.
     Confirmed,
+    /// A finishing step of a part was told to be done, or not to be.
+    Finishing,
     /// A part replaced an earlier revision.
     Revised,
     /// A person has seen to a failed print.

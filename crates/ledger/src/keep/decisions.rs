@@ -58,7 +58,7 @@ impl Ledger {
         let set = sql::query(
             "UPDATE part SET customer = $1, material = $2, material_key = $3, priority = $4, due_at = $5, due_text = $6, orientation = $7, \
              tilts = $8, clearance_mm = $9, unit = $10, read_unit = coalesce($11, read_unit), note = $12, email = $13, \
-             mend_allowed_by = $14 WHERE claim = $15",
+             mend_allowed_by = $14, finish = $15 WHERE claim = $16",
         );
         set.bind(&terms.customer)
             .bind(&terms.material)
@@ -74,6 +74,7 @@ impl Ledger {
             .bind(&terms.note)
             .bind(&terms.email)
             .bind(&terms.mend_allowed_by)
+            .bind(&terms.finish)
             .bind(claim)
             .execute(change.db())
             .await?;

@@ -20,13 +20,14 @@ pub(super) fn with_words_of_now(mut row: JsonRow) -> JsonRow {
 }
 
 /// Columns of a part that say what was asked for, and what was read of it.
-const ASKED_AND_READ: [&str; 26] = [
+const ASKED_AND_READ: [&str; 27] = [
     "machine",
     "order_name",
     "customer",
     "email",
     "material",
     "material_key",
+    "finish",
     "reference",
     "priority",
     "due_at",

@@ -27,6 +27,8 @@ pub struct OrderLine {
     pub object_name: String,
     /// Who it is for, "" = not said.
     pub customer: String,
+    /// Finishing steps after the print, "" = none.
+    pub finish: String,
     /// State of the part.
     pub state: PartState,
     /// When it is due.
@@ -40,7 +42,7 @@ pub struct OrderLine {
     pub copies: LineCopies,
 }
 
-sql_row!(OrderLine { part, machine, name, object_name, customer, state, due_at, due_text, is_number_known; copies });
+sql_row!(OrderLine { part, machine, name, object_name, customer, finish, state, due_at, due_text, is_number_known; copies });
 
 /// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `queued` + `printing` + `printed` + `good` + `refused`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
@@ -103,12 +105,12 @@ impl LineCopies {
 }
 
 /// The lines of an order. Whether their numbers of copies are known is as [`PartRow::is_number_known`](crate::PartRow::is_number_known) says.
-pub(crate) const ORDER_LINES: &str = "FROM (SELECT v.*, NOT (p.state IN ('waiting', 'batched') \
+pub(crate) const ORDER_LINES: &str = "FROM (SELECT v.*, p.finish, NOT (p.state IN ('waiting', 'batched') \
     AND p.copies - p.cancelled_copies = 1 AND instr(p.warnings, 'How many copies?') > 0 \
     OR p.state = 'refused' AND coalesce(p.refusal, '') = 'ticket') AS is_number_known \
     FROM v_order_line v JOIN part p ON p.id = v.part) AS line WHERE order_name = $1 AND order_name <> '' ORDER BY part";
 /// The line of a part.
-pub(crate) const LINE_OF_PART: &str = "FROM (SELECT v.*, NOT (p.state IN ('waiting', 'batched') \
+pub(crate) const LINE_OF_PART: &str = "FROM (SELECT v.*, p.finish, NOT (p.state IN ('waiting', 'batched') \
     AND p.copies - p.cancelled_copies = 1 AND instr(p.warnings, 'How many copies?') > 0 \
     OR p.state = 'refused' AND coalesce(p.refusal, '') = 'ticket') AS is_number_known \
     FROM v_order_line v JOIN part p ON p.id = v.part) AS line WHERE part = $1";

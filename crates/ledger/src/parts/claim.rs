@@ -209,8 +209,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let id = sql::query_scalar(
         "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, file_folder, file_mtime_ns, \
-         read_unit, customer, material, material_key, email, mend_allowed_by) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
-         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22, $23, $24, $25, $26) \
+         read_unit, customer, material, material_key, email, mend_allowed_by, finish) VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18, $19, $20, \
+         coalesce((SELECT l.read_unit FROM ordered_line l WHERE l.claim = $1), $21), $22, $23, $24, $25, $26, $27) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -239,6 +239,7 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(material_key(&part.terms.material))
     .bind(&part.terms.email)
     .bind(&part.terms.mend_allowed_by)
+    .bind(&part.terms.finish)
     .fetch_optional(change.db())
     .await?;
     Ok(id)
@@ -281,9 +282,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
-         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit, mend_allowed_by) \
+         customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit, mend_allowed_by) \
          SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
-         customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit, mend_allowed_by FROM part WHERE id = $3 RETURNING id",
+         customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit, mend_allowed_by FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)

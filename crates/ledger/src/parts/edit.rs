@@ -17,7 +17,7 @@ pub struct EditedPart {
 }
 
 impl Ledger {
-    /// Changes what was asked with a part. A part that is built can be ordered in more copies and for another customer with another address, nothing else.
+    /// Changes what was asked with a part. A part that is built can be ordered in more copies, for another customer with another address, and with another finish, nothing else.
     pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
         let mut change = self.begin_change().await?;
         let edited = edit_part(&mut change, id, edit, by).await?;
@@ -148,6 +148,11 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
         let set = sql::query("UPDATE part SET email = $1 WHERE id = $2").bind(email).bind(id);
         set.execute(change.db()).await?;
         changes.push(difference("email", &part.terms.email, email));
+    }
+    if let Some(finish) = edit.finish.as_ref().filter(|finish| **finish != part.terms.finish) {
+        let set = sql::query("UPDATE part SET finish = $1 WHERE id = $2").bind(finish).bind(id);
+        set.execute(change.db()).await?;
+        changes.push(difference("finish", &part.terms.finish, finish));
     }
     if let Some(copies) = edit.copies {
         let was_asked = change.end_copies_question(&part).await?;

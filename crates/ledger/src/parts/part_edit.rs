@@ -1,6 +1,8 @@
 //! What a person asks to change of a part, and what may be asked.
 
-use build_file::{LengthUnit, check_clearance, check_copies, check_email, check_name, check_note, check_priority};
+use build_file::{
+    LengthUnit, check_clearance, check_copies, check_email, check_finish, check_name, check_note, check_priority,
+};
 use jiff::Timestamp;
 use nester::OrientationRule;
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,8 @@ pub struct PartEdit {
     pub email: Option<String>,
     /// What it is to be made of, "" = anything.
     pub material: Option<String>,
+    /// Finishing steps after the print, "" = none. They can always be changed.
+    pub finish: Option<String>,
     /// Priority from 0 to 100.
     pub priority: Option<u8>,
     /// When it is due, and the date as it was given; the inner `None` = no due date.
@@ -59,6 +63,7 @@ impl PartEdit {
             customer: name("customer", self.customer)?,
             email: self.email.as_deref().map(check_email).transpose()?,
             material: name("material", self.material)?,
+            finish: self.finish.as_deref().map(check_finish).transpose()?,
             note: self.note.as_deref().map(check_note).transpose()?,
             ..self
         })
@@ -69,15 +74,20 @@ impl PartEdit {
         self.orientation.is_some() || self.tilts.is_some() || self.clearance_mm.is_some() || self.unit.is_some()
     }
 
-    /// What of it can be changed of a part in this state: of one of which nothing waits, only who it is for.
+    /// What of it can be changed of a part in this state: of one of which nothing waits, only who it is for and how it is finished.
     pub fn possible_in(&self, state: PartState) -> Self {
         match state {
             PartState::Waiting | PartState::Claimed => self.clone(),
-            _ => Self { customer: self.customer.clone(), email: self.email.clone(), ..Self::default() },
+            _ => Self {
+                customer: self.customer.clone(),
+                email: self.email.clone(),
+                finish: self.finish.clone(),
+                ..Self::default()
+            },
         }
     }
 
     pub(crate) fn changes_terms(&self) -> bool {
-        Self { copies: None, customer: None, email: None, ..self.clone() } != Self::default()
+        Self { copies: None, customer: None, email: None, finish: None, ..self.clone() } != Self::default()
     }
 }

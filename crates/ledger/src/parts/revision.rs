@@ -150,13 +150,13 @@ impl LedgerChange {
         let take = match takes_over {
             TakenOver::Nothing => None,
             TakenOver::Date => Some(
-                "UPDATE part SET (customer, email, material, material_key, due_at, due_text, note) = \
-                 (SELECT customer, email, material, material_key, due_at, due_text, note FROM part WHERE id = $1) \
+                "UPDATE part SET (customer, email, material, material_key, finish, due_at, due_text, note) = \
+                 (SELECT customer, email, material, material_key, finish, due_at, due_text, note FROM part WHERE id = $1) \
                  WHERE id = $2 AND state = 'claimed'",
             ),
             TakenOver::Terms | TakenOver::All => Some(
-                "UPDATE part SET (customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
-                 (SELECT customer, email, material, material_key, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
+                "UPDATE part SET (customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
+                 (SELECT customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
                  WHERE id = $2 AND state = 'claimed'",
             ),
         };

@@ -68,6 +68,9 @@ pub struct NewTerms {
     /// What it is to be made of, "" = anything.
     #[serde(default)]
     pub material: String,
+    /// Finishing steps after the print, as `build_file::finish_steps` reads them, "" = none.
+    #[serde(default)]
+    pub finish: String,
     /// Priority from 0 to 100. A part with 100 must be in the next build.
     pub priority: u8,
     /// When it is due.
@@ -268,6 +271,8 @@ pub struct PartTerms {
     pub email: String,
     /// What it is to be made of, "" = anything.
     pub material: String,
+    /// Finishing steps after the print, as `build_file::finish_steps` reads them, "" = none.
+    pub finish: String,
     /// Priority from 0 to 100.
     pub priority: u8,
     /// When it is due.
@@ -293,6 +298,7 @@ sql_row!(PartTerms {
     customer,
     email,
     material,
+    finish,
     priority,
     due_at,
     due_text,

@@ -54,6 +54,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (47, "mended meshes", include_str!("../../../../migrations/0047_mended_meshes.sql")),
     (48, "copy of", include_str!("../../../../migrations/0048_copy_of.sql")),
     (49, "lots", include_str!("../../../../migrations/0049_lots.sql")),
+    (50, "finishing", include_str!("../../../../migrations/0050_finishing.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

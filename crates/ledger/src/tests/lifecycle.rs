@@ -29,6 +29,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         customer: "Brandt".into(),
         email: "ann@brandt.example".to_owned(),
         material: "PA12".into(),
+        finish: "dye black, smooth".to_owned(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
         due_text: "2026-12-01".into(),
@@ -47,7 +48,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         (row.terms.order_name.as_str(), row.terms.customer.as_str(), row.terms.priority, row.file.bytes),
         ("kit 7", "Brandt", 100, 684)
     );
-    assert_eq!(row.terms.email, "ann@brandt.example");
+    assert_eq!((row.terms.email.as_str(), row.terms.finish.as_str()), ("ann@brandt.example", "dye black, smooth"));
     assert_eq!(row.mending.mend_allowed_by, "ann@farm");
     assert_eq!(row.terms.due_at.map(|t| t.0), part.terms.due_at);
     assert_eq!(

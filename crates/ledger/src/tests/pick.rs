@@ -1,4 +1,4 @@
-//! Breaking a build out: what people say of its copies, and what is told of the build in the end.
+//! Breaking a build out: what people say of its copies, what is told of the build in the end, and what is done with the parts afterwards.
 
 use super::*;
 
@@ -129,4 +129,55 @@ async fn a_mark_of_a_copy_that_was_told_bad_is_not_taken_back() {
     let rows = ledger.picks_of_build(build).await.unwrap();
     ledger.finish_break_out(build, ANN).await.unwrap();
     assert_eq!(ledger.undo_picks(build, rows[0].id..=rows[2].id, ANN).await.unwrap(), 0);
+}
+
+async fn finished(ledger: &Ledger, part: PartId) -> Vec<(String, Option<String>)> {
+    let part = ledger.find_part(part).await.unwrap().unwrap();
+    let steps = ledger.finishing_of_part(&part).await.unwrap().steps;
+    steps.into_iter().map(|step| (step.step, step.done_by)).collect()
+}
+
+#[tokio::test]
+async fn a_step_is_told_done_once_printed_taken_back_and_stays_with_who_said_it_first() {
+    let ledger = fresh().await;
+    let asked = asked(new_part("a", 1), |terms| {
+        (terms.order_name, terms.finish) = ("K-1".to_owned(), "dye black, smooth".to_owned())
+    });
+    let part = ledger.record_claim(&asked).await.unwrap().id;
+    ledger.accept_solids(part, &[solid(0, 1)]).await.unwrap();
+    let early = ledger.tell_finished(part, "smooth", true, "ann@farm").await.unwrap_err();
+    assert!(early.to_string().contains("no copy of part 1 is printed"), "{early}");
+    published(&ledger, &[(part, 0)]).await;
+    assert!(ledger.tell_finished(part, "smooth", true, "ann@farm").await.unwrap());
+    assert!(!ledger.tell_finished(part, "smooth", true, "bob@farm").await.unwrap(), "it was said");
+    let wrong = ledger.tell_finished(part, "polish", true, "bob@farm").await.unwrap_err();
+    assert!(wrong.to_string().contains("no finishing step 'polish': dye black, smooth"), "{wrong}");
+    let steps = [("dye black".to_owned(), None), ("smooth".to_owned(), Some("ann@farm".to_owned()))];
+    assert_eq!(finished(&ledger, part).await, steps);
+    assert_eq!(ledger.finishing_of_order("K-1").await.unwrap().len(), 1);
+    assert!(ledger.tell_finished(part, "smooth", false, "bob@farm").await.unwrap());
+    assert!(finished(&ledger, part).await.iter().all(|(_, by)| by.is_none()));
+    let edit = PartEdit { finish: Some("polish; none".to_owned()), ..PartEdit::default() };
+    let edited = ledger.edit_part(part, &edit, "ann@farm").await.unwrap();
+    assert_eq!(edited.changes, ["finish polish instead of dye black, smooth"]);
+    assert_eq!(finished(&ledger, part).await, [("polish".to_owned(), None)]);
+    let events = ledger.events_of_part(part).await.unwrap();
+    let told: Vec<&str> =
+        events.iter().filter(|event| event.kind == EventKind::Finishing).map(|event| event.detail.as_str()).collect();
+    assert_eq!(told, ["ann@farm: smooth is done", "bob@farm: smooth is not done"]);
+}
+
+#[test]
+fn steps_are_read_as_people_write_them() {
+    for (text, steps) in [
+        ("dye black;Smooth , dye Black", "dye black, Smooth"),
+        ("染色、研磨", "染色, 研磨"),
+        ("roh", ""),
+        (" - ", ""),
+        ("", ""),
+    ] {
+        assert_eq!(build_file::check_finish(text).unwrap(), steps, "{text}");
+    }
+    let many: Vec<String> = (0..13).map(|step| format!("step {step}")).collect();
+    assert!(build_file::check_finish(&many.join(",")).unwrap_err().contains("at most 12"));
 }

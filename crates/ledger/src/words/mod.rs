@@ -4,6 +4,7 @@
 
 pub(super) mod close_order;
 pub(super) mod command;
+pub(super) mod finishing;
 pub(super) mod operator_word;
 pub(super) mod outcome;
 pub(super) mod pick;

@@ -13,6 +13,7 @@ fn cake(is_kept: bool) -> CakeContents {
         |copy: u32, z: f64| CakeCopy { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)), drawn: None };
     let part = |number: i64, name: &str, mesh, copies| CakePart {
         reference: String::new(),
+        finish: String::new(),
         part: number,
         name: name.to_owned(),
         order: String::new(),
@@ -116,6 +117,7 @@ fn large_cake(copies: u32) -> CakeContents {
     };
     let part = |(at, sample): (usize, &sample_parts::SamplePart)| CakePart {
         reference: String::new(),
+        finish: String::new(),
         part: 1000 + at as i64,
         name: format!("{}_left_rev{at}.stl", sample.name),
         order: format!("K-2026-{:04}", 1180 + at / 2),

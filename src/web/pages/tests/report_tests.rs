@@ -20,6 +20,7 @@ fn cake(name: &str) -> CakeContents {
     };
     let part = CakePart {
         reference: String::new(),
+        finish: String::new(),
         part: 7,
         name: name.to_owned(),
         order: name.to_owned(),

@@ -45,10 +45,12 @@ pub(crate) fn finishing_section(web: &DashboardState, parts: &[PartFinishing], b
         @if !wanted.is_empty() {
             h2 #finishing { (fields::FINISH.said()) }
             p { (say!("finishing-done", done = done, steps = steps().count())) }
-            ul.rows.finishing { @for part in wanted { li {
-                a href=(format!("/parts/{}", part.part)) { (part.name) }
-                ul { @for step in &part.steps { li { (finishing_step(web, part.part, step, (back, &view))) } } }
-            } } }
+            @for part in wanted {
+                section.card aria-label=(part.name) {
+                    h3 { a href=(format!("/parts/{}", part.part)) { (part.name) } }
+                    @for step in &part.steps { div.buttons { (finishing_step(web, part.part, step, (back, &view))) } }
+                }
+            }
         }
     }
 }
@@ -58,13 +60,14 @@ fn finishing_step(web: &DashboardState, part: PartId, step: &FinishingStep, (bac
     let done = step.done_by.as_ref().zip(step.done_at);
     let label = if done.is_some() { say!("finishing-not-yet") } else { say!("finishing-is-done") };
     html! {
-        b { (step.step) } " "
-        @match done {
-            Some((by, at)) => span.good { (say!("finishing-by", who = name_of_user(by), when = view.near_text(at))) },
-            None => span.soft { (say!("finishing-open")) },
+        span {
+            b { (step.step) } " "
+            @match done {
+                Some((by, at)) => (say!("finishing-by", who = name_of_user(by), when = view.near_text(at))),
+                None => span.soft { (say!("finishing-open")) },
+            }
         }
         @if web.offers(Role::Operate) {
-            " "
             form.order method="post" action=(format!("/parts/{part}/finish")) {
                 (key_field(web))
                 input type="hidden" name="step" value=(step.step);

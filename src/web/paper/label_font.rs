@@ -87,7 +87,7 @@ impl<'f> LabelFont<'f> {
         (corners, scale * f32::from(self.own.ascender()), scale * f32::from(self.own.descender()))
     }
 
-    /// Breaks a text into lines of a width, in sizes. A line ends after a blank or a mark of names, else after any letter.
+    /// Breaks a text into lines of a width, in sizes; an empty one is one line. A line ends after a blank or a mark of names, else after any letter.
     pub(super) fn wrapped(&self, text: &str, width: f64) -> Vec<String> {
         let mut lines = Vec::new();
         let mut line = String::new();
@@ -104,7 +104,7 @@ impl<'f> LabelFont<'f> {
             }
         }
         lines.push(line.trim_end().to_owned());
-        lines.retain(|line| !line.is_empty());
+        lines.retain(|line| !line.is_empty() || text.is_empty());
         lines
     }
 }

@@ -29,7 +29,7 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            listing::{fact_sheet, table_of},
+            listing::{fact_list, table_of},
             page::html_page,
             query::Query,
         },
@@ -83,11 +83,11 @@ pub(crate) async fn show_record(
             a.button href=(format!("/parts/{number}/record.pdf")) { (say!("open-pdf")) }
             a.button href=(format!("/parts/{number}")) { (say!("part-number", part = number.to_string())) }
         }
-        (fact_sheet(part_facts(part, wanted_text(part), &view), &[], &view))
+        (fact_list(&told_facts(part, &view), &view))
         @if builds.is_empty() { p { (say!("record-empty")) } }
         @for build in builds {
             h2 { a href=(format!("/builds/{}", build.build)) { (say!("build-number", build = build.build.to_string())) } }
-            (fact_sheet(record_facts(build, &view), &[], &view))
+            (fact_list(&record_facts(build, &view), &view))
             (table_of(&fields::COPIES.said(), None, RECORDED_COPY_COLUMNS, &build.copies, &view))
         }
         @if !made.finishing.steps.is_empty() {
@@ -96,6 +96,13 @@ pub(crate) async fn show_record(
         }
     };
     Ok(html_page(&title, "/parts", None, &content))
+}
+
+/// What was asked, and what was read. How far it is, its builds say.
+fn told_facts(part: &PartRow, view: &TimeView) -> Vec<SheetFact> {
+    let mut known = part_facts(part, wanted_text(part), view);
+    known.retain(|fact| ![fields::STATE, fields::PRIORITY].iter().any(|field| field.label == fact.label));
+    known
 }
 
 fn title_of(part: &PartRow) -> String {
@@ -138,7 +145,7 @@ pub(crate) async fn get_record_pdf(
 fn record_lines(made: &MadePart, view: &TimeView) -> Vec<String> {
     let (part, builds) = (&made.part, &made.builds);
     let fact_line = |fact: SheetFact| labelled(&language::say_word("field", fact.label), &fact.text);
-    let mut lines: Vec<String> = part_facts(part, wanted_text(part), view).into_iter().map(fact_line).collect();
+    let mut lines: Vec<String> = told_facts(part, view).into_iter().map(fact_line).collect();
     if builds.is_empty() {
         lines.extend([String::new(), say!("record-empty")]);
     }

@@ -151,7 +151,7 @@ async fn a_step_is_told_done_once_printed_taken_back_and_stays_with_who_said_it_
     assert!(ledger.tell_finished(part, "smooth", true, "ann@farm").await.unwrap());
     assert!(!ledger.tell_finished(part, "smooth", true, "bob@farm").await.unwrap(), "it was said");
     let wrong = ledger.tell_finished(part, "polish", true, "bob@farm").await.unwrap_err();
-    assert!(wrong.to_string().contains("no finishing step 'polish': dye black, smooth"), "{wrong}");
+    assert!(wrong.to_string().contains("no finishing step 'polish', only dye black, smooth"), "{wrong}");
     let steps = [("dye black".to_owned(), None), ("smooth".to_owned(), Some("ann@farm".to_owned()))];
     assert_eq!(finished(&ledger, part).await, steps);
     assert_eq!(ledger.finishing_of_order("K-1").await.unwrap().len(), 1);

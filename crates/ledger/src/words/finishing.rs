@@ -84,8 +84,13 @@ impl Ledger {
         let part = change.require_part(id).await?;
         let finish = &part.terms.finish;
         if !finish_steps(finish).any(|known| known == step) {
-            let known = if finish.is_empty() { "it has none" } else { finish };
-            return Err(LedgerError::UnusableTerm(format!("part {id} has no finishing step '{step}': {known}")));
+            let why = match finish.is_empty() {
+                true => {
+                    format!("part {id} has no finishing steps; `nestd edit {id} --finish '{step}'` gives it this one")
+                }
+                false => format!("part {id} has no finishing step '{step}', only {finish}"),
+            };
+            return Err(LedgerError::UnusableTerm(why));
         }
         let is_printed: bool = sql::query_scalar(
             "SELECT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = $1 AND b.published_at IS NOT NULL)",

@@ -47,12 +47,8 @@ pub fn record_facts(build: &RecordedBuild, view: &TimeView) -> Vec<SheetFact> {
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let released = build.place.released_at.zip(build.place.released_by.as_ref());
     let released = released.map(|(at, by)| say!("time-by", time = view.time_text(at), by = by));
-    let told = build.told.as_ref().map(|told| {
-        let outcome = language::say_word("state", &told.outcome.to_string());
-        let told_at = say!("time-by", time = view.time_text(told.told_at), by = &told.told_by);
-        let note = Some(&told.note).filter(|note| !note.is_empty()).cloned();
-        [Some(outcome), Some(told_at), note].into_iter().flatten().collect::<Vec<_>>().join(", ")
-    });
+    let told = build.told.as_ref();
+    let outcome = told.map(|told| language::say_word("state", &told.outcome.to_string()));
     let lines = [
         Some(fields::STATE.fact_of(language::say_word("state", &build.fact.word))),
         fields::MACHINE.fact(&build.machine),
@@ -68,7 +64,10 @@ pub fn record_facts(build: &RecordedBuild, view: &TimeView) -> Vec<SheetFact> {
         optional_fact(fields::RELEASED, released),
         view.time_fact(fields::PUBLISHED, build.times.published_at),
         view.time_fact(fields::TAKEN, build.place.taken_at),
-        optional_fact(fields::OUTCOME, told),
+        optional_fact(fields::OUTCOME, outcome),
+        fields::NOTE.fact(told.map(|told| &told.note)),
+        fields::TOLD_BY.fact(told.map(|told| &told.told_by)),
+        view.time_fact(fields::OUTCOME_RECORDED, told.map(|told| told.told_at)),
         fields::FILE.fact(build.file_name.as_ref()),
         optional_fact(
             fields::CONTENT,

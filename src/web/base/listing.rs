@@ -176,11 +176,20 @@ const DETAILS: [FieldDefinition; 14] = [
 /// The facts as a description list; what only some want to know is folded. `elsewhere` = what the page says in another way.
 pub(crate) fn fact_sheet(mut known: Vec<SheetFact>, elsewhere: &[FieldDefinition], view: &TimeView) -> Markup {
     known.retain(|fact| !elsewhere.iter().any(|field| field.label == fact.label));
+    parted_facts(known, view, false)
+}
+
+/// The facts where all of them are asked for.
+pub(crate) fn whole_fact_sheet(known: Vec<SheetFact>, view: &TimeView) -> Markup {
+    parted_facts(known, view, true)
+}
+
+fn parted_facts(known: Vec<SheetFact>, view: &TimeView, is_open: bool) -> Markup {
     let is_detail = |fact: &SheetFact| DETAILS.iter().any(|field| field.label == fact.label);
     let (details, main): (Vec<_>, Vec<_>) = known.into_iter().partition(is_detail);
     html! {
         (fact_list(&main, view))
-        @if !details.is_empty() { details { summary { (say!("details")) } (fact_list(&details, view)) } }
+        @if !details.is_empty() { details open[is_open] { summary { (say!("details")) } (fact_list(&details, view)) } }
     }
 }
 

@@ -29,7 +29,7 @@ use crate::{
     web::{
         base::{
             error::{HandlerError, HandlerResult},
-            listing::{fact_list, table_of},
+            listing::{table_of, whole_fact_sheet},
             page::html_page,
             query::Query,
         },
@@ -83,11 +83,11 @@ pub(crate) async fn show_record(
             a.button href=(format!("/parts/{number}/record.pdf")) { (say!("open-pdf")) }
             a.button href=(format!("/parts/{number}")) { (say!("part-number", part = number.to_string())) }
         }
-        (fact_list(&told_facts(part, &view), &view))
+        (whole_fact_sheet(told_facts(part, &view), &view))
         @if builds.is_empty() { p { (say!("record-empty")) } }
         @for build in builds {
             h2 { a href=(format!("/builds/{}", build.build)) { (say!("build-number", build = build.build.to_string())) } }
-            (fact_list(&record_facts(build, &view), &view))
+            (whole_fact_sheet(record_facts(build, &view), &view))
             (table_of(&fields::COPIES.said(), None, RECORDED_COPY_COLUMNS, &build.copies, &view))
         }
         @if !made.finishing.steps.is_empty() {

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(crate) const TABLES: [CopiedTable; 22] = [
+pub(crate) const TABLES: [CopiedTable; 23] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -40,6 +40,7 @@ pub(crate) const TABLES: [CopiedTable; 22] = [
     numbered("event", None),
     numbered("outcome", None),
     numbered("pick_mark", None),
+    keyed("finished_step", Some("part_id")),
     numbered("command", None),
     keyed("pause", None),
     keyed("loaded_material", None),

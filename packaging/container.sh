@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the container image of nestd from a built binary: sh packaging/container.sh [BINARY [OUT_DIR]]
-# Needs buildah and mmdebstrap, and the packages of the distribution of this machine. The image has the libraries that the binary names,
-# time zones and certificates, and no shell.
+# Needs buildah, mmdebstrap, strip and cargo (for the notices), and the packages of the distribution of this machine. The image has the
+# libraries that the binary names, time zones and certificates with what these depend on, and no shell.
 set -eu
 cd "$(dirname "$0")/.."
 binary=${1:-target/release/nestd}
@@ -22,7 +22,8 @@ rm -r "$tree/base/usr/share/man" "$tree/base/usr/share/ca-certificates"
 install -D -m 0755 "$binary" "$tree/root/usr/bin/nestd"
 strip --strip-unneeded "$tree/root/usr/bin/nestd"
 install -D -m 0644 packaging/copyright "$tree/root/usr/share/doc/nestd/copyright"
-sh packaging/notices.sh | gzip -9n >"$tree/root/usr/share/doc/nestd/third-party-notices.txt.gz"
+sh packaging/notices.sh >"$tree/root/usr/share/doc/nestd/third-party-notices.txt"
+gzip -9n "$tree/root/usr/share/doc/nestd/third-party-notices.txt"
 mkdir "$tree/root/etc" "$tree/farm"
 echo 'nestd:x:7878:7878:nestd:/farm:/usr/sbin/nologin' >"$tree/root/etc/passwd"
 echo 'nestd:x:7878:' >"$tree/root/etc/group"

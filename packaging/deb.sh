@@ -30,7 +30,8 @@ for text in README.md systemd/README.md systemd/webhook.conf docs/*.md docs/*.pn
     put 0644 "$text" "$doc/$text"
 done
 put 0644 packaging/copyright $doc/copyright
-sh packaging/notices.sh | gzip -9n >"$tree/$doc/third-party-notices.txt.gz"
+sh packaging/notices.sh >"$tree/$doc/third-party-notices.txt"
+gzip -9n "$tree/$doc/third-party-notices.txt"
 
 # What nestd says of itself.
 "$tree/usr/bin/nestd" man "$tree/usr/share/man/man1" >/dev/null

@@ -50,7 +50,7 @@ pub const MONTH_COLUMNS: &[TableColumn<MachineOutput>] = &[
     TableColumn::new("print_hours", fields::PRINT_HOURS, |row| row.print_hours.into()),
     TableColumn::new("part_litres", fields::PART_LITRES, |row| row.part_litres.into()),
     TableColumn::new("cake_litres", fields::CAKE_LITRES, |row| row.cake_litres.into()),
-    TableColumn::new("powder_kg", fields::POWDER, |row| row.powder_kg.into()),
+    TableColumn::new("powder_kg", fields::POWDER.unless_zero(), |row| row.powder_kg.into()),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
     TableColumn::new("good_copies", fields::COPIES_GOOD, |row| row.good_copies.into()),
     TableColumn::new("bad_copies", fields::COPIES_BAD, |row| row.bad_copies.into()),

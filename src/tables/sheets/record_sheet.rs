@@ -77,13 +77,13 @@ pub fn record_facts(build: &RecordedBuild, view: &TimeView) -> Vec<SheetFact> {
     lines.into_iter().flatten().collect()
 }
 
-/// `12.30, 45.60, 78.90 mm`.
+/// `12.30 / 45.60 / 78.90 mm`.
 fn at_text(translation_mm: [f64; 3]) -> String {
     let [x, y, z] = translation_mm.map(|mm| fields::SIZE.plain_text(&mm.into()).unwrap_or_default());
-    format!("{} mm", language::join_names([x, y, z]))
+    format!("{x} / {y} / {z} mm")
 }
 
-/// `35.26° about 0.00, 1.00, 0.00`, by half a turn at most.
+/// `35.26° about 0.00 / 1.00 / 0.00`, by half a turn at most.
 fn turn_text(rotation_xyzw: [f64; 4]) -> String {
     let rotation = DQuat::from_array(rotation_xyzw);
     let (axis, angle) = if rotation.w < 0.0 { -rotation } else { rotation }.to_axis_angle();
@@ -92,7 +92,7 @@ fn turn_text(rotation_xyzw: [f64; 4]) -> String {
         return say!("turned-not");
     }
     let number = |number: f64| fields::SIZE.plain_text(&number.into()).unwrap_or_default();
-    say!("turned-about", degrees = number(degrees), axis = language::join_names(axis.to_array().map(number)))
+    say!("turned-about", degrees = number(degrees), axis = axis.to_array().map(number).join(" / "))
 }
 
 #[cfg(test)]
@@ -104,8 +104,8 @@ mod tests {
         let turned = |degrees: f64| turn_text(DQuat::from_rotation_y(degrees.to_radians()).to_array());
         assert_eq!(turned(0.0), "as in the file");
         assert_eq!(turned(0.001), "as in the file");
-        assert_eq!(turned(35.264), "35.26\u{b0} about 0.00, 1.00, 0.00");
-        assert_eq!(turned(270.0), "90.00\u{b0} about 0.00, -1.00, 0.00");
-        assert_eq!(at_text([1.5, -0.001, 300.0]), "1.50, 0.00, 300.00 mm");
+        assert_eq!(turned(35.264), "35.26\u{b0} about 0.00 / 1.00 / 0.00");
+        assert_eq!(turned(270.0), "90.00\u{b0} about 0.00 / -1.00 / 0.00");
+        assert_eq!(at_text([1.5, -0.001, 300.0]), "1.50 / 0.00 / 300.00 mm");
     }
 }

@@ -63,6 +63,7 @@ pub(super) fn current_card(
             @if step.is_chosen { p.note role="status" { (say!("chosen-copy", number = copy.number, name = &copy.name, copy = copy.copy)) } }
             p { (place_text(copy, view)) }
             @if copy.direction.is_some_and(points_down) { p.warn { (say!("comes-out-downwards")) } }
+            @if !copy.finish.is_empty() { p { b { (fields::FINISH.said()) (colon()) } (copy.finish) } }
             @if !copy.note.is_empty() { p { b { (fields::NOTE.said()) (colon()) } (copy.note) } }
             @if let Some(others) = state.map.shapes.look_alikes.get(&copy.part) {
                 p.warn { (say!("looks-like", names = join_names(others))) }

@@ -190,8 +190,8 @@ pub(crate) async fn get_lone_picture(
     };
     Ok(match png.is_empty() {
         true => no_picture(),
-        // Once somebody says yes, the same address shows the mended part.
-        false if asked.mended.is_none() && is_mendable(&part) => {
+        // Once somebody says yes and it is read, the same address shows the mended part.
+        false if asked.mended.is_none() && (is_mendable(&part) || part.state == PartState::Claimed) => {
             ([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "private, no-cache")], png).into_response()
         }
         false => lasting_png(png),

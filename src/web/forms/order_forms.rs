@@ -94,6 +94,7 @@ fn edit_form(web: &DashboardState, (order, emails): (&OrderRow, &[String]), addr
             input type="hidden" name="was_customer" value=(order.customer);
             label { (fields::EMAIL.said()) input name="email" type="email" value=(email) maxlength=(MAX_NOTE); }
             input type="hidden" name="was_email" value=(email);
+            label { (fields::FINISH.said()) input name="finish" maxlength=(MAX_NOTE); }
             @if waiting > 0 {
                 p { (say!("change-order-text", parts = waiting)) }
                 label { (say!("due-example-none")) input name="due" maxlength=(MAX_NOTE); }

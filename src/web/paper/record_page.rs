@@ -144,7 +144,9 @@ pub(crate) async fn get_record_pdf(
 /// The record, line by line.
 fn record_lines(made: &MadePart, view: &TimeView) -> Vec<String> {
     let (part, builds) = (&made.part, &made.builds);
-    let fact_line = |fact: SheetFact| labelled(&language::say_word("field", fact.label), &fact.text);
+    // A text of several lines is one on paper.
+    let plain = |text: &str| text.lines().collect::<Vec<_>>().join(" / ");
+    let fact_line = |fact: SheetFact| labelled(&language::say_word("field", fact.label), &plain(&fact.text));
     let mut lines: Vec<String> = told_facts(part, view).into_iter().map(fact_line).collect();
     if builds.is_empty() {
         lines.extend([String::new(), say!("record-empty")]);

@@ -17,10 +17,13 @@ const MAX_EMAIL_BYTES: usize = 254;
 
 /// Maximum number of finishing steps of a part.
 const MAX_FINISH_STEPS: usize = 12;
+/// Maximum length of a finishing step: it is part of a key of the ledger.
+const MAX_STEP_BYTES: usize = 200;
 /// Between the finishing steps of a part.
 const BETWEEN_STEPS: &str = ", ";
 /// Words of people for a part that is as it comes out of the cake.
-const NO_FINISH: &str = "- none no raw natural roh natur unbehandelt keine nein brut aucune なし 無し";
+const NO_FINISH: &str = "- – n/a none no raw natural roh natur unbehandelt keine nein ohne brut naturel sans aucun aucune ninguno ninguna \
+                         nessuno nessuna geen ingen brak なし 無し 无 無 없음";
 
 /// A number of copies.
 pub fn check_copies(copies: i64) -> Result<u32, String> {
@@ -75,9 +78,12 @@ pub fn check_email(email: &str) -> Result<String, String> {
 /// them; "" = none.
 pub fn check_finish(finish: &str) -> Result<String, String> {
     let mut steps: Vec<String> = Vec::new();
-    for step in finish.split([',', ';', '+', '\n', '、', '，', '；']) {
+    for step in split_steps(finish) {
         let step = check_name("finish", step)?;
         let is_none = NO_FINISH.split_whitespace().any(|word| word == step.to_lowercase());
+        if step.len() > MAX_STEP_BYTES {
+            return Err(format!("a step of finish has {} bytes; at most {MAX_STEP_BYTES} are taken", step.len()));
+        }
         if !step.is_empty() && !is_none && !steps.iter().any(|known| known.to_lowercase() == step.to_lowercase()) {
             steps.push(step);
         }
@@ -86,6 +92,22 @@ pub fn check_finish(finish: &str) -> Result<String, String> {
         true => Ok(steps.join(BETWEEN_STEPS)),
         false => Err(format!("finish has {} steps; at most {MAX_FINISH_STEPS} are taken", steps.len())),
     }
+}
+
+/// The steps as people separate them. A comma between two digits is one of a number.
+fn split_steps(finish: &str) -> Vec<&str> {
+    let (mut steps, mut begin) = (Vec::new(), 0);
+    for (at, letter) in finish.char_indices().filter(|(_, letter)| ",;+\n、，；".contains(*letter)) {
+        let end = at + letter.len_utf8();
+        let is_digit = |beside: Option<char>| beside.is_some_and(|letter| letter.is_ascii_digit());
+        let in_number = is_digit(finish[..at].chars().next_back()) && is_digit(finish[end..].chars().next());
+        if letter != ',' || !in_number {
+            steps.push(&finish[begin..at]);
+            begin = end;
+        }
+    }
+    steps.push(&finish[begin..]);
+    steps
 }
 
 /// The steps of a finish as [`check_finish`] joined them.

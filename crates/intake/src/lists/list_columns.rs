@@ -205,6 +205,10 @@ impl ColumnLayout {
         let mut open = Vec::new();
         for (at, name) in header.enumerate().filter(|(_, name)| !name.trim().is_empty()) {
             match CLEAR_WORDS.get(&normalize_word(name)).map(Vec::as_slice) {
+                // Quotations have a finish and an after-treatment: the first is taken, the other told as unknown.
+                Some(&[ListColumn::Finish, ..]) if columns.positions.contains_key(&ListColumn::Finish) => {
+                    open.push((at, name))
+                }
                 Some(&[column, ..]) if columns.positions.insert(column, at).is_some() => {
                     return Err(format!("it has two columns for {}", column.ticket_word()));
                 }

@@ -123,7 +123,7 @@ nothing-filled-in = rien n’a été rempli
 edit = Modifier
 copies-wanted = Exemplaires demandés en tout, ceux des plateaux compris
 due-example = Échéance, par exemple 2026-11-25 (fin de ce jour) ou 25.11.2026 17:00 ; vide = sans échéance
-no-copy-waits = Aucun exemplaire n’attend : on peut en demander plus, et nommer un autre client.
+no-copy-waits = Aucun exemplaire n’attend : on peut en demander plus, nommer un autre client et d’autres finitions.
 change = Changer
 move-part-text = Toutes les pièces en attente de son fichier sont déplacées, et relues sur l’autre machine.
 move-part = Déplacer

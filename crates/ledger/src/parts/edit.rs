@@ -152,6 +152,7 @@ pub(crate) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &Part
     if let Some(finish) = edit.finish.as_ref().filter(|finish| **finish != part.terms.finish) {
         let set = sql::query("UPDATE part SET finish = $1 WHERE id = $2").bind(finish).bind(id);
         set.execute(change.db()).await?;
+        change.forget_other_steps(id, finish).await?;
         changes.push(difference("finish", &part.terms.finish, finish));
     }
     if let Some(copies) = edit.copies {
@@ -300,6 +301,7 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
     if matches!(part.state, PartState::Refused | PartState::Claimed) {
         return Err(LedgerError::NotEditable { part: part.id, state: part.state });
     }
+    change.reopen_finishing(part.id).await?;
     let (more, now) = (copies - wanted, change.now);
     let back = more.min(part.owed.cancelled_copies);
     let fetch = (part.state == PartState::Built).then_some(now);

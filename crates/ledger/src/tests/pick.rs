@@ -147,7 +147,9 @@ async fn a_step_is_told_done_once_printed_taken_back_and_stays_with_who_said_it_
     ledger.accept_solids(part, &[solid(0, 1)]).await.unwrap();
     let early = ledger.tell_finished(part, "smooth", true, "ann@farm").await.unwrap_err();
     assert!(early.to_string().contains("no copy of part 1 is printed"), "{early}");
-    published(&ledger, &[(part, 0)]).await;
+    let build = published(&ledger, &[(part, 0)]).await;
+    assert!(ledger.tell_finished(part, "smooth", true, "ann@farm").await.is_err(), "its file lies in the queue");
+    ledger.record_outcome(build, &ToldOutcome::new(PrintOutcome::Complete, "", ANN)).await.unwrap();
     assert!(ledger.tell_finished(part, "smooth", true, "ann@farm").await.unwrap());
     assert!(!ledger.tell_finished(part, "smooth", true, "bob@farm").await.unwrap(), "it was said");
     let wrong = ledger.tell_finished(part, "polish", true, "bob@farm").await.unwrap_err();
@@ -161,10 +163,19 @@ async fn a_step_is_told_done_once_printed_taken_back_and_stays_with_who_said_it_
     let edited = ledger.edit_part(part, &edit, "ann@farm").await.unwrap();
     assert_eq!(edited.changes, ["finish polish instead of dye black, smooth"]);
     assert_eq!(finished(&ledger, part).await, [("polish".to_owned(), None)]);
+    ledger.tell_finished(part, "polish", true, "ann@farm").await.unwrap();
+    let other = PartEdit { finish: Some("dye".to_owned()), ..PartEdit::default() };
+    ledger.edit_part(part, &other, "ann@farm").await.unwrap();
+    ledger.edit_part(part, &edit, "ann@farm").await.unwrap();
+    assert_eq!(finished(&ledger, part).await, [("polish".to_owned(), None)], "it was asked for anew");
+    ledger.tell_finished(part, "polish", true, "ann@farm").await.unwrap();
+    ledger.edit_part(part, &PartEdit { copies: Some(3), ..PartEdit::default() }, "ann@farm").await.unwrap();
+    assert_eq!(finished(&ledger, part).await, [("polish".to_owned(), None)], "two copies more are not polished");
     let events = ledger.events_of_part(part).await.unwrap();
     let told: Vec<&str> =
         events.iter().filter(|event| event.kind == EventKind::Finishing).map(|event| event.detail.as_str()).collect();
-    assert_eq!(told, ["ann@farm: smooth is done", "bob@farm: smooth is not done"]);
+    assert_eq!(told[..2], ["ann@farm: smooth is done", "bob@farm: smooth is not done"]);
+    assert_eq!(told.last(), Some(&"more copies are made: its finishing steps are open again"));
 }
 
 #[test]
@@ -174,6 +185,7 @@ fn steps_are_read_as_people_write_them() {
         ("染色、研磨", "染色, 研磨"),
         ("roh", ""),
         (" - ", ""),
+        ("Strahlen Ra 3,2; sans", "Strahlen Ra 3,2"),
         ("", ""),
     ] {
         assert_eq!(build_file::check_finish(text).unwrap(), steps, "{text}");

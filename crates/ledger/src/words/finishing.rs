@@ -10,6 +10,7 @@ use crate::{
         error::Result,
         sql::{self, sql_row},
     },
+    store::change::LedgerChange,
 };
 
 /// A finishing step of a part.
@@ -86,14 +87,18 @@ impl Ledger {
         if !finish_steps(finish).any(|known| known == step) {
             let why = match finish.is_empty() {
                 true => {
-                    format!("part {id} has no finishing steps; `nestd edit {id} --finish '{step}'` gives it this one")
+                    format!(
+                        "part {id} has no finishing steps; `nestd edit {id} --finish '{step}'` gives it this one",
+                        step = step.replace('\'', "'\\''")
+                    )
                 }
                 false => format!("part {id} has no finishing step '{step}', only {finish}"),
             };
             return Err(LedgerError::UnusableTerm(why));
         }
         let is_printed: bool = sql::query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = $1 AND b.published_at IS NOT NULL)",
+            "SELECT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = $1 \
+             AND (b.taken_at IS NOT NULL OR b.state IN ('printing', 'complete', 'interrupted')))",
         )
         .bind(id)
         .fetch_one(change.db())
@@ -121,5 +126,31 @@ impl Ledger {
         change.write_event(EventKind::Finishing, &part.machine, Some(id), None, &detail).await?;
         change.commit().await?;
         Ok(true)
+    }
+}
+
+impl LedgerChange {
+    /// Copies of a part are to be made that nobody has finished: its steps are open again.
+    pub(crate) async fn reopen_finishing(&mut self, id: PartId) -> Result<()> {
+        let gone = sql::query("DELETE FROM finished_step WHERE part_id = $1").bind(id);
+        if gone.execute(self.db()).await? > 0 {
+            let machine = self.require_part(id).await?.machine;
+            let detail = "more copies are made: its finishing steps are open again";
+            self.write_event(EventKind::Finishing, &machine, Some(id), None, detail).await?;
+        }
+        Ok(())
+    }
+
+    /// What was told of steps that are no steps of a part any more is forgotten.
+    pub(crate) async fn forget_other_steps(&mut self, id: PartId, finish: &str) -> Result<()> {
+        let told: Vec<String> = sql::query_scalar("SELECT step FROM finished_step WHERE part_id = $1")
+            .bind(id)
+            .fetch_all(self.db())
+            .await?;
+        for step in told.iter().filter(|step| !finish_steps(finish).any(|known| known == step.as_str())) {
+            let forget = sql::query("DELETE FROM finished_step WHERE part_id = $1 AND step = $2").bind(id).bind(step);
+            forget.execute(self.db()).await?;
+        }
+        Ok(())
     }
 }

@@ -249,6 +249,9 @@ impl LedgerChange {
         if lift.bind(part).bind(copy).bind(build).execute(self.db()).await? == 0 {
             return Err(LedgerError::NotInBuild { part, copy, build });
         }
+        if is_owed {
+            self.reopen_finishing(part).await?;
+        }
         Ok(())
     }
 

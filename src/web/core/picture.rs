@@ -87,8 +87,7 @@ pub(crate) async fn get_picture(
         return Ok(no_picture());
     }
     let stays = asked.of.is_some_and(|of| of == layout_version(&build));
-    let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
-    Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
+    Ok(png_answer(png, stays))
 }
 
 /// A small picture of a build; what it shows is said beside it.
@@ -131,12 +130,12 @@ pub(crate) async fn get_part_picture(
     if png.is_empty() {
         return Ok(no_picture());
     }
-    Ok(lasting_png(png))
+    Ok(png_answer(png, true))
 }
 
-/// A picture that never changes.
-fn lasting_png(png: Bytes) -> Response {
-    let keep = "private, max-age=31536000, immutable";
+/// A picture; `stays` = it never changes.
+fn png_answer(png: Bytes, stays: bool) -> Response {
+    let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
     ([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response()
 }
 
@@ -188,14 +187,9 @@ pub(crate) async fn get_lone_picture(
             png
         }
     };
-    Ok(match png.is_empty() {
-        true => no_picture(),
-        // Once somebody says yes and it is read, the same address shows the mended part.
-        false if asked.mended.is_none() && (is_mendable(&part) || part.state == PartState::Claimed) => {
-            ([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, "private, no-cache")], png).into_response()
-        }
-        false => lasting_png(png),
-    })
+    // Once somebody says yes and it is read, the same address shows the mended part.
+    let may_change = asked.mended.is_none() && (is_mendable(&part) || part.state == PartState::Claimed);
+    Ok(if png.is_empty() { no_picture() } else { png_answer(png, !may_change) })
 }
 
 /// Whether a part was refused and would be printed if somebody said that it may be mended.

@@ -15,13 +15,14 @@ use serde::Deserialize;
 use crate::{
     tables::{TimeView, fields},
     web::{
-        base::error::{HandlerError, HandlerResult},
+        base::error::HandlerResult,
         core::{
             command::answer_form,
             form_answer::{FormAnswer, address_here, key_field},
             request_user::{RequestUser, name_of_user},
             state::DashboardState,
         },
+        forms::part_forms::require_part,
     },
 };
 
@@ -86,10 +87,7 @@ pub(crate) async fn post_finish(
     RequestUser(by): RequestUser,
     Form(form): Form<FinishForm>,
 ) -> HandlerResult<FormAnswer> {
-    let part = PartId(number);
-    if web.ledger.find_part(part).await?.is_none() {
-        return Err(HandlerError::NotFound(say!("part-named", part = number.to_string())));
-    }
+    let part = require_part(&web, number).await?;
     let back = address_here(&form.back);
     match web.ledger.tell_finished(part, &form.step, form.done.is_some(), &by).await {
         Ok(_) => Ok(FormAnswer::back_to(&format!("{back}#finishing"))),

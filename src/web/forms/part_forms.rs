@@ -186,7 +186,7 @@ pub(crate) async fn post_reprint(
     say_word(&web, &word, &by, form.anyway.is_some(), &format!("/parts/{number}")).await
 }
 
-async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId> {
+pub(super) async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId> {
     let part = web.ledger.find_part(PartId(number)).await?;
     part.map(|part| part.id).ok_or_else(|| HandlerError::NotFound(say!("part-named", part = number.to_string())))
 }

@@ -8,7 +8,7 @@ use axum::{
     response::Response,
 };
 use language::say;
-use ledger::{FinishingStep, PartFinishing, PartId, PartRow};
+use ledger::{FinishingStep, PartFinishing, PartId, PartRow, UtcTimestamp};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -57,10 +57,10 @@ impl MadePart {
     }
 
     /// What was done with it after the print, a line for each step.
-    fn finishing_lines(&self, view: &TimeView) -> Vec<String> {
+    fn finishing_lines(&self, time_text: impl Fn(UtcTimestamp) -> String) -> Vec<String> {
         let line = |step: &FinishingStep| {
             let how = match step.done_by.as_ref().zip(step.done_at) {
-                Some((by, at)) => say!("time-by", time = view.time_text(at), by = by),
+                Some((by, at)) => say!("time-by", time = time_text(at), by = by),
                 None => say!("finishing-open"),
             };
             labelled(&step.step, &how)
@@ -92,7 +92,7 @@ pub(crate) async fn show_record(
         }
         @if !made.finishing.steps.is_empty() {
             h2 { (fields::FINISH.said()) }
-            ul { @for line in made.finishing_lines(&view) { li { (line) } } }
+            ul { @for line in made.finishing_lines(|at| view.near_text(at)) { li { (line) } } }
         }
     };
     Ok(html_page(&title, "/parts", None, &content))
@@ -159,7 +159,7 @@ fn record_lines(made: &MadePart, view: &TimeView) -> Vec<String> {
     }
     if !made.finishing.steps.is_empty() {
         lines.extend([String::new(), fields::FINISH.said()]);
-        lines.extend(made.finishing_lines(view));
+        lines.extend(made.finishing_lines(|at| view.time_text(at)));
     }
     lines
 }

@@ -80,11 +80,12 @@ pub fn check_finish(finish: &str) -> Result<String, String> {
     let mut steps: Vec<String> = Vec::new();
     for step in split_steps(finish) {
         let step = check_name("finish", step)?;
-        let is_none = NO_FINISH.split_whitespace().any(|word| word == step.to_lowercase());
+        let lower = step.to_lowercase();
+        let is_none = NO_FINISH.split_whitespace().any(|word| word == lower);
         if step.len() > MAX_STEP_BYTES {
             return Err(format!("a step of finish has {} bytes; at most {MAX_STEP_BYTES} are taken", step.len()));
         }
-        if !step.is_empty() && !is_none && !steps.iter().any(|known| known.to_lowercase() == step.to_lowercase()) {
+        if !step.is_empty() && !is_none && !steps.iter().any(|known| known.to_lowercase() == lower) {
             steps.push(step);
         }
     }

@@ -47,7 +47,7 @@ impl ListColumn {
 }
 
 /// Header words with one clear meaning, in the languages of customers. [`plain`] is applied to them.
-const CLEAR_HEADERS: [(ListColumn, &str); 13] = [
+const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
     (
         ListColumn::File,
         "file filename path filepath datei dateiname dateipfad fichier nomdufichier nomfichier nomdefichier archivo \
@@ -117,16 +117,10 @@ const CLEAR_HEADERS: [(ListColumn, &str); 13] = [
         "material mat materials werkstoff werkstoffe matière matériau materiale materiaal materiál materiał materiaali materyal malzeme \
          材料 材質 材质 素材 原料 재료 소재 재질 материал",
     ),
-    (
-        ListColumn::Finish,
-        "finish finishing surfacefinish finishingsteps postprocessing postprocess nachbearbeitung nachbehandlung oberflächenbehandlung oberflächenfinish \
-         finition finitions posttraitement acabado acabados finitura finiture afwerking nabewerking efterbehandling wykończenie \
-         仕上げ 後加工 後処理 表面処理 表面处理 后处理 후처리 후가공",
-    ),
 ];
 
 /// Ambiguous header words, used only for columns that no clear word names.
-const AMBIGUOUS_HEADERS: [(ListColumn, &str); 4] = [
+const AMBIGUOUS_HEADERS: [(ListColumn, &str); 5] = [
     (
         ListColumn::File,
         "part parts partname partno partnumber name model item article description designation reference teil teilenummer artikel \
@@ -136,6 +130,13 @@ const AMBIGUOUS_HEADERS: [(ListColumn, &str); 4] = [
     (ListColumn::Copies, "pieces pièces piezas amount units nombre numero número number nummer stücke ks db"),
     (ListColumn::Unit, "units unités einheiten"),
     (ListColumn::Due, "delivery livraison entrega consegna levering dostawa dodání"),
+    // Quotations have a finish and an after-treatment: the first is taken, the other told as unknown.
+    (
+        ListColumn::Finish,
+        "finish finishing surfacefinish finishingsteps postprocessing postprocess nachbearbeitung nachbehandlung oberflächenbehandlung oberflächenfinish \
+         finition finitions posttraitement acabado acabados finitura finiture afwerking nabewerking efterbehandling wykończenie \
+         仕上げ 後加工 後処理 表面処理 表面处理 后处理 후처리 후가공",
+    ),
 ];
 
 /// Starts of header words for a due date, with whatever is said beside it: `Wunschtermin`, `Délai souhaité`.
@@ -205,10 +206,6 @@ impl ColumnLayout {
         let mut open = Vec::new();
         for (at, name) in header.enumerate().filter(|(_, name)| !name.trim().is_empty()) {
             match CLEAR_WORDS.get(&normalize_word(name)).map(Vec::as_slice) {
-                // Quotations have a finish and an after-treatment: the first is taken, the other told as unknown.
-                Some(&[ListColumn::Finish, ..]) if columns.positions.contains_key(&ListColumn::Finish) => {
-                    open.push((at, name))
-                }
                 Some(&[column, ..]) if columns.positions.insert(column, at).is_some() => {
                     return Err(format!("it has two columns for {}", column.ticket_word()));
                 }
@@ -311,6 +308,13 @@ mod tests {
         let mut places: Vec<_> = columns.positions.iter().map(|(column, &at)| (column.ticket_word(), at)).collect();
         places.sort_by_key(|&(_, at)| at);
         places
+    }
+
+    #[test]
+    fn of_two_columns_for_the_finish_the_first_is_taken() {
+        let layout = ColumnLayout::from_header(["file", "qty", "Finish", "Post-processing"].into_iter()).unwrap();
+        assert_eq!(layout.positions[&ListColumn::Finish], 2);
+        assert_eq!(layout.unknown_at, [(3, "Post-processing".to_owned())]);
     }
 
     #[test]

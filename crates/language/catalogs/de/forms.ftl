@@ -123,7 +123,7 @@ nothing-filled-in = nichts ausgefüllt
 edit = Ändern
 copies-wanted = Stück insgesamt, einschließlich derer in Baujobs
 due-example = Termin, zum Beispiel 2026-11-25 (Ende dieses Tages) oder 25.11.2026 17:00; leer = kein Termin
-no-copy-waits = Kein Stück davon wartet: es können mehr Stücke verlangt ein anderer Kunde und eine andere Nachbearbeitung genannt werden.
+no-copy-waits = Kein Stück davon wartet: es können mehr Stücke verlangt, ein anderer Kunde und eine andere Nachbearbeitung genannt werden.
 change = Übernehmen
 move-part-text = Alle wartenden Teile seiner Datei ziehen um und werden dort neu eingelesen.
 move-part = Verschieben

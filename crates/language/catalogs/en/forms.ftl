@@ -123,7 +123,7 @@ nothing-filled-in = nothing was filled in
 edit = Edit
 copies-wanted = Copies wanted in all, those in builds included
 due-example = Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; empty = no date
-no-copy-waits = No copy of it waits: more copies can be asked for, another customer and other finishing steps named.
+no-copy-waits = No copy of it waits: more copies can be asked for, and another customer and other finishing steps named.
 change = Change
 move-part-text = All waiting parts of its file move, and are read again there.
 move-part = Move

@@ -72,11 +72,11 @@ impl Ledger {
             "FROM part WHERE order_name = $1 AND order_name <> '' AND finish <> '' AND state <> 'refused' ORDER BY id",
         );
         let parts: Vec<PartRow> = parts.bind(order).fetch_all(self.reader()?).await?;
-        let mut all = Vec::with_capacity(parts.len());
-        for part in &parts {
-            all.push(self.finishing_of_part(part).await?);
-        }
-        Ok(all)
+        let done = sql::select_as(
+            "FROM finished_step WHERE part_id IN (SELECT id FROM part WHERE order_name = $1 AND order_name <> '')",
+        );
+        let done: Vec<FinishedStep> = done.bind(order).fetch_all(self.reader()?).await?;
+        Ok(parts.iter().map(|part| PartFinishing::new(part, &done)).collect())
     }
 
     /// Says that a finishing step of a part is done, or that it is not. Returns whether that was not known.

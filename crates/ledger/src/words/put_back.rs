@@ -200,6 +200,7 @@ impl LedgerChange {
                 (true, state) => {
                     let detail = format!("{text} put back from build {build} by {told_by}");
                     self.put_part_back(id, state, build, &detail).await?;
+                    self.reopen_finishing(id).await?;
                     report.put_back.push(counted);
                 }
                 (false, PartState::Refused) => report.unwanted.push(counted),
@@ -248,9 +249,6 @@ impl LedgerChange {
         let lift = sql::query("DELETE FROM placement WHERE part_id = $1 AND copy = $2 AND build_id = $3");
         if lift.bind(part).bind(copy).bind(build).execute(self.db()).await? == 0 {
             return Err(LedgerError::NotInBuild { part, copy, build });
-        }
-        if is_owed {
-            self.reopen_finishing(part).await?;
         }
         Ok(())
     }

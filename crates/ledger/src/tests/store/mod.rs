@@ -3,6 +3,7 @@
 pub(super) mod backup;
 pub(super) mod migrations;
 pub(super) mod opening;
+pub(super) mod precedence;
 pub(super) mod queries;
 pub(super) mod query_plans;
 pub(super) mod random_walks;

@@ -7,7 +7,7 @@
 mod farm_node;
 mod node_fault;
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::PathBuf,
     process::{Child, Stdio},
@@ -68,7 +68,6 @@ struct NodesFarm {
     running: Vec<Child>,
     operations: u64,
     faults: u64,
-    dropped_again: BTreeMap<i64, Instant>,
     story: Vec<String>,
 }
 
@@ -107,7 +106,6 @@ impl NodesFarm {
             running: Vec::new(),
             operations: 0,
             faults: 0,
-            dropped_again: BTreeMap::new(),
             story: Vec::new(),
         }
     }
@@ -259,20 +257,33 @@ impl NodesFarm {
         printed
     }
 
-    /// Drops the originals again that were on a node whose last machine was adopted.
+    /// Drops the originals again that were on a node whose last machine was adopted. One that still lies in a hot folder, or is claimed there,
+    /// is not dropped a second time: that would order its copies once more. Its hot folders are looked at before the ledger, since a claim
+    /// ends together with what is missing.
     fn drop_missing_originals(&mut self) {
+        let Some(under_way) = self.files_under_way() else { return };
         let damaged = self.nodes[0].farm.query_ledger(async |ledger| ledger.damaged_parts().await.unwrap());
         for part in damaged {
             let Some(name) = self.names.get(&part.file.content_hash) else { continue };
-            let is_due = self.dropped_again.get(&part.id.0).is_none_or(|at| at.elapsed() > Duration::from_secs(60));
             let number: usize = part.machine.trim_start_matches("machine-").parse().unwrap();
             let farm = &self.nodes[number].farm;
-            let target = farm.folder("inbox").join(name);
-            if is_due && !target.exists() {
-                drop_file(farm.root(), &target, &self.dropped[name].1);
-                self.dropped_again.insert(part.id.0, Instant::now());
+            if !under_way.contains(name) {
+                drop_file(farm.root(), &farm.folder("inbox").join(name), &self.dropped[name].1);
             }
         }
+    }
+
+    /// Names of the files in all hot folders, with those that are claimed; `None` where a folder was renamed meanwhile.
+    fn files_under_way(&self) -> Option<BTreeSet<String>> {
+        let mut names = BTreeSet::new();
+        let mut folders: Vec<PathBuf> = self.nodes.iter().map(|node| node.farm.folder("inbox")).collect();
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(&folder).ok()?.flatten() {
+                names.insert(entry.file_name().to_string_lossy().into_owned());
+                folders.extend(entry.path().is_dir().then(|| entry.path()));
+            }
+        }
+        Some(names)
     }
 
     fn finish(mut self) -> SectionResult {

@@ -260,6 +260,9 @@ told-lies-in-queue-again = seine Datei liegt wieder in der Warteschlange von { $
 told-closed-order = { $by }: Auftrag { $name } { $what }
 told-closed-with = mit { $accepted } von { $n } Stück abgeschlossen
 told-closed-without-it = { $by }: sein Auftrag wurde ohne es abgeschlossen
+told-step-done = { $by }: { $name } ist getan
+told-step-not-done = { $by }: { $name } ist nicht getan
+told-steps-open-again = weitere Stücke werden hergestellt: die Nachbearbeitung ist wieder offen
 
 ## Answers to what people say on pages
 
@@ -369,6 +372,9 @@ told-say-once-more = Es noch einmal melden
 told-published-in-no-queue = Baujob { $build } wird nicht zurückgenommen: er wurde in einem Warteschlangenordner ausgegeben, der zu keinem Drucker mehr gehört. Wird seine Datei nicht gedruckt, lässt `nestd outcome { $build } failed` seine Stücke wieder warten
 told-configuration-nothing = nichts davon gilt ({ $detail })
 told-no-answer-in-time = keine Antwort in der erlaubten Zeit
+told-no-finishing-steps = Teil { $part } hat keine Nachbearbeitung; `nestd edit { $part } --finish '{ $name }'` gibt ihm diesen Schritt
+told-no-such-step = Teil { $part } hat den Nachbearbeitungsschritt „{ $name }“ nicht, nur { $names }
+told-step-not-printed = von Teil { $part } ist kein Stück gedruckt, also kann „{ $name }“ nicht getan sein
 
 ## Why a due date is at risk
 

@@ -284,6 +284,9 @@ told-closed-with =
        *[other] { $n } copies
     }
 told-closed-without-it = { $by }: its order was closed without it
+told-step-done = { $by }: { $name } is done
+told-step-not-done = { $by }: { $name } is not done
+told-steps-open-again = more copies are made: its finishing steps are open again
 
 ## Answers to what people say on pages
 
@@ -408,6 +411,9 @@ told-say-once-more = Say it once more
 told-published-in-no-queue = build { $build } is not taken back: it was published in a queue folder that is no printer's any more. Where its file is not printed, `nestd outcome { $build } failed` has its copies wait again
 told-configuration-nothing = nothing of it applies: { $detail }
 told-no-answer-in-time = it did not answer in time
+told-no-finishing-steps = part { $part } has no finishing steps; `nestd edit { $part } --finish '{ $name }'` gives it this one
+told-no-such-step = part { $part } has no finishing step '{ $name }', only { $names }
+told-step-not-printed = no copy of part { $part } is printed, so '{ $name }' cannot be done
 
 ## Why a due date is at risk
 

@@ -284,6 +284,9 @@ told-closed-with =
        *[other] { $n } exemplaires
     }
 told-closed-without-it = { $by } : sa commande a été close sans elle
+told-step-done = { $by } : { $name } est fait
+told-step-not-done = { $by } : { $name } n’est pas fait
+told-steps-open-again = d’autres exemplaires sont fabriqués : ses étapes de finition sont de nouveau à faire
 
 ## Answers to what people say on pages
 
@@ -408,6 +411,9 @@ told-say-once-more = Le redire
 told-published-in-no-queue = le plateau { $build } n’est pas retiré : il a été publié dans un dossier de file qui n’est plus à aucune imprimante. Si son fichier n’est pas imprimé, `nestd outcome { $build } failed` remet ses exemplaires en attente
 told-configuration-nothing = rien n’en est appliqué ({ $detail })
 told-no-answer-in-time = pas de réponse à temps
+told-no-finishing-steps = la pièce { $part } n’a pas d’étape de finition ; `nestd edit { $part } --finish '{ $name }'` lui donne celle-ci
+told-no-such-step = la pièce { $part } n’a pas d’étape de finition « { $name } », seulement { $names }
+told-step-not-printed = aucun exemplaire de la pièce { $part } n’est imprimé, donc « { $name } » ne peut pas être fait
 
 ## Why a due date is at risk
 

@@ -213,6 +213,9 @@ told-lies-in-queue-again = ファイルが { $printer } のキューに戻って
 told-closed-order = { $by }: 注文 { $name } を{ $what }
 told-closed-with = { $n } 個中 { $accepted } 個で完了扱いにしました
 told-closed-without-it = { $by }: これを除いて注文を完了扱いにしました
+told-step-done = { $by }: { $name } 完了
+told-step-not-done = { $by }: { $name } 未完了
+told-steps-open-again = 追加の造形があるため、仕上げの工程は未完了に戻りました
 
 ## Answers to what people say on pages
 
@@ -310,6 +313,9 @@ told-say-once-more = もう一度指示してください
 told-published-in-no-queue = ビルド { $build } は取り下げられません。発行先のキューフォルダーがどのプリンターのものでもなくなっています。造形しない場合は `nestd outcome { $build } failed` で待機に戻せます
 told-configuration-nothing = 何も適用されません({ $detail })
 told-no-answer-in-time = 時間内に応答がありませんでした
+told-no-finishing-steps = 部品 { $part } には仕上げの工程がありません。`nestd edit { $part } --finish '{ $name }'` でこの工程を付けられます
+told-no-such-step = 部品 { $part } に仕上げの工程「{ $name }」はありません。あるのは { $names } です
+told-step-not-printed = 部品 { $part } はまだ 1 個も造形されていないため、「{ $name }」を完了にできません
 
 ## Why a due date is at risk
 

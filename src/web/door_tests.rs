@@ -184,7 +184,10 @@ async fn a_token_may_what_its_role_says_and_is_named_in_events() {
         ("POST", "/api/v1/orders", 1, StatusCode::BAD_REQUEST),
         ("DELETE", "/api/v1/orders/K", 1, StatusCode::NOT_FOUND),
         ("POST", "/api/v1/builds/9/release", 2, StatusCode::NOT_FOUND),
+        ("POST", "/api/v1/parts/9/retry", 2, StatusCode::NOT_FOUND),
+        ("POST", "/api/v1/parts/9/confirm", 2, StatusCode::NOT_FOUND),
         ("POST", "/api/v1/machines/none/flush", 2, StatusCode::NOT_FOUND),
+        ("POST", "/api/v1/machines/none/pause", 2, StatusCode::NOT_FOUND),
     ] {
         for (at, token) in tokens.iter().enumerate() {
             let status = ask(token, method, path).await;

@@ -97,3 +97,53 @@ pub fn mutated(bytes: &[u8], rng: &mut impl Rng) -> Vec<u8> {
     }
     out
 }
+
+/// A binary STL without the smallest of its triangles: a hole that can be mended.
+pub fn with_a_hole(mut stl: Vec<u8>) -> Vec<u8> {
+    let corner = |at: usize| {
+        let number = |at: usize| f64::from(f32::from_le_bytes(stl[at..at + 4].try_into().unwrap()));
+        glam::DVec3::new(number(at), number(at + 4), number(at + 8))
+    };
+    let double_area = |facet: usize| {
+        let [a, b, c] = [12, 24, 36].map(|offset| corner(84 + 50 * facet + offset));
+        (b - a).cross(c - a).length()
+    };
+    let facets = (stl.len() - 84) / 50;
+    let smallest = (0..facets).min_by(|one, two| double_area(*one).total_cmp(&double_area(*two))).unwrap();
+    stl.drain(84 + 50 * smallest..84 + 50 * (smallest + 1));
+    stl[80..84].copy_from_slice(&(facets as u32 - 1).to_le_bytes());
+    stl
+}
+
+/// A workbook with a title above its rows, as offices write it; a number is a number.
+pub fn workbook(rows: &[[String; 4]]) -> Vec<u8> {
+    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
+    let cell = |text: &String| match text.parse::<u32>() {
+        Ok(number) => format!("<c><v>{number}</v></c>"),
+        Err(_) => format!(r#"<c t="inlineStr"><is><t>{}</t></is></c>"#, escaped(text)),
+    };
+    let row = |row: &[String; 4]| format!("<row>{}</row>", row.iter().map(cell).collect::<String>());
+    let title = r#"<row><c t="inlineStr"><is><t>Order</t></is></c></row><row/>"#;
+    let rows: String = rows.iter().map(row).collect();
+    const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
+    const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
+    let related = |kind: &str, target: &str| {
+        format!(
+            r#"<Relationships xmlns="{PACKAGE}"><Relationship Id="r" Type="{OFFICE}/{kind}" Target="{target}"/></Relationships>"#
+        )
+    };
+    let book = format!(
+        r#"<workbook xmlns="{MAIN}" xmlns:r="{OFFICE}"><sheets><sheet name="Order" sheetId="1" r:id="r"/></sheets></workbook>"#
+    );
+    let sheet = format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{title}{rows}</sheetData></worksheet>"#);
+    let (root, of_book) = (related("officeDocument", "xl/workbook.xml"), related("worksheet", "worksheets/sheet1.xml"));
+    let entries: [(&str, &str); 5] = [
+        ("[Content_Types].xml", TYPES),
+        ("_rels/.rels", &root),
+        ("xl/workbook.xml", &book),
+        ("xl/_rels/workbook.xml.rels", &of_book),
+        ("xl/worksheets/sheet1.xml", &sheet),
+    ];
+    package(&entries.map(|(name, text)| (name, text.as_bytes())), CompressionMethod::Deflated)
+}

@@ -107,3 +107,14 @@ pub(crate) const fn tell(
     let answer: SchemaMaker = schema_of::<edit_door::CarriedOut>;
     ApiRoute { method, role: Role::Order, body, ..ask(path, name, summary, answer, handler) }
 }
+
+/// Something that operators do.
+pub(crate) const fn operate(
+    path: &'static str,
+    name: &'static str,
+    summary: &'static str,
+    body: RequestBody,
+    handler: HandlerMaker,
+) -> ApiRoute {
+    ApiRoute { role: Role::Operate, ..tell(("POST", path), name, summary, body, handler) }
+}

@@ -15,7 +15,7 @@ use ledger::{FinishingStep, HeightSummary};
 
 use super::{
     api,
-    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, is_path_of, schema_of, tell},
+    api_route::{ApiRoute, RequestBody, SchemaMaker, ask, is_path_of, operate, schema_of, tell},
     dto::{BuildResponse, PartResource, PartResponse, RecordResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
@@ -172,7 +172,7 @@ const QUESTIONS: [ApiRoute; 16] = [
 ];
 
 /// What programs may order and tell.
-const DOORS: [ApiRoute; 15] = [
+const DOORS: [ApiRoute; 19] = [
     ApiRoute {
         answer: ("201", Some(schema_of::<put_content::ContentResource>)),
         ..tell(
@@ -240,16 +240,13 @@ const DOORS: [ApiRoute; 15] = [
         RequestBody::Nothing,
         |method| on(method, edit_door::delete_order),
     ),
-    ApiRoute {
-        role: Role::Operate,
-        ..tell(
-            ("POST", "/api/v1/orders/{order}/close"),
-            "post_close",
-            "Closes an order as it is: what waits of it is cancelled, what was refused asks nobody any more",
-            RequestBody::Nothing,
-            |method| on(method, operate_door::post_close),
-        )
-    },
+    operate(
+        "/api/v1/orders/{order}/close",
+        "post_close",
+        "Closes an order as it is: what waits of it is cancelled, what was refused asks nobody any more",
+        RequestBody::Nothing,
+        |method| on(method, operate_door::post_close),
+    ),
     tell(
         ("PATCH", "/api/v1/orders/{order}/lines/{line}"),
         "patch_line",
@@ -264,57 +261,72 @@ const DOORS: [ApiRoute; 15] = [
         RequestBody::Nothing,
         |method| on(method, edit_door::delete_line),
     ),
+    operate(
+        "/api/v1/builds/{build}/outcome",
+        "post_outcome",
+        "Tells what became of the print of a build; bad copies wait again",
+        RequestBody::Json(schema_of::<operate_door::OutcomeRequest>),
+        |method| on(method, operate_door::post_outcome),
+    ),
+    operate(
+        "/api/v1/builds/{build}/release",
+        "post_release",
+        "Says that a proved build may be published",
+        RequestBody::Json(schema_of::<operate_door::ReleaseRequest>),
+        |method| on(method, operate_door::post_release),
+    ),
+    operate(
+        "/api/v1/machines/{machine}/load",
+        "post_load",
+        "Says what material is loaded in a machine; parts of another one wait from then on",
+        RequestBody::Json(schema_of::<operate_door::LoadRequest>),
+        |method| on(method, operate_door::post_load),
+    ),
     ApiRoute {
-        role: Role::Operate,
-        ..tell(
-            ("POST", "/api/v1/builds/{build}/outcome"),
-            "post_outcome",
-            "Tells what became of the print of a build; bad copies wait again",
-            RequestBody::Json(schema_of::<operate_door::OutcomeRequest>),
-            |method| on(method, operate_door::post_outcome),
-        )
-    },
-    ApiRoute {
-        role: Role::Operate,
-        ..tell(
-            ("POST", "/api/v1/builds/{build}/release"),
-            "post_release",
-            "Says that a proved build may be published",
-            RequestBody::Json(schema_of::<operate_door::ReleaseRequest>),
-            |method| on(method, operate_door::post_release),
-        )
-    },
-    ApiRoute {
-        role: Role::Operate,
-        ..tell(
-            ("POST", "/api/v1/machines/{machine}/load"),
-            "post_load",
-            "Says what material is loaded in a machine; parts of another one wait from then on",
-            RequestBody::Json(schema_of::<operate_door::LoadRequest>),
-            |method| on(method, operate_door::post_load),
-        )
-    },
-    ApiRoute {
-        role: Role::Operate,
         answer: ("200", Some(schema_of::<Vec<FinishingStep>>)),
-        ..tell(
-            ("POST", "/api/v1/parts/{part}/finishing"),
+        ..operate(
+            "/api/v1/parts/{part}/finishing",
             "post_finishing",
             "Says of a finishing step of a part whether it is done",
             RequestBody::Json(schema_of::<operate_door::FinishingRequest>),
             |method| on(method, operate_door::post_finishing),
         )
     },
-    ApiRoute {
-        role: Role::Operate,
-        ..tell(
-            ("POST", "/api/v1/machines/{machine}/flush"),
-            "post_flush",
-            "Nests and publishes the waiting parts of a machine now",
-            RequestBody::Nothing,
-            |method| on(method, operate_door::post_flush),
-        )
-    },
+    operate(
+        "/api/v1/parts/{part}/retry",
+        "post_retry",
+        "Reads a refused part again; its mesh is mended only if that is said",
+        RequestBody::Json(schema_of::<operate_door::RetryRequest>),
+        |method| on(method, operate_door::post_retry),
+    ),
+    operate(
+        "/api/v1/parts/{part}/confirm",
+        "post_confirm",
+        "Prints a part that waits for an answer as it is",
+        RequestBody::Nothing,
+        |method| on(method, operate_door::post_confirm),
+    ),
+    operate(
+        "/api/v1/machines/{machine}/flush",
+        "post_flush",
+        "Nests and publishes the waiting parts of a machine now",
+        RequestBody::Nothing,
+        |method| on(method, operate_door::post_flush),
+    ),
+    operate(
+        "/api/v1/machines/{machine}/pause",
+        "post_pause",
+        "Lets a machine begin no build until it is resumed",
+        RequestBody::Nothing,
+        |method| on(method, operate_door::post_pause),
+    ),
+    operate(
+        "/api/v1/machines/{machine}/resume",
+        "post_resume",
+        "Lets a paused machine begin builds again",
+        RequestBody::Nothing,
+        |method| on(method, operate_door::post_resume),
+    ),
 ];
 
 const UPLOAD_PATH: &str = "/api/v1/uploads/{upload}";

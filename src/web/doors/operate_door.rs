@@ -1,4 +1,4 @@
-//! What programs tell of builds and machines: outcomes, releases, flushes. As `nestd outcome`, `release` and `flush` do.
+//! What programs tell of builds, parts and machines, as `nestd outcome`, `release`, `retry`, `confirm`, `flush` and `pause` do.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -8,8 +8,8 @@ use axum::{
     response::Response,
 };
 use ledger::{
-    BuildId, CommandArgument, CommandKind, FinishingStep, LedgerError, NewCommand, OperatorWord, PartId, PrintOutcome,
-    ToldOutcome,
+    BuildId, CommandArgument, CommandKind, FinishingStep, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
+    PrintOutcome, ToldOutcome,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -133,10 +133,7 @@ pub(super) async fn post_load(
     RequestUser(by): RequestUser,
     JsonBody(request): JsonBody<LoadRequest>,
 ) -> HandlerResult<Json<CarriedOut>> {
-    check_takes_orders(&web)?;
-    if !web.current_settings().profiles.contains_key(&machine) {
-        return Err(HandlerError::NotFound(format!("machine {machine}")));
-    }
+    require_machine(&web, &machine)?;
     say(&web, &OperatorWord::Load { machine, material: request.material, lot: request.lot }, &by, false).await
 }
 
@@ -157,25 +154,103 @@ pub(super) async fn post_finishing(
     RequestUser(by): RequestUser,
     JsonBody(request): JsonBody<FinishingRequest>,
 ) -> HandlerResult<Json<Vec<FinishingStep>>> {
-    let part = web.ledger.find_part(PartId(number)).await?;
-    let part = part.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
+    let part = require_part(&web, number).await?;
     let told = web.ledger.tell_finished(part.id, &request.step, request.done, &by).await;
     told.map_err(refusal_of_ledger)?;
     Ok(Json(web.ledger.finishing_of_part(&part).await?.steps))
+}
+
+/// How a refused part is taken back.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct RetryRequest {
+    /// Whether its mesh may be mended.
+    mend: bool,
+}
+
+/// Reads a refused part again.
+pub(super) async fn post_retry(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+    JsonBody(request): JsonBody<RetryRequest>,
+) -> HandlerResult<Response> {
+    let argument = CommandArgument { mend: request.mend, ..CommandArgument::default() };
+    command_part(&web, CommandKind::Retry, number, argument, by).await
+}
+
+/// Prints a part that waits for an answer as it is.
+pub(super) async fn post_confirm(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<Response> {
+    command_part(&web, CommandKind::Confirm, number, CommandArgument::default(), by).await
+}
+
+/// Has the daemon do something with a part.
+async fn command_part(
+    web: &DashboardState,
+    kind: CommandKind,
+    number: i64,
+    argument: CommandArgument,
+    asked_by: String,
+) -> HandlerResult<Response> {
+    check_takes_orders(web)?;
+    let part = require_part(web, number).await?;
+    send(web, vec![NewCommand { kind, machine: String::new(), part: Some(part.id), argument, asked_by }]).await
 }
 
 /// Nests and publishes the waiting parts of a machine.
 pub(super) async fn post_flush(
     State(web): State<Arc<DashboardState>>,
     Path(machine): Path<String>,
-    RequestUser(asked_by): RequestUser,
+    RequestUser(by): RequestUser,
 ) -> HandlerResult<Response> {
-    check_takes_orders(&web)?;
-    if !web.current_settings().profiles.contains_key(&machine) {
-        return Err(HandlerError::NotFound(format!("machine {machine}")));
+    command_machine(&web, CommandKind::Flush, machine, by).await
+}
+
+/// Lets a machine begin no build until it is resumed.
+pub(super) async fn post_pause(
+    State(web): State<Arc<DashboardState>>,
+    Path(machine): Path<String>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<Response> {
+    command_machine(&web, CommandKind::Pause, machine, by).await
+}
+
+/// Lets a paused machine begin builds again.
+pub(super) async fn post_resume(
+    State(web): State<Arc<DashboardState>>,
+    Path(machine): Path<String>,
+    RequestUser(by): RequestUser,
+) -> HandlerResult<Response> {
+    command_machine(&web, CommandKind::Resume, machine, by).await
+}
+
+/// Has the daemon do something with a machine.
+async fn command_machine(
+    web: &DashboardState,
+    kind: CommandKind,
+    machine: String,
+    asked_by: String,
+) -> HandlerResult<Response> {
+    require_machine(web, &machine)?;
+    let argument = CommandArgument::default();
+    send(web, vec![NewCommand { kind, machine, part: None, argument, asked_by }]).await
+}
+
+fn require_machine(web: &DashboardState, machine: &str) -> HandlerResult<()> {
+    check_takes_orders(web)?;
+    match web.current_settings().profiles.contains_key(machine) {
+        true => Ok(()),
+        false => Err(HandlerError::NotFound(format!("machine {machine}"))),
     }
-    let (kind, argument) = (CommandKind::Flush, CommandArgument::default());
-    send(&web, vec![NewCommand { kind, machine, part: None, argument, asked_by }]).await
+}
+
+async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartRow> {
+    let part = web.ledger.find_part(PartId(number)).await?;
+    part.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))
 }
 
 async fn require_build(web: &DashboardState, number: i64) -> HandlerResult<BuildId> {

@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::support::{
     MACHINE, QUICK, TestFarm, block,
     http::{HttpAnswer, open_request, read_answer, send_request},
+    samples::with_a_hole,
     stl, wait_until_or,
 };
 
@@ -93,6 +94,32 @@ fn what_a_program_orders_is_printed_once_and_it_learns_what_became_of_it() {
     assert_eq!((&order["state"], &order["good"], &order["arriving"]), (&json!("complete"), &json!(4), &json!([])));
     open.farm.assert_nothing_lost_or_doubled();
     assert!(open.farm.broken_invariants(&Default::default()).is_empty());
+}
+
+#[test]
+fn a_program_has_a_broken_mesh_mended_answers_a_question_and_pauses_the_machine() {
+    let open = OpenFarm::start("");
+    let say =
+        |what: &str, body: &str| open.send(&format!("POST {what}\ncontent-type: application/json"), body.as_bytes());
+    open.farm.drop_bytes("holed.stl", &with_a_hole(stl(&block(20.0, 15.0, 10.0))));
+    open.farm.wait_for_parts(PartState::Refused, 1);
+    let paused = say(&format!("/api/v1/machines/{MACHINE}/pause"), "");
+    assert_eq!(paused.status, 200, "{paused:?}");
+    let unmended = say("/api/v1/parts/1/retry", "{}");
+    assert_eq!(unmended.status, 200, "{unmended:?}");
+    open.farm.wait_for_parts(PartState::Refused, 1);
+    let mended = say("/api/v1/parts/1/retry", r#"{"mend": true}"#);
+    assert_eq!((mended.status, &mended.json()["done"]), (200, &json!(true)), "{mended:?}");
+    open.farm.wait_for_parts(PartState::Waiting, 1);
+    open.farm.drop_bytes("lid DO_NOT_PRINT.stl", &stl(&block(12.0, 9.0, 6.0)));
+    let question = |count| open.farm.wait_for_parts(PartState::Waiting, count).pop().unwrap().owed.question;
+    assert_ne!(question(2), "");
+    let confirmed = say("/api/v1/parts/2/confirm", "");
+    assert_eq!((confirmed.status, question(2).as_str()), (200, ""), "{confirmed:?}");
+    let state = || open.send("GET /api/v1/farm", b"").json()["machines"][0]["state"].clone();
+    assert_eq!(state(), "paused");
+    assert_eq!(say(&format!("/api/v1/machines/{MACHINE}/resume"), "").status, 200);
+    assert_eq!(state(), "collecting");
 }
 
 #[test]

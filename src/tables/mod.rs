@@ -25,7 +25,7 @@ pub use lists::part_list::{
     ListedPart, ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, WAITING_PART_COLUMNS,
     wanted_text, whereabouts,
 };
-pub use lists::people_list::PEOPLE_COLUMNS;
+pub use lists::people_list::{PEOPLE_COLUMNS, role_text};
 pub use lists::pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down, removal_in_words};
 pub use lists::plan_list::{PLAN_COLUMNS, RISK_COLUMNS, plan_notes};
 pub use lists::printer_list::PRINTER_COLUMNS;

@@ -1,5 +1,7 @@
 //! The people of a farm.
 
+use access::Role;
+use language::say;
 use ledger::PersonRow;
 
 use crate::tables::{columns::table_column::TableColumn, fields};
@@ -16,6 +18,20 @@ pub const PEOPLE_COLUMNS: &[TableColumn<PersonRow>] = &[
 
 /// With what a person signs in.
 fn sign_in_ways(person: &PersonRow) -> String {
-    let ways = [(person.has_password, "password"), (person.has_pin, "PIN"), (!person.has_password, "proxy")];
+    let ways = [
+        (person.has_password, say!("signs-in-password")),
+        (person.has_pin, say!("signs-in-pin")),
+        (!person.has_password, say!("signs-in-proxy")),
+    ];
     ways.into_iter().filter(|(has, _)| *has).map(|(_, way)| way).collect::<Vec<_>>().join(", ")
+}
+
+/// What a role may do beyond the one before it.
+pub fn role_text(role: Role) -> String {
+    match role {
+        Role::Read => say!("role-read"),
+        Role::Order => say!("role-order"),
+        Role::Operate => say!("role-operate"),
+        Role::Admin => say!("role-admin"),
+    }
 }

@@ -19,15 +19,18 @@ use super::{
     sign_in::{Secret, check_secret},
     visitor::session_cookie,
 };
-use crate::web::{
-    base::{
-        client_gate::peer_address,
-        error::{HandlerError, HandlerResult},
-        page::html_page,
-        query::Query,
+use crate::{
+    tables::role_text,
+    web::{
+        base::{
+            client_gate::peer_address,
+            error::{HandlerError, HandlerResult},
+            page::html_page,
+            query::Query,
+        },
+        clients::client::{RequestClient, SignInWay, SignedIn, user_of_person},
+        core::{form_answer::key_field, state::DashboardState},
     },
-    clients::client::{RequestClient, SignInWay, SignedIn, user_of_person},
-    core::{form_answer::key_field, state::DashboardState},
 };
 
 /// What was done before the page was shown.
@@ -90,7 +93,7 @@ pub(crate) async fn show_account(
     let content = html! {
         h1 { (say!("your-account")) }
         @if let Some(done) = done { p #answer role="status" { (done) } }
-        p { (say!("you-are", name = &person.name)) " " (say!("your-role", role = client.role.as_str())) }
+        p { (say!("you-are", name = &person.name)) " " (say!("your-role", role = client.role.as_str(), may = role_text(client.role))) }
         @if client.role == Role::Admin { p { a href="/people" { (say!("people")) } } }
         @if person.way != SignInWay::Proxy { (sign_out_forms(person)) }
         @if person.way == SignInWay::Password { (secret_forms(&web)) }

@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 use super::account::{check_key, check_password, hash_secret, refused};
 use crate::{
-    tables::PEOPLE_COLUMNS,
+    tables::{PEOPLE_COLUMNS, role_text},
     web::{
         base::{
             error::{HandlerError, HandlerResult},
@@ -105,8 +105,10 @@ fn act_form(web: &DashboardState, act: &str, name: Option<&str>, fields: Markup,
 fn role_field(chosen: Role) -> Markup {
     html! {
         label { (say!("field-role"))
-            select name="role" translate="no" {
-                @for role in Role::ALL { option value=(role.as_str()) selected[role == chosen] { (role.as_str()) } }
+            select name="role" {
+                @for role in Role::ALL {
+                    option value=(role.as_str()) selected[role == chosen] { (role.as_str()) ": " (role_text(role)) }
+                }
             }
         }
     }

@@ -25,6 +25,9 @@ pub struct LogSettings {
     pub format: LogFormat,
 }
 
+/// Levels that hold unless the text says others. A folder that goes away while it is watched is no trouble: the scan sees it.
+const UNASKED: &str = "notify=error";
+
 /// Parses levels by module, such as "info,nestd::intake=debug". A module without a level is logged at all levels.
 ///
 /// # Errors
@@ -35,7 +38,8 @@ pub fn parse_log_filter(text: &str) -> Result<Targets, String> {
     match levels.iter().find(|level| !level.chars().all(is_of_name)) {
         Some(level) => Err(format!("\"{}\" is neither a level nor MODULE=LEVEL", level.escape_debug())),
         None if levels.is_empty() => Ok(Targets::new()),
-        None => levels.join(",").parse::<Targets>().map_err(|error| error.to_string()),
+        None if levels == ["off"] => Ok(Targets::new()),
+        None => format!("{UNASKED},{}", levels.join(",")).parse::<Targets>().map_err(|error| error.to_string()),
     }
 }
 
@@ -52,6 +56,9 @@ mod tests {
         assert!(holds("nestd::farm", Level::INFO) && !holds("nestd::farm", Level::DEBUG));
         assert!(holds("nestd::intake::scan", Level::DEBUG) && !holds("nestd::intake::scan", Level::TRACE));
         assert!(holds("notify", Level::ERROR) && !holds("notify", Level::WARN));
+        let usual = parse_log_filter("info").unwrap();
+        assert!(usual.would_enable("nestd::web", &Level::INFO) && !usual.would_enable("notify::inotify", &Level::WARN));
+        assert!(parse_log_filter("notify=warn").unwrap().would_enable("notify::inotify", &Level::WARN));
         assert!(parse_log_filter("nestd").unwrap().would_enable("nestd::web", &Level::TRACE));
         assert!(!parse_log_filter("off").unwrap().would_enable("nestd::web", &Level::ERROR));
         assert!(!parse_log_filter("").unwrap().would_enable("nestd::web", &Level::ERROR));

@@ -30,6 +30,7 @@ const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "kill", weight: 3.0, run: failures::kill::run },
     ReliabilitySection { name: "storm", weight: 4.0, run: people::storm::run },
     ReliabilitySection { name: "orders", weight: 4.0, run: people::orders::run },
+    ReliabilitySection { name: "bureau", weight: 3.0, run: people::bureau::run },
     ReliabilitySection { name: "told", weight: 2.0, run: people::told::run },
     ReliabilitySection { name: "door", weight: 3.0, run: people::door::run },
     ReliabilitySection { name: "refused", weight: 2.0, run: failures::refused::run },

@@ -1,6 +1,6 @@
 //! A statement with the values of its parameters.
 
-use std::marker::PhantomData;
+use std::{marker::PhantomData, pin::Pin};
 
 use sqlx::{
     AssertSqlSafe, Database, Encode, Error, Executor, IntoArguments, SqlSafeStr, SqlStr, Type,
@@ -14,6 +14,9 @@ use super::{
     BindValue, ColumnKey, ColumnValue, DynamicRow, FromSqlRow, NamedColumns, SqlExecutor, SqlRow, SqlValue,
     answered_within,
 };
+
+/// The answer of a database. Its future has one type, so that what waits for it in other crates is compiled without the driver.
+type BoxedAnswer<'c, T> = Pin<Box<dyn Future<Output = Result<T, Error>> + Send + 'c>>;
 
 /// A statement that returns no rows.
 pub struct SqlQuery {
@@ -66,37 +69,45 @@ impl SqlQuery {
     }
 
     /// Runs it. Returns the number of rows that it changed.
-    pub async fn execute(self, on: impl Into<SqlExecutor<'_>>) -> Result<u64, Error> {
-        match on.into() {
-            SqlExecutor::SqlitePool(pool) => Ok(with_values(self).execute(pool).await?.rows_affected()),
-            SqlExecutor::Sqlite(db) => Ok(with_values(self).execute(db).await?.rows_affected()),
-            SqlExecutor::PostgresPool(pool, limit) => {
-                let done = answered_within(limit, with_values(self).execute(pool)).await;
-                Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
+    pub fn execute<'c>(self, on: impl Into<SqlExecutor<'c>>) -> BoxedAnswer<'c, u64> {
+        self.execute_on(on.into())
+    }
+
+    fn execute_on(self, on: SqlExecutor<'_>) -> BoxedAnswer<'_, u64> {
+        Box::pin(async {
+            match on {
+                SqlExecutor::SqlitePool(pool) => Ok(with_values(self).execute(pool).await?.rows_affected()),
+                SqlExecutor::Sqlite(db) => Ok(with_values(self).execute(db).await?.rows_affected()),
+                SqlExecutor::PostgresPool(pool, limit) => {
+                    let done = answered_within(limit, with_values(self).execute(pool)).await;
+                    Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
+                }
+                SqlExecutor::Postgres(db, limit) => {
+                    let done = answered_within(limit, with_values(self).execute(db)).await;
+                    Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
+                }
             }
-            SqlExecutor::Postgres(db, limit) => {
-                let done = answered_within(limit, with_values(self).execute(db)).await;
-                Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
-            }
-        }
+        })
     }
 
     /// Runs it and hands each row to `take`, until that returns `false`.
-    async fn for_each_row(self, on: SqlExecutor<'_>, take: RowTaker<'_>) -> Result<(), Error> {
-        match on {
-            SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(self), SqlRow::Sqlite, take).await,
-            SqlExecutor::Sqlite(db) => take_rows(db, with_values(self), SqlRow::Sqlite, take).await,
-            SqlExecutor::PostgresPool(pool, limit) => {
-                let rows = take_rows(pool, with_values(self), SqlRow::Postgres, take);
-                let done = answered_within(limit, rows).await;
-                done.map_err(ServerError::mark_unreachable)
+    fn for_each_row<'c>(self, on: SqlExecutor<'c>, take: RowTaker<'c>) -> BoxedAnswer<'c, ()> {
+        Box::pin(async {
+            match on {
+                SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(self), SqlRow::Sqlite, take).await,
+                SqlExecutor::Sqlite(db) => take_rows(db, with_values(self), SqlRow::Sqlite, take).await,
+                SqlExecutor::PostgresPool(pool, limit) => {
+                    let rows = take_rows(pool, with_values(self), SqlRow::Postgres, take);
+                    let done = answered_within(limit, rows).await;
+                    done.map_err(ServerError::mark_unreachable)
+                }
+                SqlExecutor::Postgres(db, limit) => {
+                    let rows = take_rows(db, with_values(self), SqlRow::Postgres, take);
+                    let done = answered_within(limit, rows).await;
+                    done.map_err(ServerError::mark_unreachable)
+                }
             }
-            SqlExecutor::Postgres(db, limit) => {
-                let rows = take_rows(db, with_values(self), SqlRow::Postgres, take);
-                let done = answered_within(limit, rows).await;
-                done.map_err(ServerError::mark_unreachable)
-            }
-        }
+        })
     }
 }
 

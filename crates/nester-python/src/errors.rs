@@ -26,9 +26,9 @@ pub(crate) fn os_error(error: &io::Error, path: &Path) -> PyErr {
         Some(number) => {
             let text = error.to_string();
             let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-            PyOSError::new_err((number, text, path.to_path_buf()))
+            PyOSError::new_err((number, text, path.as_os_str().to_owned()))
         }
-        None => PyOSError::new_err(format!("{}: {error}", path.display())),
+        None => io::Error::new(error.kind(), format!("{}: {error}", path.display())).into(),
     }
 }
 
@@ -37,7 +37,8 @@ pub(crate) fn read_error(error: &FileReadError, path: &Path) -> PyErr {
     let remedy = match error {
         FileReadError::Io(source) => return os_error(source, path),
         FileReadError::TooLarge { .. } => "Make it smaller, or split it into several files.".to_owned(),
-        other => other.remedy(),
+        // The reader speaks to people who drop files into a folder.
+        other => other.remedy().replace("drop", "give").replace("Drop", "Give").replace(" in a ticket", ""),
     };
     InputError::new_err(format!("{}: {}. {remedy}", path.display(), with_causes(error)).trim_end().to_owned())
 }

@@ -11,7 +11,7 @@ use crate::{
     beside::run_beside,
     errors::InputError,
     found_layout::FoundLayout,
-    layout_file::{draw_layout, write_proved},
+    layout_file::{FileWords, draw_layout, write_proved},
     layout_proof::{ProofFigures, prove_found},
 };
 
@@ -104,10 +104,11 @@ impl PackedLayout {
         run_beside(py, move || prove_found(&found))
     }
 
-    /// Writes a 3MF, proves what was written, and gives it its name. `created` is the time in RFC 3339.
-    fn write_3mf(&self, py: Python<'_>, path: PathBuf, title: String, created: String) -> PyResult<()> {
+    /// Writes a 3MF, proves what was written, and gives it its name. `created` is the time in RFC 3339; `shared` says
+    /// whether the copies of a part share one object.
+    fn write_3mf(&self, py: Python<'_>, path: PathBuf, title: String, created: String, shared: bool) -> PyResult<()> {
         let found = self.found.clone();
-        run_beside(py, move || write_proved(&found, &path, title, created))
+        run_beside(py, move || write_proved(&found, &path, FileWords { title, created, is_shared: shared }))
     }
 
     /// A picture of the layout as a PNG; `size` is in pixels, `view` is `iso`, `top` or `front`.

@@ -1,6 +1,6 @@
 //! Writes a layout as a 3MF. The file gets its name only after it was read back and proved.
 
-use std::{collections::BTreeSet, io, path::Path};
+use std::{collections::BTreeSet, fs, io, path::Path};
 
 use build_file::{
     Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, DeliveryKind, OrderWords,
@@ -30,16 +30,26 @@ pub(crate) fn draw_layout(found: &FoundLayout, view: Viewpoint, size: (u32, u32)
     draw_picture(&bodies, found.instance.volume().size_mm, view, size)
 }
 
+/// What a 3MF says of itself, and how it is written.
+pub(crate) struct FileWords {
+    /// Shown by viewers.
+    pub(crate) title: String,
+    /// Time of creation, RFC 3339.
+    pub(crate) created: String,
+    /// Whether the copies of a part share one object.
+    pub(crate) is_shared: bool,
+}
+
 /// Writes a layout next to `path`, proves what was written, and renames it.
 ///
 /// # Errors
 /// Nothing is placed, the disk has failed, or the written file is not proved: then `path` is as it was.
-pub(crate) fn write_proved(found: &FoundLayout, path: &Path, title: String, created: String) -> PyResult<()> {
+pub(crate) fn write_proved(found: &FoundLayout, path: &Path, words: FileWords) -> PyResult<()> {
     if found.solution.placements.is_empty() {
         return Err(InputError::new_err("nothing is placed, so that there is nothing to write."));
     }
     let draft = new_draft(path).map_err(|error| os_error(&error, path))?;
-    let build = to_build_file(found, title, created);
+    let build = to_build_file(found, words);
     write_build(&build, draft.as_file()).map_err(|error| write_error(&error, path))?;
     prove_written(found, draft.path())?;
     draft.as_file().sync_all().map_err(|error| os_error(&error, path))?;
@@ -50,6 +60,7 @@ pub(crate) fn write_proved(found: &FoundLayout, path: &Path, title: String, crea
 /// An empty file in the folder of `path`, with the rights that any new file gets.
 fn new_draft(path: &Path) -> io::Result<NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::metadata(folder)?; // its error has a number, that of `tempfile` has none
     let mut builder = tempfile::Builder::new();
     builder.prefix(".nestd-").suffix(".3mf");
     #[cfg(unix)]
@@ -57,7 +68,7 @@ fn new_draft(path: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-fn to_build_file(found: &FoundLayout, title: String, created: String) -> BuildFile {
+fn to_build_file(found: &FoundLayout, words: FileWords) -> BuildFile {
     let (instance, config, solution) = (&found.instance, &found.config, &found.solution);
     // Items without a placed copy are left out of the file.
     let used: BTreeSet<usize> = solution.placements.iter().map(|placed| placed.item).collect();
@@ -81,9 +92,9 @@ fn to_build_file(found: &FoundLayout, title: String, created: String) -> BuildFi
     };
     BuildFile {
         heading: BuildFileHeading {
-            title,
+            title: words.title,
             application: format!("nestd-nester {}", env!("CARGO_PKG_VERSION")),
-            created,
+            created: words.created,
             machine: "none".to_owned(),
             build_id: "0".to_owned(),
             seed: config.seed,
@@ -102,7 +113,7 @@ fn to_build_file(found: &FoundLayout, title: String, created: String) -> BuildFi
         density: solution.density(instance),
         objects: used.iter().map(object).collect(),
         items: solution.placements.iter().map(item).collect(),
-        delivery: DeliveryKind::Shared,
+        delivery: if words.is_shared { DeliveryKind::Shared } else { DeliveryKind::Expanded },
         arrangement: Arrangement::Items,
         thumbnail_png: Some(draw_layout(found, Viewpoint::Iso, THUMBNAIL)),
     }

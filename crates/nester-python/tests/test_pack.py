@@ -60,9 +60,13 @@ def test_shapes_keep_their_clearance_as_another_kernel_measures_it() -> None:
     assert all((one ^ other).volume() == 0 for one, other in itertools.combinations(solids, 2))
 
 
-def test_the_same_seed_and_evaluations_give_the_same_poses(box: Box) -> None:
+def test_the_same_seed_and_evaluations_give_the_same_poses() -> None:
+    frustum = Box(20, 14, 16)
+    frustum.vertices[4:, :2] = frustum.vertices[4:, :2] * 0.2 + [8, 2]
+
     def poses(seed: int, threads: int, lanes: int) -> np.ndarray:
-        return np.array(nn.pack({box: 7}, VOLUME, 2, evaluations=1500, seed=seed, threads=threads, lanes=lanes).poses)
+        options = {"seed": seed, "threads": threads, "lanes": lanes}
+        return np.array(nn.pack({frustum: 12}, VOLUME, 2, evaluations=1500, **options).poses)
 
     first = poses(1, 1, 2)
     assert (first == poses(1, 2, 2)).all(), "the number of threads does not count"
@@ -116,7 +120,7 @@ def test_copies_without_room_are_left_out_and_explained(box: Box) -> None:
 def test_the_search_ends_at_the_lowest_layout_and_says_so(box: Box) -> None:
     solution = nn.pack({box: 1}, VOLUME, 2, seconds=60)
     assert solution.seconds < 30 and solution.ended == "no lower layout exists"
-    assert solution.height == pytest.approx(8.0, abs=0.02) and solution.lower_bound <= solution.height + 1e-9
+    assert solution.height == pytest.approx(8.0, abs=0.02) and solution.lower_bound <= solution.height + 1e-6
     assert solution.heights[-1][1] == solution.height
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -169,10 +169,11 @@ class Solution:
         removals = [Removal(placement, direction) for placement, direction in order]
         return Proof(height, least_distance, len(self.placements), removals, locked)
 
-    def write_3mf(self, path: str | os.PathLike[str], *, title: Optional[str] = None) -> None:
+    def write_3mf(self, path: str | os.PathLike[str], *, title: Optional[str] = None, shared: bool = True) -> None:
         """Writes the build as a 3MF: one object for each part, one item for each placed copy, and a picture.
 
-        The file is read back and proved before it gets its name. An existing file is replaced.
+        The file is read back and proved before it gets its name. An existing file is replaced. With ``shared=False``
+        each copy is an object of its own, in its place: for readers that ignore transforms or shared objects.
 
         Raises:
             InputError: Nothing is placed.
@@ -181,7 +182,7 @@ class Solution:
         """
         placed = len(self.placements)
         title = f"nestd-nester, {placed} {'part' if placed == 1 else 'parts'}" if title is None else title
-        self._layout.write_3mf(path, title, datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"))
+        self._layout.write_3mf(path, title, datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"), shared)
 
     def to_scene(self) -> trimesh.Scene:
         """The placed copies as a ``trimesh.Scene``. Meshes that were given as ``trimesh.Trimesh`` keep their looks."""
@@ -190,11 +191,12 @@ class Solution:
         except ImportError:
             raise NestingError("to_scene() needs trimesh: pip install nestd-nester[trimesh].") from None
         scene = trimesh.Scene()
+        graph: Any = scene.graph  # trimesh has no types for it
         geometries: dict[int, str] = {}
         for placement in self.placements:
             part, node = placement.part, f"{placement.part + 1} {placement.name} #{placement.copy + 1}"
             if part in geometries:
-                scene.graph.update(frame_to=node, matrix=placement.matrix, geometry=geometries[part])
+                graph.update(frame_to=node, matrix=placement.matrix, geometry=geometries[part])
                 continue
             mesh = placement.key
             if not isinstance(mesh, trimesh.Trimesh):

@@ -1,5 +1,5 @@
 //! The native half of the Python package `nestd_nester`. Python checks the arguments and holds what the user gave;
-//! this half reads meshes, searches, proves and writes, always without the interpreter's lock.
+//! this half reads meshes, searches, proves and writes. What takes time is done without the interpreter's lock.
 
 mod beside;
 mod errors;

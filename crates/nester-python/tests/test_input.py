@@ -93,7 +93,7 @@ def test_files_that_are_not_there_or_no_parts_are_refused(tmp_path: Path) -> Non
     for name, content, told in [
         ("step.stl", b"ISO-10303-21;\nHEADER;\n" * 20, "Export the part from the CAD program as STL or 3MF"),
         ("cut.stl", b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "truncated"),
-        ("zip.3mf", b"PK\x03\x04 and nothing else", "3MF"),
+        ("zip.3mf", b"PK\x03\x04 and nothing else", "truncated: the end of the ZIP package is missing"),
     ]:
         file = tmp_path / name
         file.write_bytes(content)

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use build_file::Viewpoint;
 use nester::{PreparedMeshes, examine_left_out};
-use numpy::{PyArray2, ToPyArray, ndarray::arr2};
+use numpy::{PyArray2, PyReadonlyArray3, ToPyArray, ndarray::arr2};
 use pyo3::{prelude::*, types::PyBytes};
 
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     errors::InputError,
     found_layout::FoundLayout,
     layout_file::{FileWords, draw_layout, write_proved},
-    layout_proof::{ProofFigures, prove_found},
+    layout_proof::{ProofFigures, posed_placements, prove_placements},
 };
 
 /// A layout in which every placement keeps its clearance. Lengths are in mm.
@@ -98,10 +98,12 @@ impl PackedLayout {
         Ok((arr2(&vertices).to_pyarray(py), arr2(item.mesh.triangles()).to_pyarray(py)))
     }
 
-    /// Proves the layout on its triangles: (height, least distance, locked placements, removal order).
-    fn verify(&self, py: Python<'_>) -> PyResult<ProofFigures> {
+    /// Proves the placements on their triangles at these poses (n x 4 x 4): (height, least distance, locked placements,
+    /// removal order).
+    fn verify(&self, py: Python<'_>, matrices: PyReadonlyArray3<'_, f64>) -> PyResult<ProofFigures> {
         let found = self.found.clone();
-        run_beside(py, move || prove_found(&found))
+        let placements = posed_placements(&found, &matrices)?;
+        run_beside(py, move || prove_placements(&found, &placements))
     }
 
     /// Writes a 3MF, proves what was written, and gives it its name. `created` is the time in RFC 3339; `shared` says

@@ -108,6 +108,44 @@ def test_parts_may_have_names_orientations_and_clearances_of_their_own(box: Box)
     solution.verify()
 
 
+def test_poses_that_somebody_has_changed_are_proved_or_refused(box: Box) -> None:
+    solution = nn.pack({box: 4}, VOLUME, 2, evaluations=400, orientation="axis")
+    assert solution.verify(solution.poses) == solution.verify()
+    poses = np.array(solution.poses)
+
+    def fault(kind: type[Exception], change: object, at: int = 1) -> str:
+        changed = poses.copy()
+        changed[at] = change
+        with pytest.raises(kind) as caught:
+            solution.verify(changed)
+        return str(caught.value)
+
+    shifted, outside, aslant = poses[0].copy(), poses[1].copy(), poses[1].copy()
+    shifted[2, 3] += 8.0 + 1.25
+    if np.ptp(corners_at(box, poses[0])[:, 2]) == pytest.approx(8.0):
+        assert "part 1 #1 and part 1 #2 are 1.2500 mm apart instead of 2" in fault(nn.ProofError, shifted)
+    assert "are 0.0000 mm apart" in fault(nn.ProofError, poses[0])
+    outside[0, 3] -= 7.0
+    assert "part 1 #2 is " in fault(nn.ProofError, outside) and "mm outside" in fault(nn.ProofError, outside)
+    aslant[:3, :3] = [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]
+    aslant[:3, 3] = [20, 20, 80]
+    assert "turned against its orientation rule" in fault(nn.ProofError, aslant)
+    for nonsense in (poses[1] * 1.01, np.diag([1, 1, -1, 1]), np.full((4, 4), np.nan), np.ones((4, 4))):
+        assert "pose 1 is no rotation" in fault(nn.InputError, nonsense)
+    with pytest.raises(nn.InputError, match="each of 4 placements"):
+        solution.verify(poses[:3])
+    with pytest.raises(nn.InputError, match="each of 4 placements"):
+        solution.verify(poses[0])
+    with pytest.raises(ValueError, match="read-only"):
+        solution.poses[0][0, 3] = 0.0
+
+
+def test_interlocking_is_checked_unless_it_is_allowed(box: Box) -> None:
+    for rule, removed in (("forbid", 4), ("warn", 4), ("allow", 0)):
+        proof = nn.pack({box: 4}, VOLUME, 2, evaluations=200, interlock=rule).verify()
+        assert len(proof.removal_order) == removed and not proof.locked
+
+
 def test_copies_without_room_are_left_out_and_explained(box: Box) -> None:
     solution = nn.pack({box: 5}, (22, 22, 22), 2, evaluations=500, orientation="fixed")
     assert len(solution.placements) == 2 and [left.copy for left in solution.left_out] == [2, 3, 4]

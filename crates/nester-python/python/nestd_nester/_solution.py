@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Optional
@@ -11,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import NestingError
+from ._errors import InputError, NestingError
 from ._parts import NativeItem, Part
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class Placement:
     key: Part = field(repr=False)
     #: Number of the copy, from 0.
     copy: int
-    #: 4 x 4, float64, on column vectors: frame of the part -> frame of the build volume, mm.
+    #: 4 x 4, float64, read-only, on column vectors: frame of the part -> frame of the build volume, mm.
     matrix: npt.NDArray[np.float64] = field(repr=False, compare=False)
 
 
@@ -100,8 +101,10 @@ class Solution:
         def named(part: int) -> tuple[str, Part]:
             return self.parts[part].name, self.parts[part].key
 
-        #: The placed copies.
+        #: The placed copies. ``verify`` proves their matrices as they are here, which is why nobody may write to them.
         self.placements = [Placement(part, *named(part), copy, matrix) for part, copy, matrix in layout.placements()]
+        for placement in self.placements:
+            placement.matrix.flags.writeable = False
         #: The copies that found no place, in the order of the parts.
         self.left_out = [LeftOut(part, *named(part), copy) for part, copy in layout.left_out()]
 
@@ -156,16 +159,25 @@ class Solution:
         """Vertices (mm) and faces of a part by its index, with equal vertices merged."""
         return self._layout.mesh(part)
 
-    def verify(self) -> Proof:
-        """Proves the layout again on the triangles, with a prover that relies on no result of the search.
+    def verify(self, poses: Optional[Sequence[npt.ArrayLike]] = None) -> Proof:
+        """Proves the poses again on the triangles, with a prover that relies on no result of the search.
 
         Proved are the build volume, all clearances, that no part is inside another, the orientations and, with
         ``interlock="forbid"``, that the copies can be taken out one after the other along straight lines.
 
+        Args:
+            poses: Other 4 x 4 matrices, one for each of ``placements``: for a layout that you have changed.
+
         Raises:
+            InputError: The poses are not one rotation and translation for each placement.
             ProofError: The layout is not valid; names the faults.
         """
-        height, least_distance, locked, order = self._layout.verify()
+        matrices = np.asarray(self.poses if poses is None else poses, dtype=np.float64)
+        if matrices.shape != (len(self.placements), 4, 4) and (matrices.size or self.placements):
+            count = len(self.placements)
+            raise InputError(f"poses have the shape {matrices.shape}. Give a 4 x 4 matrix for each of {count} placements.")
+        matrices = matrices.reshape(-1, 4, 4)
+        height, least_distance, locked, order = self._layout.verify(matrices)
         removals = [Removal(placement, direction) for placement, direction in order]
         return Proof(height, least_distance, len(self.placements), removals, locked)
 

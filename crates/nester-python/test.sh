@@ -25,8 +25,8 @@ wheels=${NESTD_WHEELS:-$work/wheels}
 python3 -m venv "$work/fresh"
 pip=$work/fresh/bin/pip
 wheel=$(ls -t "$wheels"/*.whl | head -1)
-"$pip" install --quiet "$wheel" >"$log" 2>&1 || ignored "no registry has numpy: $(tail -1 "$log")"
-"$pip" install --quiet pytest >"$log" 2>&1 || ignored "no registry has pytest: $(tail -1 "$log")"
+"$pip" install --quiet numpy pytest >"$log" 2>&1 || ignored "no registry has numpy and pytest: $(tail -1 "$log")"
+"$pip" install --quiet "$wheel"
 # What needs one of these says so where it is not there.
 for optional in trimesh networkx lxml manifold3d mypy nbclient ipykernel; do
     "$pip" install --quiet "$optional" >"$log" 2>&1 || echo "without $optional: $(tail -1 "$log")"

@@ -12,13 +12,13 @@ trap 'rm -rf "$work"' EXIT
 log=$work/log
 python3 -m venv "$work/build" >"$log" 2>&1 || ignored "needs Python's venv"
 "$work/build/bin/pip" install --quiet 'maturin>=1.9.4,<2' >"$log" 2>&1 || ignored "no registry has maturin: $(tail -1 "$log")"
+# Not below this folder, where tests of the repository would take what was generated for its source.
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../../target/nester-python}
 cargo fetch --quiet --locked >"$log" 2>&1 || ignored "no registry has the crates: $(tail -1 "$log")"
 
 # The wheel carries the notices of all that is linked into it.
 sh ../../packaging/notices.sh nester-python crates/nester-python/Cargo.toml >third-party-notices.txt
 
-# Not below this folder, where tests of the repository would take what was generated for its source.
-export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/../../target/nester-python}
 wheels=${NESTD_WHEELS:-$work/wheels}
 "$work/build/bin/maturin" build --release --locked --out "$wheels"
 

@@ -24,6 +24,9 @@ const CRATES: [(&str, u32); 10] = [
     ("ledger-fixtures", 5),
 ];
 
+/// Packages below `crates` that are workspaces of their own.
+const OTHER_WORKSPACES: [&str; 1] = ["nester-python"];
+
 /// Crates that remember nothing and have no clock.
 const PURE: [&str; 5] = ["solids", "jobs", "sample-parts", "nester", "build-file"];
 
@@ -146,6 +149,7 @@ fn a_crate_depends_on_crates_of_lower_floors_only() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
     let mut found: Vec<String> =
         (fs::read_dir(&crates).unwrap()).map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    found.retain(|name| !OTHER_WORKSPACES.contains(&name.as_str()));
     found.sort();
     let mut known: Vec<&str> = CRATES.iter().map(|&(name, _)| name).collect();
     known.sort_unstable();

@@ -165,7 +165,10 @@ fn the_document_of_an_order_is_quoted_without_anything_being_taken_or_kept() {
     let line = json!({ "name": "small.stl", "content": hash, "copies": 4, "unit": "cm", "orientation": "fixed" });
     let body = json!({ "machine": "test", "due": "2035-01-01", "lines": [line] }).to_string();
     let again = open.send("POST /api/v1/quote\ncontent-type: application/json", body.as_bytes());
-    assert_eq!((again.status, &again.json()["height_mm"]), (200, &quote["height_mm"]), "{again:?}");
+    assert_eq!(again.status, 200, "{again:?}");
+    // The two searches had as long as the machine gave them.
+    let heights = [&quote, &again.json()].map(|quote| quote["height_mm"].as_f64().unwrap());
+    assert!((heights[0] - heights[1]).abs() < 1e-3, "{heights:?}");
     let put: Vec<_> = std::fs::read_dir(open.farm.root().join("state/put")).unwrap().flatten().collect();
     assert_eq!(put.len(), 1, "only what was put: {put:?}");
     assert!(open.farm.parts(PartState::Waiting).is_empty());

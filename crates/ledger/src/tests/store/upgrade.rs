@@ -81,7 +81,8 @@ async fn the_copies_of_a_line_are_counted_from_its_placements_and_not_from_all_b
 #[tokio::test]
 async fn a_ledger_of_many_builds_from_before_orders_is_upgraded_at_once() {
     let times = upgrade(20_000).await;
-    assert!(times.upgrade < 20.0, "{} s for 20,000 builds", times.upgrade);
+    // Seconds on a quiet machine; hours where each build is looked up in all others.
+    assert!(times.upgrade < 60.0, "{} s for 20,000 builds", times.upgrade);
 }
 
 #[tokio::test]

@@ -26,6 +26,7 @@ const ANGLE_TOLERANCE: f64 = 1e-6;
 
 /// Two bodies that are too close to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ClearanceViolation {
     /// Index of the first body.
     pub first: usize,
@@ -39,6 +40,7 @@ pub struct ClearanceViolation {
 
 /// The result of the proof.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LayoutProof {
     /// Top of the highest body above z = 0, mm; 0 without bodies.
     pub height_mm: f64,

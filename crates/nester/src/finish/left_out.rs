@@ -20,6 +20,7 @@ const MIN_ROTATIONS: usize = 12;
 
 /// Where one more copy of an item would fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct LeftOutFit {
     /// Whether it finds a place in the volume without the placed copies; pinned copies stay.
     pub alone: bool,

@@ -25,6 +25,7 @@ const CAP_TOLERANCE: f64 = 1e-6;
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LayerAreas {
+#[non_exhaustive]
     /// Thickness of a layer, mm.
     pub layer_mm: f64,
     /// Greatest filled area of any layer, mm2.

@@ -19,6 +19,7 @@ pub(crate) const WALL_SPARE_MM: f64 = -4e-7;
 
 /// A part that fits in no allowed orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FitFailure {
     /// Extents in its best allowed orientation (the one with the least excess over the volume), mm. Extents of the
     /// unrotated mesh where none is allowed.

@@ -48,6 +48,7 @@ impl NestingItem {
 
 /// Why an instance is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum InstanceError {
     /// A size is not a positive number.
     #[error("the build volume {0} x {1} x {2} mm is not a box")]

@@ -11,6 +11,7 @@ use crate::separation::disassembly::removal_gap_mm;
 
 /// The order in which a layout comes apart.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Disassembly {
     /// Bodies in the order in which they can be removed, each with its direction: a unit vector in the build's frame.
     /// During removal a body keeps [`removal_gap_mm`] from all bodies that come later. A direction points downwards

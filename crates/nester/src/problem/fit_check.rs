@@ -47,8 +47,9 @@ impl FitFailure {
 /// ```
 /// use glam::DVec3;
 /// use nester::{BuildVolume, OrientationRule, find_fitting_rotation};
+/// use solids::Mesh;
 ///
-/// let rail = sample_parts::cuboid(DVec3::new(320.0, 8.0, 8.0));
+/// let rail = Mesh::cuboid(DVec3::new(320.0, 8.0, 8.0))?;
 /// let cube = BuildVolume { size_mm: DVec3::splat(200.0) };
 /// assert!(find_fitting_rotation(&rail, &OrientationRule::Free.into(), &cube).is_ok()); // along the diagonal
 ///
@@ -57,6 +58,7 @@ impl FitFailure {
 ///     misfit.reason(&cube),
 ///     "needs 320.0 x 8.0 x 8.0 mm in its best allowed orientation, there are 200 x 200 x 200 mm"
 /// );
+/// # Ok::<(), solids::MeshError>(())
 /// ```
 pub fn find_fitting_rotation(
     mesh: &Mesh,

@@ -11,6 +11,9 @@ mod stl;
 mod tests;
 mod threemf;
 
+// Their types are in the interface.
+pub use {glam, solids};
+
 pub use common::unit::LengthUnit;
 pub use picture::picture::{PictureBody, Viewpoint, draw_part, draw_picture, draw_picture_on, kind_colour_code};
 pub use picture::shade::PictureScheme;

@@ -58,6 +58,7 @@ pub(crate) fn mesh_error(error: &MeshError, name: &str) -> PyErr {
         MeshError::NotFinite { .. } => "Remove NaN and infinite coordinates.",
         MeshError::BadIndex { .. } => "Give faces as rows of three indices into the vertices, from 0.",
         MeshError::NoVolume => "A surface without thickness cannot be packed: give it a thickness.",
+        _ => "Repair the mesh.",
     };
     InputError::new_err(format!("{name}: {error}. {remedy}"))
 }

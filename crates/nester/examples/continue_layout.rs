@@ -5,32 +5,31 @@
 
 use std::{error::Error, sync::Arc};
 
-use glam::DVec3;
 use nester::{
-    BuildVolume, InstanceError, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution,
-    PreparedMeshes, SearchBudget, insert_copies, nest_with_cache,
+    BuildVolume, InstanceError, ItemPlacement, NestingInstance, NestingItem, NestingSearch, NestingSolution,
+    PreparedMeshes, SearchBudget, glam::DVec3, solids::Mesh,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (knob, rail) =
-        (Arc::new(sample_parts::knob(42.0, 20.0, 6)), Arc::new(sample_parts::rail(90.0, 35.0, 10.0, 2.5)));
+    let knob = Arc::new(Mesh::tube(42.0, 8.0, 20.0)?);
+    let rail = Arc::new(Mesh::cuboid(DVec3::new(90.0, 35.0, 10.0))?);
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };
     let asked = |knobs: u32, rails: u32| -> Result<NestingInstance, InstanceError> {
         let items = vec![NestingItem::new("knob", knob.clone(), knobs), NestingItem::new("rail", rail.clone(), rails)];
         NestingInstance::new(machine, 2.0, items)
     };
     // The meshes are prepared once for all searches below.
-    let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
+    let prepared = PreparedMeshes::default();
 
     let monday = asked(8, 4)?;
-    let first = nest_with_cache(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
+    let first = NestingSearch::new(&monday).with_prepared(&prepared).nest(&SearchBudget::of_evaluations(60_000));
     println!("Monday: {}", describe_layout(&monday, &first));
 
     // Three more knobs: they are placed into gaps, and other parts move to make room. The search does not start
     // again.
     let tuesday = asked(11, 4)?;
     let budget = SearchBudget::of_evaluations(20_000);
-    let inserted = insert_copies(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
+    let inserted = NestingSearch::new(&tuesday).with_prepared(&prepared).insert_copies(&first.placements, &budget);
     println!("Tuesday, three knobs more: {}", describe_layout(&tuesday, &inserted));
     println!("  {} of the parts moved", moved(&first.placements, &inserted.placements));
 
@@ -38,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let promised: Vec<ItemPlacement> = first.placements.iter().filter(|p| p.item == 0).copied().collect();
     let reserved = asked(11, 6)?.with_pinned(promised.clone());
     let budget = SearchBudget::of_evaluations(60_000);
-    let last = nest_with_cache(&reserved, &config, &first.placements, &prepared, &budget, &mut ());
+    let last = NestingSearch::new(&reserved).with_prepared(&prepared).continue_from(&first.placements, &budget);
     println!("Wednesday, two rails more and {} knobs promised: {}", promised.len(), describe_layout(&reserved, &last));
     println!("  {} of the promised parts moved", moved(&promised, &last.placements));
     Ok(())

@@ -6,25 +6,27 @@
 
 use std::{error::Error, sync::Arc};
 
-use glam::DVec3;
 use nester::{
     BuildVolume, FaceNotDown, InterlockRule, NestingConfig, NestingInstance, NestingItem, OrientationLimits,
-    OrientationRule, PlacedSolid, SearchBudget, TiltLimit, find_removal_order, nest, obeys_orientation,
+    OrientationRule, PlacedSolid, SearchBudget, TiltLimit, find_removal_order,
+    glam::DVec3,
+    nest, obeys_orientation,
+    solids::{Mesh, MeshError},
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A tray must not be printed upside down, because it would hold powder: its z axis stays within 60 degrees of up.
-    let tray = OrientationLimits::new(OrientationRule::Free, &[TiltLimit::new(DVec3::Z, 60.0)?], &[]);
+    // A cup must not be printed upside down, because it would hold powder: its z axis stays within 60 degrees of up.
+    let cup_limits = OrientationLimits::new(OrientationRule::Free, &[TiltLimit::new(DVec3::Z, 60.0)?], &[]);
     // The upper face of a pulley is visible in use. It must not face down, because layers are visible as steps there.
     let pulley = OrientationLimits::new(OrientationRule::Free, &[], &[FaceNotDown::new(DVec3::Z, 45.0)?]);
     let items = vec![
-        NestingItem::new("tray", Arc::new(sample_parts::tray([2, 1], 22.0, 18.0, 2.0)), 3).with_orientation(tray),
-        NestingItem::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 3).with_orientation(pulley),
+        NestingItem::new("cup", Arc::new(cup(44.0, 18.0)?), 3).with_orientation(cup_limits),
+        NestingItem::new("pulley", Arc::new(Mesh::tube(44.0, 8.0, 12.0)?), 3).with_orientation(pulley),
         // A lampshade stays upright and only turns about z.
-        NestingItem::new("lampshade", Arc::new(sample_parts::lampshade(50.0, 30.0, 36.0, 2.0)), 3)
+        NestingItem::new("lampshade", Arc::new(Mesh::tube(50.0, 46.0, 36.0)?), 3)
             .with_orientation(OrientationRule::Upright),
         // Rings may have any orientation, but they must not form a chain.
-        NestingItem::new("ring", Arc::new(sample_parts::ring(36.0, 26.0, 5.0)), 8),
+        NestingItem::new("ring", Arc::new(Mesh::tube(36.0, 26.0, 5.0)?), 8),
     ];
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };
     let instance = NestingInstance::new(machine, 1.5, items)?;
@@ -43,6 +45,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("  {:<14} {}", bodies[body].name, in_words(direction));
     }
     Ok(())
+}
+
+/// A cup with walls of 2 mm: one mesh of two solids that overlap, the wall and the bottom.
+fn cup(outer_mm: f64, height_mm: f64) -> Result<Mesh, MeshError> {
+    let (wall, bottom) = (Mesh::tube(outer_mm, outer_mm - 4.0, height_mm)?, Mesh::tube(outer_mm - 2.0, 0.0, 2.0)?);
+    let first = wall.vertices().len() as u32;
+    let vertices = [wall.vertices(), bottom.vertices()].concat();
+    let of_bottom = bottom.triangles().iter().map(|corners| corners.map(|corner| first + corner));
+    Mesh::new(vertices, wall.triangles().iter().copied().chain(of_bottom).collect())
 }
 
 /// A direction in words: `up`, `up and left`.

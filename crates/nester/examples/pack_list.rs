@@ -5,20 +5,19 @@
 
 use std::{error::Error, sync::Arc};
 
-use glam::DVec3;
 use nester::{
-    BuildVolume, NestingConfig, NestingInstance, NestingItem, NestingSolution, SearchBudget, lower_bound_mm, nest,
-    prove_layout,
+    BuildVolume, NestingInstance, NestingItem, NestingSearch, NestingSolution, SearchBudget, glam::DVec3,
+    lower_bound_mm, prove_layout, solids::Mesh,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     // The parts to print: name, mesh in mm, number of copies.
     let list = [
-        ("bracket", sample_parts::bracket(60.0, 24.0, 4.0, 5.0), 6),
-        ("clip", sample_parts::clip(22.0, 2.4, 14.0), 12),
-        ("ring", sample_parts::ring(40.0, 28.0, 8.0), 8),
-        ("pulley", sample_parts::pulley(44.0, 12.0, 8.0), 4),
-        ("hook", sample_parts::hook(16.0, 8.0, 30.0), 6),
+        ("plate", Mesh::cuboid(DVec3::new(60.0, 24.0, 4.0))?, 6),
+        ("sleeve", Mesh::tube(22.0, 17.0, 14.0)?, 12),
+        ("ring", Mesh::tube(40.0, 28.0, 8.0)?, 8),
+        ("pulley", Mesh::tube(44.0, 8.0, 12.0)?, 4),
+        ("bar", Mesh::cuboid(DVec3::new(60.0, 10.0, 8.0))?, 6),
     ];
     let items = list.map(|(name, mesh, copies)| NestingItem::new(name, Arc::new(mesh), copies));
     let machine = BuildVolume { size_mm: DVec3::new(120.0, 120.0, 200.0) };
@@ -38,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     };
     let budget = SearchBudget::of_evaluations(200_000);
-    let solution = nest(&instance, &NestingConfig::default(), &[], &budget, &mut listener);
+    let solution = NestingSearch::new(&instance).with_listener(&mut listener).nest(&budget);
 
     let proof = prove_layout(&instance, &solution.placements);
     println!(

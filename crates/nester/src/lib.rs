@@ -17,6 +17,9 @@ mod start;
 #[cfg(test)]
 mod tests;
 
+// Their types are in the interface.
+pub use {glam, solids};
+
 pub use finish::left_out::{LeftOutFit, examine_left_out};
 pub use finish::look_alikes::{LookMeasures, set_look_alikes_apart};
 pub use finish::report::{
@@ -48,6 +51,7 @@ pub use proof::{
 };
 pub use search::improvement::{ImprovedLayouts, improve_layouts, nest_until_lowest};
 pub use search::nester::{nest, nest_with_cache};
+pub use search::nesting_search::NestingSearch;
 pub use separation::disassembly::removal_gap_mm;
 pub use shapes::cache::PreparedMeshCache;
 pub use start::insert::insert_copies;

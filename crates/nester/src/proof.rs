@@ -26,6 +26,7 @@ const ANGLE_TOLERANCE: f64 = 1e-6;
 
 /// Two bodies that are too close to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ClearanceViolation {
     /// Index of the first body.
     pub first: usize,
@@ -39,6 +40,7 @@ pub struct ClearanceViolation {
 
 /// The result of the proof.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LayoutProof {
     /// Top of the highest body above z = 0, mm; 0 without bodies.
     pub height_mm: f64,
@@ -70,9 +72,9 @@ impl LayoutProof {
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
 /// use nester::{BuildVolume, NestingInstance, NestingItem, ItemPlacement, prove_layout};
-/// use solids::Pose;
+/// use solids::{Mesh, Pose};
 ///
-/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
 /// let volume = BuildVolume { size_mm: DVec3::splat(40.0) };
 /// let instance = NestingInstance::new(volume, 2.0, vec![NestingItem::new("cube", cube, 2)])?;
 /// let at = |copy, x| ItemPlacement { item: 0, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
@@ -82,7 +84,7 @@ impl LayoutProof {
 ///
 /// let proof = prove_layout(&instance, &[at(0, 0.0), at(1, 11.0)]);
 /// assert_eq!((proof.too_close[0].distance_mm, proof.too_close[0].wanted_mm), (1.0, 2.0));
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn prove_layout(instance: &NestingInstance, placements: &[ItemPlacement]) -> LayoutProof {
     let bodies = PlacedSolid::of_layout(instance, placements);
@@ -117,9 +119,9 @@ pub fn prove_with_keep_out(
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
 /// use nester::{LayoutProver, PlacedSolid};
-/// use solids::Pose;
+/// use solids::{Mesh, Pose};
 ///
-/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
 /// let body = |x: f64| PlacedSolid {
 ///     name: String::new(),
 ///     mesh: cube.clone(),
@@ -130,6 +132,7 @@ pub fn prove_with_keep_out(
 /// let prover = LayoutProver::new(&bodies, 1);
 /// assert!(prover.prove_layout(DVec3::splat(40.0), 0.0, &[]).is_proved());
 /// assert!(prover.find_removal_order().locked.is_empty());
+/// # Ok::<(), solids::MeshError>(())
 /// ```
 #[derive(Debug)]
 pub struct LayoutProver<'a> {

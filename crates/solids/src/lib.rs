@@ -14,6 +14,9 @@ mod mesh;
 mod tests;
 mod trees;
 
+// Its types are in the interface.
+pub use glam;
+
 pub use clearance::clearance::ClearanceTree;
 pub use clearance::contact::SurfaceContact;
 pub use mending::mend::{MendError, MendMeasures, MendedMesh};

@@ -136,10 +136,8 @@ fn refusal_kind(error: &FileReadError) -> RefusalCause {
         FileReadError::TooLarge { .. } => RefusalCause::Limit,
         FileReadError::NoSolid { .. } => RefusalCause::NotClosed,
         FileReadError::Io(_) => RefusalCause::Unreadable,
-        FileReadError::Unknown { .. }
-        | FileReadError::Truncated(_)
-        | FileReadError::Invalid { .. }
-        | FileReadError::Unsupported { .. } => RefusalCause::Format,
+        // Unknown, truncated, invalid, unsupported.
+        _ => RefusalCause::Format,
     }
 }
 

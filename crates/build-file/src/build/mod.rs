@@ -9,6 +9,7 @@ mod build_metadata;
 pub(super) mod build_read;
 pub(super) mod build_write;
 pub(super) mod model_write;
+mod new_build;
 mod package_entry;
 mod parts_build;
 pub(super) mod pick_map;

@@ -12,6 +12,7 @@ use super::{
 
 /// Why a dropped file or a build file cannot be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FileReadError {
     /// The disk failed, not the file: another try may succeed.
     #[error("cannot read the file")]
@@ -113,6 +114,7 @@ impl FileReadError {
 
 /// Why a file could not be written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FileWriteError {
     /// The disk failed.
     #[error("cannot write")]

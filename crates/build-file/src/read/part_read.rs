@@ -31,6 +31,32 @@ pub fn read_part_file(
     read_file(file, name, unit.map(AskedUnit::Ticket), default_unit, limits)
 }
 
+impl PartFileContents {
+    /// Reads a part file by its path: the extension helps to tell the format, and the name without it names a part that has no other.
+    /// A file that states no unit is in millimetres, and the default [`ReadLimits`] apply: see [`read_part_file`] for others.
+    ///
+    /// # Errors
+    /// As [`read_part_file`]. [`FileReadError::remedy`] says what a person can do.
+    ///
+    /// ```
+    /// use build_file::PartFileContents;
+    ///
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("bar.stl");
+    /// # let bar = solids::Mesh::cuboid(glam::DVec3::new(80.0, 10.0, 5.0))?;
+    /// # build_file::write_stl([(&bar, &solids::Pose::IDENTITY)].into_iter(), std::fs::File::create(&path)?)?;
+    /// for solid in PartFileContents::read(&path)?.solids {
+    ///     println!("{}: {:?} mm, {} copies", solid.name, solid.mesh.bounds().size(), solid.copies);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FileReadError> {
+        let path = path.as_ref();
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        read_part_file(path, &name, None, LengthUnit::Millimeter, &ReadLimits::default())
+    }
+}
+
 fn read_file(
     file: &Path,
     name: &str,

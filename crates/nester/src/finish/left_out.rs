@@ -20,6 +20,7 @@ const MIN_ROTATIONS: usize = 12;
 
 /// Where one more copy of an item would fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct LeftOutFit {
     /// Whether it finds a place in the volume without the placed copies; pinned copies stay.
     pub alone: bool,
@@ -37,8 +38,9 @@ pub struct LeftOutFit {
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, examine_left_out, nest_with_cache};
+/// use solids::Mesh;
 ///
-/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(20.0)));
+/// let cube = Arc::new(Mesh::cuboid(DVec3::splat(20.0))?);
 /// let volume = BuildVolume { size_mm: DVec3::new(45.0, 45.0, 22.0) };
 /// let instance = NestingInstance::new(volume, 2.0, vec![NestingItem::new("cube", cube, 5)])?;
 /// let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
@@ -47,7 +49,7 @@ pub struct LeftOutFit {
 /// let fit = &examine_left_out(&instance, &config, &solution, &prepared)[&0];
 /// assert!(fit.alone);
 /// assert_eq!((fit.beside, solution.placements.len()), (Some(3), 4));
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn examine_left_out(
     instance: &NestingInstance,

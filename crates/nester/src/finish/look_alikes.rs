@@ -53,17 +53,17 @@ impl LookMeasures {
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
 /// use nester::{BuildVolume, ItemPlacement, NestingConfig, NestingInstance, NestingItem, set_look_alikes_apart};
-/// use solids::Pose;
+/// use solids::{Mesh, Pose};
 ///
 /// // Two orders of the same cube, which stand in turns.
-/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
 /// let items = ["Brandt", "Acme"].map(|order| NestingItem::new(order, cube.clone(), 2));
 /// let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(80.0) }, 2.0, items.to_vec())?;
 /// let at = |item, copy, x| ItemPlacement { item, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
 /// let mut placements = vec![at(0, 0, 0.0), at(1, 0, 20.0), at(0, 1, 40.0), at(1, 1, 60.0)];
 /// set_look_alikes_apart(&instance, &NestingConfig::default(), &[0, 1], &mut placements);
 /// assert_eq!(placements.iter().map(|placed| placed.item).collect::<Vec<_>>(), [0, 0, 1, 1]);
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn set_look_alikes_apart(
     instance: &NestingInstance,

@@ -33,6 +33,7 @@ pub struct FaceNotDown {
 
 /// Why a tilt is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum TiltLimitError {
     /// The direction has length 0 or is not finite.
     #[error("the direction is invalid: three numbers are needed, not all 0")]

@@ -22,12 +22,13 @@ const MAX_PATCHES: usize = 3000;
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingInstance, NestingItem, lower_bound_mm};
+/// use solids::Mesh;
 ///
-/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
 /// let volume = BuildVolume { size_mm: DVec3::new(100.0, 50.0, 400.0) };
 /// let instance = NestingInstance::new(volume, 1.0, vec![NestingItem::new("cube", cube, 500)])?;
 /// assert!((lower_bound_mm(&instance) - 100.0).abs() < 1e-9); // 500 cm3 on 50 cm2
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn lower_bound_mm(instance: &NestingInstance) -> f64 {
     let base = instance.volume().size_mm;

@@ -16,14 +16,16 @@ const CAP_TOLERANCE: f64 = 1e-6;
 /// ```
 /// use glam::DVec3;
 /// use nester::{LayerAreas, LayerAreaCap};
-/// use solids::Pose;
+/// use solids::{Mesh, Pose};
 ///
-/// let cube = sample_parts::cuboid(DVec3::splat(10.0));
+/// let cube = Mesh::cuboid(DVec3::splat(10.0))?;
 /// let cap = LayerAreaCap { layer_mm: 0.5, area_mm2: 90.0 };
 /// let areas = LayerAreas::from_meshes([(&cube, Pose::IDENTITY)], cap);
 /// assert!((areas.largest_area_mm2 - 100.0).abs() < 1e-9 && !areas.keeps_cap());
+/// # Ok::<(), solids::MeshError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct LayerAreas {
     /// Thickness of a layer, mm.
     pub layer_mm: f64,

@@ -28,8 +28,9 @@ const MAX_SHAPES: usize = 3;
 /// ```
 /// use std::sync::Arc;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, OrientationRule, PreparedMeshes, SearchBudget, nest_with_cache};
+/// use solids::Mesh;
 ///
-/// let ring = Arc::new(sample_parts::ring(30.0, 20.0, 6.0));
+/// let ring = Arc::new(Mesh::tube(30.0, 20.0, 6.0)?);
 /// let volume = BuildVolume { size_mm: glam::DVec3::splat(80.0) };
 /// let prepared = PreparedMeshes::default();
 /// for copies in [2, 4] {
@@ -39,7 +40,7 @@ const MAX_SHAPES: usize = 3;
 ///     let solution = nest_with_cache(&instance, &NestingConfig::default(), &[], &prepared, &budget, &mut ());
 ///     assert_eq!(solution.placements.len(), copies as usize);
 /// }
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Default)]
 pub struct PreparedMeshes {

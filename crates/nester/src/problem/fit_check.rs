@@ -19,6 +19,7 @@ pub(crate) const WALL_SPARE_MM: f64 = -4e-7;
 
 /// A part that fits in no allowed orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FitFailure {
     /// Extents in its best allowed orientation (the one with the least excess over the volume), mm. Extents of the
     /// unrotated mesh where none is allowed.
@@ -46,8 +47,9 @@ impl FitFailure {
 /// ```
 /// use glam::DVec3;
 /// use nester::{BuildVolume, OrientationRule, find_fitting_rotation};
+/// use solids::Mesh;
 ///
-/// let rail = sample_parts::cuboid(DVec3::new(320.0, 8.0, 8.0));
+/// let rail = Mesh::cuboid(DVec3::new(320.0, 8.0, 8.0))?;
 /// let cube = BuildVolume { size_mm: DVec3::splat(200.0) };
 /// assert!(find_fitting_rotation(&rail, &OrientationRule::Free.into(), &cube).is_ok()); // along the diagonal
 ///
@@ -56,6 +58,7 @@ impl FitFailure {
 ///     misfit.reason(&cube),
 ///     "needs 320.0 x 8.0 x 8.0 mm in its best allowed orientation, there are 200 x 200 x 200 mm"
 /// );
+/// # Ok::<(), solids::MeshError>(())
 /// ```
 pub fn find_fitting_rotation(
     mesh: &Mesh,

@@ -48,6 +48,7 @@ impl NestingItem {
 
 /// Why an instance is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum InstanceError {
     /// A size is not a positive number.
     #[error("the build volume {0} x {1} x {2} mm is not a box")]
@@ -84,15 +85,16 @@ pub enum InstanceError {
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingInstance, InstanceError, NestingItem, OrientationRule};
+/// use solids::Mesh;
 ///
 /// let volume = BuildVolume { size_mm: DVec3::new(200.0, 200.0, 300.0) };
-/// let pulley = NestingItem::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 6);
-/// let knob = NestingItem::new("knob", Arc::new(sample_parts::knob(42.0, 20.0, 6)), 4).with_orientation(OrientationRule::Upright);
+/// let pulley = NestingItem::new("pulley", Arc::new(Mesh::tube(44.0, 8.0, 12.0)?), 6);
+/// let knob = NestingItem::new("knob", Arc::new(Mesh::tube(42.0, 20.0, 20.0)?), 4).with_orientation(OrientationRule::Upright);
 /// let instance = NestingInstance::new(volume, 3.0, vec![pulley, knob.with_clearance(5.0)])?;
 /// assert_eq!((instance.copy_count(), instance.clearance_between_mm(0, 1)), (10, 5.0));
 ///
 /// assert_eq!(NestingInstance::new(volume, 3.0, Vec::new()).unwrap_err(), InstanceError::Empty);
-/// # Ok::<(), InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// serde writes every distinct mesh (`Arc`) once. An instance that is read passes the same checks as in
@@ -137,14 +139,14 @@ impl NestingInstance {
     /// # use std::sync::Arc;
     /// use glam::DVec3;
     /// use nester::{BuildVolume, NestingInstance, NestingItem};
-    /// use solids::Bounds;
+    /// use solids::{Bounds, Mesh};
     ///
-    /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+    /// # let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
     /// # let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![NestingItem::new("cube", cube, 3)])?;
     /// let sensor = Bounds { min: DVec3::new(-9.0, 0.0, 0.0), max: DVec3::new(8.0, 8.0, 50.0) };
     /// let instance = instance.with_keep_out(&[sensor])?;
     /// assert_eq!(instance.keep_out()[0].min.x, 0.0);
-    /// # Ok::<(), nester::InstanceError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_keep_out(mut self, boxes: &[Bounds]) -> Result<Self, InstanceError> {
         let room = Bounds { min: DVec3::ZERO, max: self.volume.size_mm };
@@ -170,15 +172,15 @@ impl NestingInstance {
     /// # use std::sync::Arc;
     /// use glam::{DQuat, DVec3};
     /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, ItemPlacement, SearchBudget, nest};
-    /// use solids::Pose;
+    /// use solids::{Mesh, Pose};
     ///
-    /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+    /// # let cube = Arc::new(Mesh::cuboid(DVec3::splat(10.0))?);
     /// # let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![NestingItem::new("cube", cube, 3)])?;
     /// let labelled = ItemPlacement { item: 0, copy: 1, pose: Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 20.0, 5.0)) };
     /// let instance = instance.with_pinned(vec![labelled]);
     /// let solution = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(300), &mut ());
     /// assert_eq!(solution.placements[1], labelled);
-    /// # Ok::<(), nester::InstanceError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
     pub fn with_pinned(mut self, pinned: Vec<ItemPlacement>) -> Self {

@@ -11,6 +11,7 @@ use crate::separation::disassembly::removal_gap_mm;
 
 /// The order in which a layout comes apart.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Disassembly {
     /// Bodies in the order in which they can be removed, each with its direction: a unit vector in the build's frame.
     /// During removal a body keeps [`removal_gap_mm`] from all bodies that come later. A direction points downwards
@@ -28,7 +29,7 @@ pub struct Disassembly {
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
 /// use nester::{PlacedSolid, find_removal_order};
-/// use solids::Pose;
+/// use solids::{Mesh, Pose};
 ///
 /// let body = |mesh, x: f64| PlacedSolid {
 ///     name: String::new(),
@@ -36,9 +37,10 @@ pub struct Disassembly {
 ///     pose: Pose::new(DQuat::IDENTITY, DVec3::X * x),
 ///     clearance_mm: 2.0,
 /// };
-/// let apart = find_removal_order(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
+/// let apart = find_removal_order(&[body(Mesh::tube(30.0, 20.0, 6.0)?, 0.0), body(Mesh::tube(30.0, 20.0, 6.0)?, 40.0)]);
 /// assert!(apart.locked.is_empty());
 /// assert_eq!(apart.order[0], (0, DVec3::Z)); // removed straight up
+/// # Ok::<(), solids::MeshError>(())
 /// ```
 pub fn find_removal_order(bodies: &[PlacedSolid]) -> Disassembly {
     LayoutProver::new(bodies, 1).find_removal_order()

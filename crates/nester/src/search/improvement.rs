@@ -38,8 +38,9 @@ pub struct ImprovedLayouts {
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, improve_layouts, nest};
+/// use solids::Mesh;
 ///
-/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let clip = Arc::new(Mesh::tube(22.0, 17.0, 14.0)?);
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
 /// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip, 6)])?;
 /// let first = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(500), &mut ());
@@ -52,7 +53,7 @@ pub struct ImprovedLayouts {
 ///     assert!(found.best.unplaced.is_empty() && found.best.height_mm <= first.height_mm);
 ///     pool = found.pool;
 /// }
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn improve_layouts(
     instance: &NestingInstance,
@@ -82,14 +83,15 @@ pub fn improve_layouts(
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, lower_bound_mm,
 ///     nest_until_lowest};
+/// use solids::Mesh;
 ///
-/// let brick = Arc::new(sample_parts::cuboid(DVec3::new(30.0, 8.0, 20.0)));
+/// let brick = Arc::new(Mesh::cuboid(DVec3::new(30.0, 8.0, 20.0))?);
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
 /// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("brick", brick, 2)])?;
 /// let (budget, prepared) = (SearchBudget::until_cancelled().with_patience(9.0), PreparedMeshes::default());
 /// let found = nest_until_lowest(&instance, &NestingConfig::default(), &prepared, &budget, 1.0, &mut ());
 /// assert!(found.is_lowest(lower_bound_mm(&instance)) && found.height_mm < 8.02);
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn nest_until_lowest(
     instance: &NestingInstance,

@@ -7,4 +7,5 @@ pub(super) mod dominating;
 pub(super) mod improvement;
 pub(super) mod lane_rounds;
 pub(super) mod nester;
+pub(super) mod nesting_search;
 pub(super) mod tournament;

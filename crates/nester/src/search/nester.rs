@@ -32,8 +32,9 @@ use crate::{
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, SearchBudget, NestingSolution, nest, prove_layout};
+/// use solids::Mesh;
 ///
-/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let clip = Arc::new(Mesh::tube(22.0, 17.0, 14.0)?);
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
 /// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip, 6)])?;
 /// let budget = SearchBudget::of_evaluations(1500);
@@ -48,7 +49,7 @@ use crate::{
 /// // The same seed, lanes and evaluations: the same placements.
 /// let again = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(1500), &mut ());
 /// assert_eq!(again.placements, solution.placements);
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn nest(
     instance: &NestingInstance,

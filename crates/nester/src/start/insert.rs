@@ -42,8 +42,9 @@ const SAME_MM: f64 = 1e-6;
 /// use std::sync::Arc;
 /// use glam::DVec3;
 /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, insert_copies, nest_with_cache};
+/// use solids::Mesh;
 ///
-/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let clip = Arc::new(Mesh::tube(22.0, 17.0, 14.0)?);
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
 /// let asked = |copies| NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip.clone(), copies)]);
 /// let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
@@ -55,7 +56,7 @@ const SAME_MM: f64 = 1e-6;
 ///
 /// let three = insert_copies(&asked(3)?, &config, &seven.placements, &prepared, &budget(), &mut ());
 /// assert_eq!(three.placements, seven.placements[..3]); // nobody moved
-/// # Ok::<(), nester::InstanceError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn insert_copies(
     instance: &NestingInstance,

@@ -50,6 +50,7 @@ const MIN_THICKNESS: f64 = 1e-5;
 
 /// What was done to mend a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct MendMeasures {
     /// Holes that were closed.
     pub holes: usize,
@@ -84,6 +85,7 @@ pub struct MendedMesh {
 
 /// Why a mesh is not mended.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MendError {
     /// There is nothing to mend.
     #[error("it is closed")]

@@ -2,6 +2,7 @@
 
 /// The defects of a surface; all zero for a clean one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct MeshDefects {
     /// Edges with a triangle on one side only.
     pub open_edges: usize,

@@ -12,6 +12,7 @@ use crate::{Bounds, MeshDefects, Pose};
 
 /// Why a triangle soup is not a solid.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// No triangle with an area is left.
     #[error("the mesh has no triangles")]

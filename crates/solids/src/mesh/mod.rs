@@ -12,5 +12,6 @@ pub(super) mod mesh_builder;
 pub(super) mod mesh_serde;
 pub(super) mod pose;
 pub(super) mod shells;
+pub(super) mod simple_solids;
 pub(super) mod triangle;
 pub(super) mod weld;

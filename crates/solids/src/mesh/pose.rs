@@ -16,6 +16,7 @@ pub struct Pose {
 
 /// Why numbers do not form a valid pose.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PoseError {
     /// The quaternion is not a unit quaternion. Contains its length.
     #[error("the rotation is a quaternion (x, y, z, w) of length {0}, a length of 1 is wanted")]

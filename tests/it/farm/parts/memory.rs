@@ -4,7 +4,7 @@ use std::{fs, time::Instant};
 
 use ledger::PartState;
 
-use crate::support::{MACHINE, QUICK, TestFarm, block, greedy};
+use crate::support::{QUICK, TestFarm, block, greedy};
 
 /// Address space of the daemon, bytes.
 const MEMORY: u64 = 400 << 20;
@@ -30,7 +30,7 @@ fn a_file_whose_reading_ends_the_process_is_refused_and_the_others_are_printed()
     let reason = farm.folder("error").join("greedy.3mf.reason.txt");
     crate::support::wait_until("the reason lies beside it", 10.0, || reason.exists());
     assert!(fs::read_to_string(reason).unwrap().contains("limits.read_memory_bytes"));
-    farm.nestd_ok(&["flush", MACHINE]);
+    farm.flush();
     farm.wait_for_queued(1);
     // After a retry the file is read in a separate process at once: the daemon does not end any more.
     let pid = farm.pid();

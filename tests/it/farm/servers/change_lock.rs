@@ -48,6 +48,6 @@ fn what_all_changes_wait_for_is_named_and_every_command_ends() {
     runtime.block_on(forgotten.execute("ROLLBACK")).unwrap();
     let is_over = || !text_of(&first.command(&["status"]).output().unwrap()).contains("print9");
     wait_until_or("the alert is over", 60.0, || first.farm.log(), is_over);
-    second.farm.nestd_ok(&["flush", "machine-2"]);
+    second.farm.flush_machine("machine-2");
     nodes.iter_mut().for_each(|node| node.farm.stop());
 }

@@ -123,7 +123,7 @@ fn what_another_node_has_is_not_missed_by_the_check_of_a_node() {
     let (mut first, mut second) = (TestNode::started(1, &url), TestNode::started(2, &url));
     first.farm.drop_part("printed.stl", &block(20.0, 20.0, 10.0));
     first.farm.wait_for_parts(PartState::Waiting, 1);
-    first.farm.nestd_ok(&["flush", MACHINE]);
+    first.farm.flush_machine(MACHINE);
     first.farm.wait_for_parts(PartState::Built, 1);
     first.farm.drop_part("waits.stl", &block(20.0, 20.0, 12.0));
     first.farm.wait_for_parts(PartState::Waiting, 1);

@@ -30,13 +30,13 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
         assert!(line.contains("runs") && line.contains(&format!("machine-{number}")), "{told}");
     }
     // A command for a machine of another node.
-    nodes[0].farm.nestd_ok(&["flush", "machine-3"]);
+    nodes[0].farm.flush_machine("machine-3");
     nodes[2].farm.wait_for_queued(1);
     assert!(nodes[0].farm.queued().is_empty() && nodes[1].farm.queued().is_empty());
     // The original of a part that is moved to another node comes along.
     nodes[2].farm.nestd_ok(&["move", "of-print1_x2.stl", "--to", "machine-2"]);
     nodes[0].farm.wait_for_parts(PartState::Waiting, 2);
-    nodes[2].farm.nestd_ok(&["flush", "machine-2"]);
+    nodes[2].farm.flush_machine("machine-2");
     nodes[1].farm.wait_for_queued(1);
     nodes[0].farm.wait_for_parts(PartState::Built, 3);
     let (second, third) = (nodes[1].farm.queued(), nodes[2].farm.queued());
@@ -92,7 +92,7 @@ fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     second.farm.wait_for_parts(PartState::Waiting, 2);
     // The pause that was noted is in force.
     second.farm.nestd_ok(&["resume", "machine-1"]);
-    second.farm.nestd_ok(&["flush", "machine-1"]);
+    second.farm.flush_machine("machine-1");
     first.farm.wait_for_queued(1);
     second.farm.wait_for_parts(PartState::Built, 2);
     // The dead server is repaired: it has no machine any more.

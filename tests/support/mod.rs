@@ -250,6 +250,17 @@ impl TestFarm {
         self.query_ledger(async |ledger| ledger.parts_in_state(state).await.unwrap())
     }
 
+    /// The parts in all states, state by state.
+    pub fn all_parts(&self) -> Vec<PartRow> {
+        self.query_ledger(async |ledger| {
+            let mut parts = Vec::new();
+            for state in PartState::ALL {
+                parts.extend(ledger.parts_in_state(state).await.unwrap());
+            }
+            parts
+        })
+    }
+
     pub fn wait_for_parts(&self, state: PartState, count: usize) -> Vec<PartRow> {
         let mut parts = Vec::new();
         wait_until_or(

@@ -191,14 +191,7 @@ impl NodesFarm {
     }
 
     fn parts(&self) -> Vec<PartRow> {
-        let all = PartState::ALL;
-        self.nodes[0].farm.query_ledger(async |ledger| {
-            let mut parts = Vec::new();
-            for state in all {
-                parts.extend(ledger.parts_in_state(state).await.unwrap());
-            }
-            parts
-        })
+        self.nodes[0].farm.all_parts()
     }
 
     /// Asks for what is missing until every part is printed. Returns what keeps it from that.

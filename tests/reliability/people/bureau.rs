@@ -107,7 +107,7 @@ impl Bureau {
         let farm = &self.farm;
         let missing = || farm.log();
         wait_until_or(&format!("{lines} parts are taken"), DAY_SECS, missing, || {
-            parts = all_parts(farm);
+            parts = farm.all_parts();
             settled(&parts) >= lines
         });
         for number in first..self.orders.len() {
@@ -234,14 +234,4 @@ impl Bureau {
             ..SectionResult::default()
         }
     }
-}
-
-fn all_parts(farm: &TestFarm) -> Vec<PartRow> {
-    farm.query_ledger(async |ledger| {
-        let mut parts = Vec::new();
-        for state in PartState::ALL {
-            parts.extend(ledger.parts_in_state(state).await.unwrap());
-        }
-        parts
-    })
 }

@@ -1,17 +1,15 @@
 //! What customers order, and the files or the request in which they send it.
 
-use std::io::{Cursor, Write};
-
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
-use zip::{ZipWriter, write::SimpleFileOptions};
+use zip::CompressionMethod;
 
 use super::MACHINES;
 use crate::support::{
     block,
-    samples::{with_a_hole, workbook},
+    samples::{package, with_a_hole, workbook},
     stl,
 };
 
@@ -194,7 +192,9 @@ impl CustomerOrder {
         };
         files.extend(parts);
         if kind == SentAs::Archive {
-            files = vec![(format!("{}.zip", self.name), packed(&files))];
+            let entries: Vec<(&str, &[u8])> =
+                files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+            files = vec![(format!("{}.zip", self.name), package(&entries, CompressionMethod::Deflated))];
         } else {
             files.iter_mut().for_each(|(name, _)| *name = format!("{}/{name}", self.name));
         }
@@ -233,13 +233,4 @@ fn obj(size: DVec3) -> Vec<u8> {
     }
     text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
     text.into_bytes()
-}
-
-fn packed(files: &[(String, Vec<u8>)]) -> Vec<u8> {
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in files {
-        archive.start_file(name.as_str(), SimpleFileOptions::default()).unwrap();
-        archive.write_all(bytes).unwrap();
-    }
-    archive.finish().unwrap().into_inner()
 }

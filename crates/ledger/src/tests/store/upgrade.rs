@@ -81,7 +81,7 @@ async fn the_copies_of_a_line_are_counted_from_its_placements_and_not_from_all_b
 #[tokio::test]
 async fn a_ledger_of_many_builds_from_before_orders_is_upgraded_at_once() {
     let times = upgrade(20_000).await;
-    // Seconds on a quiet machine; hours where each build is looked up in all others.
+    // It takes about 5 CPU seconds; a busy machine needs longer for them.
     assert!(times.upgrade < 60.0, "{} s for 20,000 builds", times.upgrade);
 }
 

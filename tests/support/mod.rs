@@ -147,7 +147,7 @@ impl TestFarm {
         }
     }
 
-    /// SIGTERM; asserts a clean exit within the ten seconds that the service manager gives.
+    /// SIGTERM; asserts a clean exit within the 15 s that the service manager gives.
     pub fn stop(&mut self) {
         let mut child = self.daemon.take().unwrap();
         signal(child.id() as i32, rustix::process::Signal::TERM);
@@ -156,7 +156,7 @@ impl TestFarm {
             if let Some(status) = child.try_wait().unwrap() {
                 break status;
             }
-            assert!(began.elapsed() < Duration::from_secs(10), "the daemon does not stop\n{}", self.log());
+            assert!(began.elapsed() < Duration::from_secs(15), "the daemon does not stop\n{}", self.log());
             std::thread::sleep(Duration::from_millis(20));
         };
         assert!(status.success(), "the daemon ended with {status}\n{}", self.log());

@@ -71,6 +71,13 @@ impl<O: 'static> JobRunner<O> {
         self.running.values().all(|&is_look| is_look)
     }
 
+    /// The running jobs by name, separated by commas.
+    pub fn running_names(&self) -> String {
+        let mut names: Vec<String> = self.running.keys().map(JobKey::to_string).collect();
+        names.sort_unstable();
+        names.join(", ")
+    }
+
     /// Whether no job is running.
     pub fn is_idle(&self) -> bool {
         self.running.is_empty()

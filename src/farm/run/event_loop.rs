@@ -42,10 +42,11 @@ use crate::farm::{
     recover::ledger_service,
 };
 
-/// How long an orderly stop waits for jobs; the service manager allows 15 s.
-const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(8);
-/// How long it then waits for its last changes, and again to close the ledger. Another process may hold that.
-const LAST_CHANGES_TIMEOUT: Duration = Duration::from_secs(2);
+/// How long an orderly stop waits for jobs. With the other times of a stop it makes nine seconds: whoever asked for it may kill the daemon
+/// after ten, and the service manager does after 15.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long it then waits for its last changes, and as long again to close the ledger. Another process may hold that.
+const LAST_CHANGES_TIMEOUT: Duration = Duration::from_millis(1500);
 /// Maximum number of events between two ticks, so that commands and signals are handled in between.
 const MAX_EVENTS_PER_TICK: usize = 64;
 /// While files are read one after the other, the other steps run only at this interval: each of them queries the
@@ -309,7 +310,10 @@ pub(crate) async fn shut_down(farm: &mut Farm) {
     farm.lifecycle.is_stopping = true;
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     farm.nesting.searches.stop_all();
-    let _ = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await;
+    let jobs_ended = timeout(SHUTDOWN_TIMEOUT, job_events::wait_for_jobs(farm, deadline)).await.is_ok();
+    if !jobs_ended || !farm.jobs.is_idle() {
+        info!(jobs = farm.jobs.running_names(), "Work does not end in time; the next start goes on there.");
+    }
     if farm.lifecycle.is_halted {
         write_stopped_status(farm).await;
         // Nothing is written into a damaged ledger, and it gets no checksum.

@@ -53,12 +53,13 @@ pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
     Ok(is_barely_begun(&head, name) || !matches!(detect_format(&head, len, name), FileFormat::Other(_)))
 }
 
-/// Whether more may be written behind the end that a file has now, because its format tells no length: an ASCII STL, an OBJ.
+/// Whether more may be written behind the end that a file has now: the format of an ASCII STL or an OBJ tells no length, and a program that
+/// joins bodies writes one binary STL behind the other.
 pub fn may_grow(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
     opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
-    Ok(matches!(detect_format(&head, len, name), FileFormat::TextStl | FileFormat::Obj))
+    Ok(matches!(detect_format(&head, len, name), FileFormat::TextStl | FileFormat::BinaryStl | FileFormat::Obj))
 }
 
 /// Whether the file has too few bytes, or is allocated but not yet written: it may still become a part.

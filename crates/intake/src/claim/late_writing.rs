@@ -1,6 +1,6 @@
-//! What is written into a file after it was taken. An ASCII STL does not tell its length: a program that rests behind a
-//! body may go on when its file was taken and removed, into a file that no folder shows any more. So the originals of such
-//! files are kept open for a while, and come back into the hot folder, whole, when more was written.
+//! What is written into a file after it was taken. A program that rests behind a body may go on when its file was taken and removed, into
+//! a file that no folder shows any more. So the originals of files that may grow are kept open for a while, and come back into the hot
+//! folder, whole, when more was written.
 
 use std::{
     collections::VecDeque,
@@ -167,11 +167,26 @@ mod tests {
 
     const BODY: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
 
+    /// A binary STL of one triangle.
+    fn binary_body() -> Vec<u8> {
+        let mut body = vec![b'b'; 80];
+        body.extend(1u32.to_le_bytes());
+        body.extend([0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat());
+        body.extend([0; 2]);
+        body
+    }
+
     #[test]
     fn what_is_written_after_the_file_was_removed_comes_back_whole_and_once() {
+        for body in [BODY.as_bytes(), &binary_body()] {
+            write_late_and_look(body);
+        }
+    }
+
+    fn write_late_and_look(body: &[u8]) {
         let farm = TestInbox::new();
         let mut writer = fs::File::create(farm.inbox.join("a.stl")).unwrap();
-        writer.write_all(BODY.as_bytes()).unwrap();
+        writer.write_all(body).unwrap();
         let claim = farm.claim();
         let store = ContentStore::open(farm.dir.path().join("store")).unwrap();
         let stored = store.store_claimed(&claim).unwrap();
@@ -180,13 +195,13 @@ mod tests {
         release_claim(&claim, &stored.hash).unwrap();
         late.give_back_changed(1.0, 5.0, 600.0).unwrap();
         assert!(!farm.inbox.join("a.stl").exists(), "nothing more was written");
-        writer.write_all(BODY.as_bytes()).unwrap();
+        writer.write_all(body).unwrap();
         for now_secs in [2.0, 6.0] {
             late.give_back_changed(now_secs, 5.0, 600.0).unwrap();
             assert!(!farm.inbox.join("a.stl").exists(), "it has not settled after {now_secs} s");
         }
         late.give_back_changed(7.0, 5.0, 600.0).unwrap();
-        assert_eq!(fs::read_to_string(farm.inbox.join("a.stl")).unwrap(), BODY.repeat(2));
+        assert_eq!(fs::read(farm.inbox.join("a.stl")).unwrap(), body.repeat(2));
         fs::remove_file(farm.inbox.join("a.stl")).unwrap();
         late.give_back_changed(20.0, 5.0, 600.0).unwrap();
         assert!(!farm.inbox.join("a.stl").exists(), "it came back already");

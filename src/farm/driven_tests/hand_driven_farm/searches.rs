@@ -1,7 +1,32 @@
-//! What a test looks at and does in the searches of a hand-driven farm, and in its settings.
+//! What a test looks at and does in the searches and other jobs of a hand-driven farm, and in its settings.
+
+use std::sync::mpsc::{Sender, channel};
+
+use jobs::BackgroundJob;
 
 use super::{HandDrivenFarm, MACHINE, MOST_TICKS, STEP};
-use crate::{farm::open_build::batch, settings::Settings};
+use crate::{
+    farm::{core::farm::Farm, open_build::batch},
+    settings::Settings,
+};
+
+/// A job in a folder that does not answer.
+#[derive(Clone)]
+struct StuckJob;
+
+impl BackgroundJob<Farm> for StuckJob {
+    const KIND: &'static str = "Stuck";
+    type Outcome = ();
+    type Desk<'f> = &'f mut Farm;
+
+    fn subject(&self) -> String {
+        String::new()
+    }
+
+    async fn on_done(self, _farm: Self::Desk<'_>, (): ()) -> anyhow::Result<()> {
+        Ok(())
+    }
+}
 
 impl HandDrivenFarm {
     /// Its settings, to change what no file of settings can say.
@@ -24,6 +49,13 @@ impl HandDrivenFarm {
             self.begin_tick();
         }
         panic!("no search begins");
+    }
+
+    /// Starts a job that does not end before what is returned is dropped.
+    pub fn begin_stuck_job(&mut self) -> Sender<()> {
+        let (release, wait) = channel();
+        self.farm.as_mut().unwrap().jobs.start(StuckJob, move || drop(wait.recv()));
+        release
     }
 
     /// Whether a search lowers the open build of a machine now.

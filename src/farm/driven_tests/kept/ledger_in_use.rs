@@ -153,6 +153,23 @@ fn a_stop_does_not_wait_for_a_process_that_holds_the_ledger_and_loses_nothing() 
 }
 
 #[test]
+fn a_stop_ends_within_ten_seconds_also_when_neither_a_folder_nor_the_ledger_answers() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let (held, release) = (HeldLedger::of(&farm), farm.begin_stuck_job());
+    let began = std::time::Instant::now();
+    farm.stop();
+    assert!(began.elapsed().as_secs_f64() < 10.0, "{:?}", began.elapsed());
+    drop(release);
+    held.let_go();
+    farm.start();
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(1);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
 fn a_process_that_holds_the_ledger_is_named_and_the_farm_goes_on_when_it_lets_go() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));

@@ -4,12 +4,8 @@
 //! history. They are arranged in layers ("floors"), which ARCHITECTURE.md draws: a module may use only the floors below its own, and
 //! `tests/it/floors.rs` enforces this.
 
-pub mod build;
 pub mod cli;
-pub mod farm;
 pub mod metrics;
 pub mod outbox;
-pub mod queue;
-pub mod settings;
 pub mod tables;
 pub mod web;

@@ -14,8 +14,6 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::farm;
-
 pub use terminal::common::{CommandExit, CommonArgs, UsageError};
 
 /// Runs a powder-bed print farm: parts dropped into a folder become nested builds in the printer's queue.

@@ -17,11 +17,10 @@ use super::{
         show_text, table,
     },
 };
-use crate::{
-    farm::DatedOrder,
-    settings::FarmZone,
-    tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView, for_people},
-};
+use farm::DatedOrder;
+use settings::FarmZone;
+
+use crate::tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView, for_people};
 
 fn kept_view() -> TimeView {
     TimeView::kept(&FarmZone::default())
@@ -141,7 +140,7 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let rows = ledger.read_history(&HistoryQuery::default()).await.unwrap();
-    let rows = crate::farm::DatedBuild::of_rows(&ledger, [], rows, jiff::Timestamp::now()).await.unwrap();
+    let rows = farm::DatedBuild::of_rows(&ledger, [], rows, jiff::Timestamp::now()).await.unwrap();
     let table = table::TextTable::of(crate::tables::HISTORY_COLUMNS, &rows, &kept_view()).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
     let heads: Vec<String> =

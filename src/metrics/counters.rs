@@ -7,7 +7,7 @@ use prometheus_client::{
 };
 
 use super::gauges::{FloatGauge, LabelPairs};
-use crate::settings::Settings;
+use settings::Settings;
 
 /// Upper bounds of the buckets of build heights, m.
 const HEIGHTS_M: [f64; 9] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6];

@@ -3,17 +3,14 @@
 use std::sync::atomic::AtomicU64;
 
 use anyhow::Result;
+use farm::{FarmReading, MachineFact, MachinePlan, MachineWord, PrinterWord};
 use jiff::Timestamp;
 use ledger::{Ledger, MachineRow, MachineStatus, NodeRow, UtcTimestamp};
 use prometheus_client::{
     metrics::{family::Family, gauge::Gauge},
     registry::Registry,
 };
-
-use crate::{
-    farm::{FarmReading, MachineFact, MachinePlan, MachineWord, PrinterWord},
-    settings::Settings,
-};
+use settings::Settings;
 
 /// A gauge of floating-point values.
 pub(super) type FloatGauge = Gauge<f64, AtomicU64>;

@@ -14,7 +14,7 @@ use ledger::{
 use ledger_fixtures as fixtures;
 
 use super::*;
-use crate::settings::{self, Settings, SharedSettings};
+use settings::{Settings, SharedSettings};
 
 /// A farm of the machines `cube` and `idle`; `more` is of its configuration.
 fn farm(folder: &std::path::Path, more: &str) -> Settings {

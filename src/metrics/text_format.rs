@@ -11,7 +11,7 @@ use prometheus_client::{encoding::text::encode, registry::Registry};
 use tokio::sync::Mutex;
 
 use super::{counters, gauges};
-use crate::settings::Settings;
+use settings::Settings;
 
 /// Content type of the text.
 pub const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";

@@ -14,7 +14,7 @@ use ledger::LedgerOnDemand;
 use tracing::{info, warn};
 
 use super::MetricsExporter;
-use crate::settings::{MetricsFile, Settings, SharedSettings};
+use settings::{MetricsFile, Settings, SharedSettings};
 
 /// Interval of the checks whether the file is due and still wanted.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

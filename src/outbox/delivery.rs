@@ -16,7 +16,7 @@ use super::{
     EventMessage,
     send::{configured_receivers, kinds_for, send_message},
 };
-use crate::settings::{Settings, SharedSettings};
+use settings::{Settings, SharedSettings};
 
 /// Interval of the checks for new events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

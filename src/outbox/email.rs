@@ -19,7 +19,7 @@ use lettre::{
 };
 
 use super::{mail::Mail, message::host_name};
-use crate::settings::{EmailSettings, MailEncryption};
+use settings::{EmailSettings, MailEncryption};
 
 /// Why a mail was not taken.
 #[derive(Debug, thiserror::Error)]

@@ -9,7 +9,7 @@ use language::{Language, join_names, say, say_word, told};
 use ledger::{EventKind, EventRow, Ledger, PartRow, ReceiverKind, RefusalCause, UtcTimestamp};
 
 use super::message::{AlertWords, host_name};
-use crate::settings::EmailSettings;
+use settings::EmailSettings;
 
 /// Most lines of an order that a mail lists.
 const MAX_LINES: usize = 40;

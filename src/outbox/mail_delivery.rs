@@ -14,7 +14,7 @@ use super::{
     mail::{Mail, compose_mails},
     send::kinds_for,
 };
-use crate::settings::{EmailSettings, Settings};
+use settings::{EmailSettings, Settings};
 
 /// Most events that one mail tells.
 const MAX_GATHERED: u32 = 200;

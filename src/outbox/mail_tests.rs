@@ -11,7 +11,6 @@ use super::{
     send_trial,
     tests::{OutboxFixture, read},
 };
-use crate::settings;
 
 #[path = "../../tests/support/smtp.rs"]
 mod smtp;

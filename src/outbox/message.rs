@@ -7,8 +7,7 @@ use ledger::{BuildRow, BuildState, EventKind, EventRow, Ledger, PartRow, PartSta
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::json;
-
-use crate::settings::NotificationKind;
+use settings::NotificationKind;
 
 /// Maximum length of the detail, characters; a reason may quote much of a file.
 const MAX_DETAIL: usize = 4000;

@@ -11,7 +11,7 @@ use super::{
     message::event_kinds,
     webhook,
 };
-use crate::settings::{NotifySettings, Settings};
+use settings::{NotifySettings, Settings};
 
 /// The configured receivers.
 pub fn configured_receivers(notify: &NotifySettings) -> Vec<ReceiverKind> {

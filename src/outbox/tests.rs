@@ -14,7 +14,7 @@ use ledger_fixtures as fixtures;
 use tokio::task::JoinHandle;
 
 use super::*;
-use crate::settings::{self, Settings, SharedSettings};
+use settings::{Settings, SharedSettings};
 
 #[path = "../../tests/support/webhook.rs"]
 mod hook;

@@ -9,7 +9,7 @@ use sha2::Sha256;
 use ureq::tls::{RootCerts, TlsConfig};
 
 use super::EventMessage;
-use crate::settings::WebhookSettings;
+use settings::WebhookSettings;
 
 /// Header names.
 const SIGNATURE: &str = "Nestd-Signature";

@@ -9,7 +9,8 @@ use super::{
     columns::table_column::{ColumnAudience, TableColumn},
     *,
 };
-use crate::{farm::DatedBuild, settings::FarmZone};
+use farm::DatedBuild;
+use settings::FarmZone;
 
 /// Key and field of the columns of a table that programs see.
 fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {

@@ -9,7 +9,7 @@ use axum::{
 use tokio_stream::wrappers::ReceiverStream;
 
 use super::{TestDashboard, TestResponse};
-use crate::settings::Settings;
+use settings::Settings;
 
 const LINE: &str = "----line";
 

@@ -1,7 +1,7 @@
 //! Which requests the dashboard answers.
 
 use super::*;
-use crate::farm::ServicePhase;
+use farm::ServicePhase;
 
 #[tokio::test]
 async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {

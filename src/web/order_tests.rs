@@ -177,9 +177,9 @@ async fn what_nobody_told_has_no_yield_and_is_late_once_its_print_must_be_over()
     assert!(page.contains("as many days of "), "{page}");
     let late = async |now: jiff::Timestamp| {
         let settings = dashboard.web.current_settings();
-        let plans = crate::farm::read_plans(&dashboard.ledger, settings.profiles.values(), now).await.unwrap();
+        let plans = farm::read_plans(&dashboard.ledger, settings.profiles.values(), now).await.unwrap();
         let span = (published - hour * 24, published + hour * 24);
-        crate::farm::read_late_parts(&dashboard.ledger, &settings.profiles, &plans, span, now).await.unwrap()
+        farm::read_late_parts(&dashboard.ledger, &settings.profiles, &plans, span, now).await.unwrap()
     };
     assert!(late(published + hour * 8).await.is_empty(), "it is printed");
     for hours in [9, 40 * 24] {

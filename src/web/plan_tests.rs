@@ -11,9 +11,8 @@ async fn json_of(dashboard: &TestDashboard, path: &str) -> serde_json::Value {
 #[tokio::test]
 async fn the_plan_lists_the_builds_to_come_and_what_puts_a_date_at_risk() {
     let dashboard = TestDashboard::new(|web| {
-        let mut settings = crate::settings::Settings::clone(&web.current_settings());
-        let profile =
-            crate::settings::MachineProfile { name: "paper-200".to_owned(), ..settings.profiles["cube"].clone() };
+        let mut settings = settings::Settings::clone(&web.current_settings());
+        let profile = settings::MachineProfile { name: "paper-200".to_owned(), ..settings.profiles["cube"].clone() };
         settings.profiles.insert(profile.name.clone(), profile);
         web.settings = Arc::new(RwLock::new(Arc::new(settings)));
     })

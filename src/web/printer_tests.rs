@@ -4,10 +4,7 @@ use ledger::{BuildId, OperatorWord};
 use ledger_fixtures::*;
 
 use super::*;
-use crate::{
-    farm,
-    settings::{ApprovalPolicy, MachineProfile, PrinterRules, Settings},
-};
+use settings::{ApprovalPolicy, MachineProfile, PrinterRules, Settings};
 
 /// A dashboard with the machine of the ledger's fixtures: two printers, and every build waits for a yes.
 async fn with_two_printers() -> TestDashboard {

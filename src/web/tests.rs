@@ -18,7 +18,6 @@ use super::{
     core::state::{DashboardState, PageCaches},
     serve::server::build_router,
 };
-use crate::settings;
 
 #[path = "api_tests.rs"]
 mod api;
@@ -76,7 +75,7 @@ impl TestDashboard {
         std::fs::write(folder.path().join("nestd.toml"), "root = \"farm\"\n").unwrap();
         std::fs::write(profiles.join("cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
         let settings = settings::load_settings(Some(&folder.path().join("nestd.toml")), Some(folder.path())).unwrap();
-        let quote_meshes = crate::farm::QuoteMeshes::of_farm(&settings);
+        let quote_meshes = farm::QuoteMeshes::of_farm(&settings);
         let ledger = fixtures::fresh().await;
         let mut web = DashboardState {
             ledger: (*ledger).clone(),
@@ -282,8 +281,7 @@ async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
     assert!(dashboard.get("/history").await.text.contains(&height));
     let settings = dashboard.web.current_settings();
     let now = jiff::Timestamp::now();
-    let rows =
-        crate::farm::DatedBuild::of_rows(&dashboard.ledger, settings.profiles.values(), rows, now).await.unwrap();
+    let rows = farm::DatedBuild::of_rows(&dashboard.ledger, settings.profiles.values(), rows, now).await.unwrap();
     let json: serde_json::Value = serde_json::from_str(&dashboard.get("/history.json").await.text).unwrap();
     assert_eq!(json, serde_json::to_value(&rows).unwrap());
     assert_eq!(

@@ -15,7 +15,6 @@ use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, has_en
 use intake::{OrderList, Ticket, copies_in_name, display_name, raw_name};
 use ledger::RequiredTilts;
 
-use nestd::settings;
 use nester::OrientationLimits;
 
 /// A fuzz target: its name, which is also its corpus' folder, and its entry.

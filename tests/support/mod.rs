@@ -22,11 +22,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{Ledger, PartRow, PartState};
-use nestd::{
-    farm::{self, InvariantExpectations},
-    settings,
-};
 use solids::Mesh;
 use tempfile::TempDir;
 

@@ -2,15 +2,12 @@
 
 use anyhow::Result;
 
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::{load_settings, require_machine, run_with_ledger, user_at_host},
-            table::print_text,
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::{load_settings, require_machine, run_with_ledger, user_at_host},
+        table::print_text,
     },
-    farm,
 };
 
 /// Runs the command.

@@ -4,17 +4,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use ledger::{CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId};
+use settings::Settings;
 
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::{require_machine, user_at_host, with_ledger},
-            table::print_text,
-            target::{PartTarget, find_targets},
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::{require_machine, user_at_host, with_ledger},
+        table::print_text,
+        target::{PartTarget, find_targets},
     },
-    settings::Settings,
 };
 
 /// How long the operator waits for the answer. The daemon reads new commands about every second.

@@ -4,16 +4,13 @@ use anyhow::{Context, Result};
 use ledger::{BuildId, OperatorWord};
 
 use super::operate::say;
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::{load_settings, require_machine},
-            table::print_text,
-            values::parse_prefixed_number,
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::{load_settings, require_machine},
+        table::print_text,
+        values::parse_prefixed_number,
     },
-    farm,
 };
 
 /// Dismisses the files in the error folder of the machine, or the failed print of a build (`b4`).

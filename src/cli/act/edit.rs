@@ -10,18 +10,17 @@ use super::{
     command::{DaemonCommand, run_for_parts},
     operate::{say, say_all},
 };
-use crate::{
-    cli::{
-        CommandExit, CommonArgs, UsageError,
-        terminal::{
-            candidates,
-            farm_context::{load_settings, with_ledger},
-            table::print_text,
-            target::find_targets,
-            values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
-        },
+use settings::FarmZone;
+
+use crate::cli::{
+    CommandExit, CommonArgs, UsageError,
+    terminal::{
+        candidates,
+        farm_context::{load_settings, with_ledger},
+        table::print_text,
+        target::find_targets,
+        values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
     },
-    settings::FarmZone,
 };
 
 /// Arguments of `nestd edit`.

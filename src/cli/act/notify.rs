@@ -2,6 +2,7 @@
 //! message.
 
 use anyhow::Result;
+use settings::{NotifySettings, Settings};
 
 use crate::{
     cli::{
@@ -12,7 +13,6 @@ use crate::{
         },
     },
     outbox::{configured_receivers, kinds_for, send_trial},
-    settings::{NotifySettings, Settings},
 };
 
 /// Arguments of the command.

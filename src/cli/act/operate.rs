@@ -4,17 +4,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use ledger::{BuildId, BuildRow, Ledger, OperatorWord};
+use settings::Settings;
 
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::{user_at_host, with_ledger},
-            table::print_text,
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::{user_at_host, with_ledger},
+        table::print_text,
     },
-    farm,
-    settings::Settings,
 };
 
 /// How long the operator waits until the file is taken back.

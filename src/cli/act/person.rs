@@ -6,6 +6,8 @@ use language::say;
 use ledger::{Ledger, PersonChange};
 
 use super::secret_input::read_secret;
+use settings::Settings;
+
 use crate::{
     cli::{
         CommandExit, CommonArgs, UsageError,
@@ -15,7 +17,6 @@ use crate::{
             values::parse_word,
         },
     },
-    settings::Settings,
     tables::{PEOPLE_COLUMNS, TimeView},
 };
 

@@ -5,6 +5,9 @@ use jiff::Timestamp;
 use ledger::{Ledger, OperatorWord};
 
 use super::operate::say_all;
+use farm::{FarmReading, PrinterFact};
+use settings::{MachineProfile, Settings};
+
 use crate::{
     cli::{
         CommandExit, CommonArgs, UsageError,
@@ -14,8 +17,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{FarmReading, PrinterFact},
-    settings::{MachineProfile, Settings},
     tables::{PRINTER_COLUMNS, TimeView},
 };
 

@@ -5,18 +5,17 @@ use jiff::Timestamp;
 use ledger::{BuildId, BuildState, OperatorWord};
 
 use super::operate::say_all;
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            candidates,
-            farm_context::with_ledger,
-            table::{print_json, print_text},
-            values::parse_build_number,
-        },
+use farm::preview_release;
+use settings::MachineProfile;
+
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        candidates,
+        farm_context::with_ledger,
+        table::{print_json, print_text},
+        values::parse_build_number,
     },
-    farm::preview_release,
-    settings::MachineProfile,
 };
 
 /// Arguments of the command.

@@ -5,17 +5,14 @@ use build_file::format_count;
 use ledger::{BuildId, Ledger, OperatorWord};
 
 use super::operate::wait_for_take_back;
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            candidates,
-            farm_context::{user_at_host, with_ledger},
-            table::print_text,
-            values::parse_build_number,
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        candidates,
+        farm_context::{user_at_host, with_ledger},
+        table::print_text,
+        values::parse_build_number,
     },
-    farm,
 };
 
 /// Arguments of the command.

@@ -1,6 +1,7 @@
 //! `nestd costs`: what builds cost, and which order bears what.
 
 use anyhow::Result;
+use farm::CostReport;
 use jiff::Timestamp;
 use ledger::{BuildId, CostQuery};
 
@@ -15,7 +16,6 @@ use crate::{
             values::parse_build_number,
         },
     },
-    farm::CostReport,
     tables::{COST_SHARE_COLUMNS, LEAST_COST_COLUMNS, ORDER_COST_COLUMNS, TimeView, csv_of},
 };
 

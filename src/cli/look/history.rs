@@ -1,6 +1,7 @@
 //! `nestd history`: lists builds with their heights.
 
 use anyhow::Result;
+use farm::DatedBuild;
 use jiff::Timestamp;
 use ledger::{HeightSummary, HistoryQuery};
 
@@ -14,7 +15,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::DatedBuild,
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
 };
 

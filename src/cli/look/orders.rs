@@ -1,6 +1,7 @@
 //! `nestd orders`: orders and what became of their copies.
 
 use anyhow::Result;
+use farm::{DatedOrder, read_plans};
 use jiff::Timestamp;
 use ledger::OrderQuery;
 
@@ -13,7 +14,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{DatedOrder, read_plans},
     tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView},
 };
 

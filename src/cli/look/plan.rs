@@ -1,6 +1,7 @@
 //! `nestd plan`: the builds to come of the machines, and which due dates are at risk.
 
 use anyhow::Result;
+use farm::{MachinePlan, read_plans};
 use jiff::Timestamp;
 
 use crate::{
@@ -13,7 +14,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{MachinePlan, read_plans},
     tables::{PLAN_COLUMNS, RISK_COLUMNS, TimeView, plan_notes},
 };
 

@@ -3,22 +3,20 @@
 use std::{path::PathBuf, sync::Arc};
 
 use anyhow::{Context, Result};
+use farm::{
+    MaterialReading, QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
+    read_quoted_files,
+};
 use intake::Ticket;
 use jiff::Timestamp;
 
-use crate::{
-    cli::{
-        CommandExit, CommonArgs, UsageError,
-        serve::nest::{RequestedFile, parse_part_argument},
-        terminal::{
-            candidates,
-            farm_context::{require_machine, with_ledger_to_read},
-            table::{print_json, print_text},
-        },
-    },
-    farm::{
-        MaterialReading, QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
-        read_quoted_files,
+use crate::cli::{
+    CommandExit, CommonArgs, UsageError,
+    serve::nest::{RequestedFile, parse_part_argument},
+    terminal::{
+        candidates,
+        farm_context::{require_machine, with_ledger_to_read},
+        table::{print_json, print_text},
     },
 };
 

@@ -1,7 +1,9 @@
 //! `nestd show`: shows a build, a part or an order, with everything that the ledger knows about it.
 
 use anyhow::Result;
+use farm::{locate_build_file, read_plans};
 use jiff::Timestamp;
+use settings::MachineProfile;
 
 use crate::{
     cli::{
@@ -14,8 +16,6 @@ use crate::{
             terminal::output_columns,
         },
     },
-    farm::{locate_build_file, read_plans},
-    settings::MachineProfile,
     tables::TimeView,
 };
 

@@ -1,9 +1,13 @@
 //! `nestd status`: shows the waiting parts, the builds that are being nested and whether the daemon runs.
 
 use anyhow::Result;
+use farm::{
+    AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, dates_at_risk, machine_fact,
+};
 use jiff::Timestamp;
 use ledger::{Ledger, MachineStatus, NodeRow, PartRow, PartState};
 use serde::Serialize;
+use settings::{FarmZone, Settings};
 
 use crate::{
     cli::{
@@ -15,11 +19,6 @@ use crate::{
             watch::watch_terminal,
         },
     },
-    farm::{
-        self, AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, dates_at_risk,
-        machine_fact,
-    },
-    settings::{FarmZone, Settings},
     tables::{
         FarmNode, ListedPart, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS,
         PRINTER_COLUMNS, TimeView, list_farm_nodes,

@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
+use farm::ReconcileReport;
 
-use crate::{
-    cli::{
-        CommandExit, CommonArgs,
-        terminal::{
-            farm_context::{load_settings, with_ledger_to_read},
-            table::print_text,
-        },
+use crate::cli::{
+    CommandExit, CommonArgs,
+    terminal::{
+        farm_context::{load_settings, with_ledger_to_read},
+        table::print_text,
     },
-    farm::{self, ReconcileReport},
 };
 
 /// Arguments of `nestd backup`.

@@ -14,10 +14,9 @@ use anyhow::Result;
 
 pub use self::machines::volume_doubt;
 use self::{other_machines::OtherMachines, report::CheckReport};
-use crate::{
-    cli::{CommandExit, CommonArgs, UsageError},
-    settings::{self, Settings, SettingsError},
-};
+use settings::{Settings, SettingsError};
+
+use crate::cli::{CommandExit, CommonArgs, UsageError};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -53,7 +52,7 @@ pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
     let others = OtherMachines::read(&settings)?;
     others.report_configured(&settings, &mut report);
     let own = others.taken_out_of(&settings);
-    crate::farm::watch_other_holders(&own);
+    farm::watch_other_holders(&own);
     if args.repair {
         deep::repair_ledger(&settings, &args.new_folder, &mut report)?;
     }

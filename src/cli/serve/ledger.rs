@@ -5,10 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use ledger::LedgerAddress;
 
-use crate::{
-    cli::{CommandExit, UsageError, terminal::table::print_text},
-    farm,
-};
+use crate::cli::{CommandExit, UsageError, terminal::table::print_text};
 
 /// What `nestd ledger` does.
 #[derive(Debug, clap::Subcommand)]

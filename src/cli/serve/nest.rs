@@ -12,6 +12,8 @@ use std::{collections::BTreeMap, io::IsTerminal, sync::Arc};
 
 use anyhow::Result;
 pub use args::NestArgs;
+use delivery::build::BuildPart;
+use farm::DiskPreparationCache;
 use nester::{
     LeftOutFit, NestingInstance, NestingMethod, NestingReport, NestingSolution, PreparedMeshCache, PreparedMeshes,
     SearchBudget,
@@ -19,11 +21,7 @@ use nester::{
 pub use parts::{RequestedFile, parse_part_argument};
 use progress::{SearchProgress, SearchTarget, bound_and_gap};
 
-use crate::{
-    build::BuildPart,
-    cli::{CommandExit, CommonArgs, UsageError, terminal::table::print_to_stderr},
-    farm::DiskPreparationCache,
-};
+use crate::cli::{CommandExit, CommonArgs, UsageError, terminal::table::print_to_stderr};
 
 /// Largest size of the `--cache` folder, bytes.
 const CACHE_BYTES: u64 = 4 << 30;

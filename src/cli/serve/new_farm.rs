@@ -11,16 +11,15 @@ use clap::builder::PossibleValuesParser;
 use glam::DVec3;
 
 use super::check::volume_doubt;
-use crate::{
-    cli::{
-        CommandExit, CommonArgs, UsageError,
-        terminal::{
-            farm_context::load_settings,
-            table::{print_text, print_to_stderr},
-            values::{parse_distance, parse_volume},
-        },
+use settings::{find_config_file, is_machine_name};
+
+use crate::cli::{
+    CommandExit, CommonArgs, UsageError,
+    terminal::{
+        farm_context::load_settings,
+        table::{print_text, print_to_stderr},
+        values::{parse_distance, parse_volume},
     },
-    settings::{find_config_file, is_machine_name},
 };
 
 /// The farm file that is shipped; it documents every option.

@@ -7,13 +7,12 @@ use std::{
 
 use anyhow::{Context, Result};
 use ledger::{LedgerOnDemand, LedgerUser, ReceiverKind};
+use settings::{Settings, SharedSettings};
 use tokio::runtime::Runtime;
 
 use crate::{
     cli::{CommandExit, CommonArgs, UsageError, terminal::logging},
-    farm, metrics, outbox,
-    settings::{self, Settings, SharedSettings},
-    web,
+    metrics, outbox, web,
 };
 
 /// Time between two checks whether the settings name any receiver.

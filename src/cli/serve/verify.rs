@@ -7,18 +7,16 @@ use std::{
 
 use anyhow::Result;
 use build_file::{Arrangement, BuildMetadata, DeliveryKind, ReadLimits};
+use delivery::build::{BuildFileVerification, MachineSpec};
 use glam::DVec3;
 use nester::{DEFAULT_LAYER_MM, InterlockRule, LayerAreaCap, VolumeMargins};
 use serde_json::{Value, json};
 
-use crate::{
-    build::{BuildFileVerification, MachineSpec},
-    cli::{
-        CommandExit, CommonArgs, UsageError,
-        terminal::{
-            expected_parts,
-            values::{parse_distance, parse_margins, parse_volume, parse_word},
-        },
+use crate::cli::{
+    CommandExit, CommonArgs, UsageError,
+    terminal::{
+        expected_parts,
+        values::{parse_distance, parse_margins, parse_volume, parse_word},
     },
 };
 

@@ -14,11 +14,10 @@ use super::{
     table::{print_text, print_to_stderr},
     values::parse_prefixed_number,
 };
-use crate::{
-    cli::{CommandExit, CommonArgs, UsageError},
-    farm::{self, CakeContents, CakeCopy},
-    settings::{MachineProfile, Settings},
-};
+use farm::{CakeContents, CakeCopy};
+use settings::{MachineProfile, Settings};
+
+use crate::cli::{CommandExit, CommonArgs, UsageError};
 
 /// The options that select a build.
 #[derive(Debug, clap::Args)]

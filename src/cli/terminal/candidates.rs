@@ -9,11 +9,10 @@ use jiff::Timestamp;
 use ledger::{HistoryQuery, OrderQuery, PartQuery, PartState};
 
 use super::farm_context::run_with_ledger;
-use crate::{
-    cli::CommonArgs,
-    farm::{DatedBuild, said_state},
-    settings::{self, Settings},
-};
+use farm::{DatedBuild, said_state};
+use settings::Settings;
+
+use crate::cli::CommonArgs;
 
 /// Most words of a kind.
 const MAX_WORDS: u32 = 200;

@@ -6,11 +6,9 @@ use jiff::{Span, Timestamp, civil::Date};
 use ledger::{Ledger, LedgerError, UtcTimestamp};
 
 use super::table::print_to_stderr;
-use crate::{
-    cli::{CommonArgs, UsageError},
-    farm,
-    settings::{self, FarmZone, Settings},
-};
+use settings::{FarmZone, Settings};
+
+use crate::cli::{CommonArgs, UsageError};
 
 /// Loads the farm's settings; any error is a usage error.
 pub fn load_settings(common: &CommonArgs) -> Result<Settings> {

@@ -8,9 +8,8 @@ use std::{
 
 use anyhow::{Context, Error, Result};
 use build_file::is_invisible;
+use settings::{LogFormat, LogSettings, parse_log_filter};
 use tracing_subscriber::{Layer, Registry, layer::SubscriberExt, util::SubscriberInitExt};
-
-use crate::settings::{LogFormat, LogSettings, parse_log_filter};
 
 /// The environment variable that overrides the configured filter.
 const FILTER_VARIABLE: &str = "NESTD_LOG";

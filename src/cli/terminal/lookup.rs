@@ -11,11 +11,10 @@ use ledger::{
 use serde::Serialize;
 
 use super::values::parse_prefixed_number;
-use crate::{
-    farm::{BuildFact, DatedOrder, MachinePlan, MaterialReading, PartQuestion, build_fact, copy_counts, customer_note},
-    settings::{FarmZone, MachineProfile, Materials},
-    tables::{CountedPart, PlacedCopy},
-};
+use farm::{BuildFact, DatedOrder, MachinePlan, MaterialReading, PartQuestion, build_fact, copy_counts, customer_note};
+use settings::{FarmZone, MachineProfile, Materials};
+
+use crate::tables::{CountedPart, PlacedCopy};
 
 /// What the user wants to see. A bare number or name may match a build, a part, an order and a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

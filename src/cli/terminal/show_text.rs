@@ -8,12 +8,12 @@ use super::{
     table::TextTable,
     terminal::wrap_words,
 };
-use crate::farm::part_fact;
 use crate::tables::{
     BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, GivenDate, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart,
     PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, fields,
     order_copies_text, part_facts, wanted_text, whereabouts,
 };
+use farm::part_fact;
 
 /// Columns that are left out on a narrow terminal, the first of them first.
 const LEAST_COLUMNS: &[&str] = &["machine", "state", "due_at", "reason_or_warning", "where"];

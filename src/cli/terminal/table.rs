@@ -261,7 +261,9 @@ fn escaped_json(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{settings::FarmZone, tables::fields};
+    use settings::FarmZone;
+
+    use crate::tables::fields;
 
     /// (name, waiting copies, next build, current activity)
     type Sample = (&'static str, u32, &'static str, &'static str);

@@ -7,7 +7,7 @@ use super::{
     cell_value::CellValue,
     time_view::{GivenDate, TimeView},
 };
-use crate::farm::said_state;
+use farm::said_state;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

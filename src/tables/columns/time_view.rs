@@ -1,17 +1,14 @@
 //! How times are shown to people: in the time zone of the farm, with the mark of the zone, and with durations beside due
 //! dates.
 
+use farm::{OrderFact, delay_text};
 use jiff::{
     SignedDuration, Timestamp,
     civil::{Date, DateTime},
 };
 use language::say;
 use ledger::{PartTerms, UtcTimestamp};
-
-use crate::{
-    farm::{OrderFact, delay_text},
-    settings::FarmZone,
-};
+use settings::FarmZone;
 
 /// How times are shown to people.
 #[derive(Debug, Clone, PartialEq, Eq)]

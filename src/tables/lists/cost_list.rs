@@ -1,11 +1,9 @@
 //! What orders bear of builds: the lines of an invoice, and the shares that they are made of.
 
+use farm::{CostShare, OrderCost};
 use language::say;
 
-use crate::{
-    farm::{CostShare, OrderCost},
-    tables::{CellValue, columns::table_column::TableColumn, fields},
-};
+use crate::tables::{CellValue, columns::table_column::TableColumn, fields};
 
 /// The columns of what orders bear.
 pub const ORDER_COST_COLUMNS: &[TableColumn<OrderCost>] = &[

@@ -1,14 +1,12 @@
 //! The history: one row per build, and the totals of the published builds of each machine. A column added here
 //! appears in the terminal, on the page and in the CSV. A test requires a column for each field of the JSON.
 
+use farm::DatedBuild;
 use ledger::HeightSummary;
 
-use crate::{
-    farm::DatedBuild,
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn},
-        fields,
-    },
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn},
+    fields,
 };
 
 /// Builds that are past nesting.

@@ -2,15 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use farm::{MM3_PER_LITRE, cake_litres};
 use language::say;
 use ledger::{BadCopies, BuildState, HistoryRow};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    farm::{MM3_PER_LITRE, cake_litres},
-    tables::{columns::table_column::TableColumn, fields},
-};
+use crate::tables::{columns::table_column::TableColumn, fields};
 
 /// What a machine made in a span of time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]

@@ -2,21 +2,19 @@
 
 use std::collections::BTreeMap;
 
+use farm::{BuildFact, DatedOrder, MachinePlan, build_of_copy, counted_words};
 use language::say;
 use ledger::{BuildId, BuildState, LineCopies, OrderLine, OrderRow, OrderSummary, PartId, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    farm::{BuildFact, DatedOrder, MachinePlan, build_of_copy, counted_words},
-    tables::{
-        columns::{
-            cell_value::CellValue,
-            table_column::TableColumn,
-            time_view::{GivenDate, PromisedDate, TimeView},
-        },
-        fields,
+use crate::tables::{
+    columns::{
+        cell_value::CellValue,
+        table_column::TableColumn,
+        time_view::{GivenDate, PromisedDate, TimeView},
     },
+    fields,
 };
 
 /// Orders, with what became of their copies.

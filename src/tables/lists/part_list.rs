@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use farm::{BuildFact, CakePart, CopyWord, MachinePlan, build_of_copy, copy_fact, read_part_facts, said_state};
 use language::say;
 use ledger::{BuildId, Ledger, LineCopies, PartRow, PlacementRow, RefusalCause};
 use serde::Serialize;
 
-use crate::{
-    farm::{BuildFact, CakePart, CopyWord, MachinePlan, build_of_copy, copy_fact, read_part_facts, said_state},
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
-        fields,
-        lists::order_list::line_copies_text,
-    },
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn, time_view::GivenDate},
+    fields,
+    lists::order_list::line_copies_text,
 };
 
 /// A part in a list of parts, and how far it is.

@@ -1,17 +1,15 @@
 //! The plan of a machine: its builds under way and to come, and the due dates at risk.
 
+use farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild};
 use language::say;
 
-use crate::{
-    farm::{DateRisk, MachinePlan, PlanStage, PlannedBuild},
-    tables::{
-        columns::{
-            cell_value::CellValue,
-            table_column::TableColumn,
-            time_view::{GivenDate, TimeView},
-        },
-        fields,
+use crate::tables::{
+    columns::{
+        cell_value::CellValue,
+        table_column::TableColumn,
+        time_view::{GivenDate, TimeView},
     },
+    fields,
 };
 
 /// The builds of a plan.
@@ -21,7 +19,7 @@ pub const PLAN_COLUMNS: &[TableColumn<PlannedBuild>] = &[
         CellValue::State(row.stage.word(row.awaits_release).to_owned())
     }),
     TableColumn::new("copies", fields::COPIES, |row| row.copies.into()),
-    TableColumn::for_people("height", fields::ABOUT_HEIGHT, |row| row.height_text().into()),
+    TableColumn::for_people("height", fields::ABOUT_HEIGHT, |row| height_text(row).into()),
     TableColumn::new("fires_at", fields::FIRES_AT, |row| row.fires_at.into()),
     TableColumn::for_people("fires_by", fields::FIRED_BY, |row| row.fires_by.map(|by| by.to_string()).into()),
     TableColumn::new("printer", fields::PRINTER, |row| row.printer.as_ref().into()),
@@ -44,13 +42,11 @@ pub const RISK_COLUMNS: &[TableColumn<DateRisk>] = &[
     TableColumn::new("reason", fields::REASON, |row| (&row.reason).into()),
 ];
 
-impl PlannedBuild {
-    /// The height of a layout, or `about` an estimate.
-    fn height_text(&self) -> String {
-        match self.is_nested {
-            true => language::decimal(format!("{:.1}", self.height_mm)),
-            false => say!("about-height", height = format!("{:.0}", self.height_mm)),
-        }
+/// The height of a layout, or `about` an estimate.
+fn height_text(build: &PlannedBuild) -> String {
+    match build.is_nested {
+        true => language::decimal(format!("{:.1}", build.height_mm)),
+        false => say!("about-height", height = format!("{:.0}", build.height_mm)),
     }
 }
 
@@ -60,8 +56,8 @@ pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
     if let Some(hindered) = plan.hindered {
         let machine = &plan.machine;
         notes.push(match hindered {
-            crate::farm::RiskCause::Paused => say!("plan-paused", machine = machine),
-            crate::farm::RiskCause::Unavailable => say!("plan-unavailable", machine = machine),
+            farm::RiskCause::Paused => say!("plan-paused", machine = machine),
+            farm::RiskCause::Unavailable => say!("plan-unavailable", machine = machine),
             _ => say!("plan-no-printer", machine = machine),
         });
     }

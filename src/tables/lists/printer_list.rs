@@ -1,11 +1,10 @@
 //! The printers of the machines.
 
-use crate::{
-    farm::PrinterFact,
-    tables::{
-        columns::{cell_value::CellValue, table_column::TableColumn},
-        fields,
-    },
+use farm::PrinterFact;
+
+use crate::tables::{
+    columns::{cell_value::CellValue, table_column::TableColumn},
+    fields,
 };
 
 /// The printers of a farm.

@@ -2,18 +2,16 @@
 
 use language::say;
 use ledger::{BuildRow, EventKind, EventRow, OutcomeRow, UtcTimestamp};
+use settings::MachineProfile;
 
-use crate::{
-    settings::MachineProfile,
-    tables::{
-        columns::{
-            cell_value::CellValue,
-            field_definition::{FieldDefinition, SheetFact},
-            table_column::TableColumn as Column,
-            time_view::TimeView,
-        },
-        fields,
+use crate::tables::{
+    columns::{
+        cell_value::CellValue,
+        field_definition::{FieldDefinition, SheetFact},
+        table_column::TableColumn as Column,
+        time_view::TimeView,
     },
+    fields,
 };
 
 /// The recorded outcomes of a build.

@@ -7,16 +7,15 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::build_sheet::joined;
-use crate::{
-    farm::{FireTrigger, MachineFact, held_text, night_gain_text},
-    settings::MachineProfile,
-    tables::{
-        columns::{
-            table_column::TableColumn,
-            time_view::{GivenDate, TimeView},
-        },
-        fields,
+use farm::{FireTrigger, MachineFact, held_text, night_gain_text};
+use settings::MachineProfile;
+
+use crate::tables::{
+    columns::{
+        table_column::TableColumn,
+        time_view::{GivenDate, TimeView},
     },
+    fields,
 };
 
 /// The current state of a machine, with the forecast of its next build.

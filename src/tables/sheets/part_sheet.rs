@@ -4,7 +4,6 @@ use language::say;
 use ledger::{PartMending, PartRow, PartState};
 
 use super::build_sheet::{content, joined};
-use crate::farm::said_state;
 use crate::tables::{
     columns::{
         field_definition::{FieldDefinition, SheetFact},
@@ -12,6 +11,7 @@ use crate::tables::{
     },
     fields,
 };
+use farm::said_state;
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {

@@ -5,17 +5,16 @@ use language::say;
 use ledger::PickMark;
 
 use super::build_sheet::{clearance_text, content};
-use crate::{
-    farm::{RecordedBuild, RecordedCopy},
-    tables::{
-        columns::{
-            cell_value::CellValue,
-            field_definition::{FieldDefinition, SheetFact},
-            table_column::TableColumn as Column,
-            time_view::TimeView,
-        },
-        fields,
+use farm::{RecordedBuild, RecordedCopy};
+
+use crate::tables::{
+    columns::{
+        cell_value::CellValue,
+        field_definition::{FieldDefinition, SheetFact},
+        table_column::TableColumn as Column,
+        time_view::TimeView,
     },
+    fields,
 };
 
 /// A copy that is turned by less stands as in its file, degrees.

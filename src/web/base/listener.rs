@@ -6,9 +6,8 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail, ensure};
+use settings::ListenAddress;
 use tokio::net::{TcpListener, UnixListener};
-
-use crate::settings::ListenAddress;
 
 /// Removes the socket file of a daemon that no longer runs. Fails when another process still listens on it.
 fn remove_stale_socket(path: &Path) -> Result<()> {

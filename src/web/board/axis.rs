@@ -4,8 +4,9 @@
 use jiff::{SignedDuration, Timestamp, ToSpan, civil::Date};
 use language::say;
 use maud::{Markup, html};
+use settings::FarmZone;
 
-use crate::{settings::FarmZone, web::look::style::AXIS_STEPS};
+use crate::web::look::style::AXIS_STEPS;
 
 /// One step, s.
 const STEP_SECS: i64 = 15 * 60;

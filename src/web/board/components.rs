@@ -11,9 +11,10 @@ use super::{
     axis::TimeAxis,
     job::{Job, JobSetting, later_job},
 };
+use farm::{DatesKept, PlanStage, PlannedBuild};
+use settings::FarmZone;
+
 use crate::{
-    farm::{DatesKept, PlanStage, PlannedBuild},
-    settings::FarmZone,
     tables::{GivenDate, TimeView},
     web::{
         base::page::html_page,

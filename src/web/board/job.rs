@@ -7,8 +7,9 @@ use ledger::{BuildId, UtcTimestamp};
 use maud::{Markup, html};
 
 use super::axis::{AxisSpan, TimeAxis};
+use farm::{DatesKept, PlanStage, PlannedBuild};
+
 use crate::{
-    farm::{DatesKept, PlanStage, PlannedBuild},
     tables::TimeView,
     web::{
         core::picture::small_picture,

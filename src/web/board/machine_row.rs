@@ -15,12 +15,13 @@ use super::{
     axis::TimeAxis,
     job::{Job, JobSetting, later_job},
 };
+use farm::{
+    FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text, build_fact,
+    held_text, night_text, with_lot,
+};
+use settings::MachineProfile;
+
 use crate::{
-    farm::{
-        FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text,
-        build_fact, held_text, night_text, with_lot,
-    },
-    settings::MachineProfile,
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
     web::{
         base::listing::fact_list,

@@ -8,13 +8,12 @@ use language::say;
 use ledger::{BuildId, BuildRow, PartId};
 
 use super::state::DashboardState;
-use crate::{
-    farm::{CakeContents, load_placed_parts},
-    settings::MachineProfile,
-    web::base::{
-        cache::RecentCache,
-        error::{HandlerError, HandlerResult},
-    },
+use farm::{CakeContents, load_placed_parts};
+use settings::MachineProfile;
+
+use crate::web::base::{
+    cache::RecentCache,
+    error::{HandlerError, HandlerResult},
 };
 
 /// The cache and the key of a rendered result.

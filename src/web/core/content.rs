@@ -12,10 +12,7 @@ use axum::{
 use tokio_stream::wrappers::ReceiverStream;
 
 use super::state::DashboardState;
-use crate::{
-    farm,
-    web::base::error::{HandlerError, HandlerResult},
-};
+use crate::web::base::error::{HandlerError, HandlerResult};
 
 /// Bytes that are read at once.
 const CHUNK_BYTES: usize = 1 << 18;

@@ -20,8 +20,9 @@ use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
     state::DashboardState,
 };
+use farm::CakeContents;
+
 use crate::{
-    farm::{self, CakeContents},
     tables::fields,
     web::{
         base::{

@@ -20,12 +20,11 @@ use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
     state::DashboardState,
 };
-use crate::{
-    farm::{CakeContents, CakeCopy, CakePart},
-    web::{
-        base::{compressed::CompressedBody, error::HandlerResult},
-        figures::mesh_reduction::{ReducedMesh, reduce_mesh},
-    },
+use farm::{CakeContents, CakeCopy, CakePart};
+
+use crate::web::{
+    base::{compressed::CompressedBody, error::HandlerResult},
+    figures::mesh_reduction::{ReducedMesh, reduce_mesh},
 };
 
 /// Approximate limit of the triangles in a view.

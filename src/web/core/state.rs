@@ -9,10 +9,11 @@ use ledger::Ledger;
 use tokio::sync::{Notify, Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, shown_copies::ShownCopies, upload_turns::UploadTurns};
+use farm::{FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans};
+use settings::{MachineProfile, Settings, SharedSettings};
+
 use crate::{
-    farm::{self, FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans},
     metrics::MetricsExporter,
-    settings::{MachineProfile, Settings, SharedSettings},
     tables::TimeView,
     web::{
         base::{

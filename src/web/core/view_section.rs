@@ -6,7 +6,9 @@ use language::{comma, say};
 use maud::{Markup, html};
 
 use super::picture::cake_picture;
-use crate::{farm::CakePart, tables::CountedPart, web::base::assets::asset_address};
+use farm::CakePart;
+
+use crate::{tables::CountedPart, web::base::assets::asset_address};
 
 /// What the view of a build shows.
 pub(crate) struct ViewSection {

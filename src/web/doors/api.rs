@@ -13,13 +13,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource, RecordResponse};
+use farm::{
+    AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts, dates_at_risk,
+    load_placed_parts, read_plans, read_stored_alerts,
+};
+use settings::{MachineProfile, NotificationKind};
+
 use crate::{
-    farm::{
-        AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts,
-        dates_at_risk, load_placed_parts, read_plans, read_stored_alerts,
-    },
     outbox::{EventMessage, MessageBody, event_kinds, message_id},
-    settings::{MachineProfile, NotificationKind},
     tables::{FarmNode, MachineForecast, list_farm_nodes},
     web::{
         base::{
@@ -70,7 +71,7 @@ struct MachineResource {
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
     let (settings, now) = (web.current_settings(), Timestamp::now());
     let reading = FarmReading::read(&web.ledger, settings.profiles.values(), now).await?;
-    let machine = |((name, profile), fact): ((&String, &crate::settings::MachineProfile), MachineFact)| {
+    let machine = |((name, profile), fact): ((&String, &settings::MachineProfile), MachineFact)| {
         let status = MachineStatus::of_machine(&reading.rows.statuses, name);
         let observed = reading.rows.observed(name);
         MachineResource {

@@ -19,8 +19,9 @@ use super::{
     dto::{BuildResponse, PartResource, PartResponse, RecordResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
+use farm::{CostReport, DatedBuild, DatedOrder, MachinePlan, OrderQuote};
+
 use crate::{
-    farm::{CostReport, DatedBuild, DatedOrder, MachinePlan, OrderQuote},
     tables::PickList,
     web::{
         base::query::refuse_query,

@@ -12,10 +12,8 @@ use serde::Serialize;
 
 use super::enum_words::{words_of, words_or_null};
 
-use crate::{
-    farm::{BuildFact, CakeCopy, RecordedBuild},
-    settings::MachineProfile,
-};
+use farm::{BuildFact, CakeCopy, RecordedBuild};
+use settings::MachineProfile;
 
 /// A build with its parts, placements and outcomes.
 #[derive(Serialize, JsonSchema)]

@@ -15,21 +15,20 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{dto::PartResource, enum_words::words_or_null};
-use crate::{
-    settings::FarmZone,
-    web::{
-        base::{
-            api_body::JsonBody,
-            error::{HandlerError, HandlerResult},
-            query::order_address,
-        },
-        core::{
-            command::{CommandAnswers, check_takes_orders, run_commands},
-            request_user::RequestUser,
-            state::DashboardState,
-        },
-        forms::order_cancel::{CancelTarget, cancel_lines, is_being_read},
+use settings::FarmZone;
+
+use crate::web::{
+    base::{
+        api_body::JsonBody,
+        error::{HandlerError, HandlerResult},
+        query::order_address,
     },
+    core::{
+        command::{CommandAnswers, check_takes_orders, run_commands},
+        request_user::RequestUser,
+        state::DashboardState,
+    },
+    forms::order_cancel::{CancelTarget, cancel_lines, is_being_read},
 };
 
 /// Changes of what was asked; what is left out stays as it is.

@@ -18,18 +18,15 @@ use super::{
     edit_door::{CarriedOut, send},
     enum_words::words_of,
 };
-use crate::{
-    farm,
-    web::{
-        base::{
-            api_body::JsonBody,
-            error::{HandlerError, HandlerResult},
-        },
-        core::{
-            command::{check_takes_orders, is_failure_of_ledger},
-            request_user::RequestUser,
-            state::DashboardState,
-        },
+use crate::web::{
+    base::{
+        api_body::JsonBody,
+        error::{HandlerError, HandlerResult},
+    },
+    core::{
+        command::{check_takes_orders, is_failure_of_ledger},
+        request_user::RequestUser,
+        state::DashboardState,
     },
 };
 

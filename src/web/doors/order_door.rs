@@ -22,20 +22,19 @@ use super::{
         announced_bytes, find_content, incomplete_body, put_contents, receive_content, require_room, take_place,
     },
 };
-use crate::{
-    farm::{self, JudgedFile},
-    settings::MachineProfile,
-    web::{
-        base::{
-            api_body::MAX_JSON_BYTES,
-            client_limits::BytesUnderWay,
-            connection_limits::RequestInProgress,
-            error::{HandlerError, HandlerResult},
-            form_field::{incomplete_form, read_field},
-        },
-        clients::client::RequestClient,
-        core::{command::check_takes_orders, state::DashboardState},
+use farm::JudgedFile;
+use settings::MachineProfile;
+
+use crate::web::{
+    base::{
+        api_body::MAX_JSON_BYTES,
+        client_limits::BytesUnderWay,
+        connection_limits::RequestInProgress,
+        error::{HandlerError, HandlerResult},
+        form_field::{incomplete_form, read_field},
     },
+    clients::client::RequestClient,
+    core::{command::check_takes_orders, state::DashboardState},
 };
 
 /// The header with the key of a request.

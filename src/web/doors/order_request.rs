@@ -7,8 +7,7 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-
-use crate::settings::{FarmZone, MachineProfile};
+use settings::{FarmZone, MachineProfile};
 
 /// Lines of one request.
 pub(crate) const MAX_LINES: usize = 500;
@@ -240,7 +239,6 @@ pub(crate) fn due_of(ticket: &Ticket, zone: &FarmZone) -> Result<Option<Timestam
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings;
 
     fn profile() -> MachineProfile {
         let folder = tempfile::tempdir().unwrap();

@@ -16,16 +16,13 @@ use serde::Serialize;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio_stream::{Stream, StreamExt};
 
-use crate::{
-    farm,
-    web::{
-        base::{
-            client_limits::{BytesUnderWay, ClientPlace},
-            error::{HandlerError, HandlerResult},
-        },
-        clients::client::RequestClient,
-        core::{command::check_takes_orders, state::DashboardState},
+use crate::web::{
+    base::{
+        client_limits::{BytesUnderWay, ClientPlace},
+        error::{HandlerError, HandlerResult},
     },
+    clients::client::RequestClient,
+    core::{command::check_takes_orders, state::DashboardState},
 };
 
 /// A file that the farm has.

@@ -21,22 +21,21 @@ use super::{
     order_request::{LineRequest, MAX_LINES, OrderRequest, due_of},
     put_content::{announced_bytes, put_contents, receive_file, take_place},
 };
-use crate::{
-    farm::{
-        MaterialReading, OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan,
-        read_quoted_files,
+use farm::{
+    MaterialReading, OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan,
+    read_quoted_files,
+};
+use settings::MachineProfile;
+
+use crate::web::{
+    base::{
+        client_limits::BytesUnderWay,
+        connection_limits::RequestInProgress,
+        error::{HandlerError, HandlerResult},
+        form_field::{incomplete_form, read_field},
     },
-    settings::MachineProfile,
-    web::{
-        base::{
-            client_limits::BytesUnderWay,
-            connection_limits::RequestInProgress,
-            error::{HandlerError, HandlerResult},
-            form_field::{incomplete_form, read_field},
-        },
-        clients::client::RequestClient,
-        core::state::DashboardState,
-    },
+    clients::client::RequestClient,
+    core::state::DashboardState,
 };
 
 /// Quotes that are made at the same time.

@@ -6,8 +6,7 @@ use jiff::{ToSpan, civil::Date};
 use language::{colon, comma, say};
 use ledger::HistoryRow;
 use maud::{Markup, PreEscaped, html};
-
-use crate::settings::FarmZone;
+use settings::FarmZone;
 
 /// Width of a chart: about that of a phone, so that its text is never smaller than it is written.
 const WIDTH: f64 = 360.0;

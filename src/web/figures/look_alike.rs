@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use farm::CakePart;
 use language::say;
 use nester::LookMeasures;
-
-use crate::farm::CakePart;
 
 /// The parts that look like others, by number, with the names of those others and of their orders.
 pub(crate) fn look_alikes(parts: &[CakePart]) -> BTreeMap<i64, Vec<String>> {

@@ -16,9 +16,10 @@ use super::{
     look_alike::look_alikes,
     outline::{OUTLINE_SCALE, outline_path},
 };
+use farm::{CakeContents, CakeCopy, CakePart};
+use settings::FarmZone;
+
 use crate::{
-    farm::{CakeContents, CakeCopy, CakePart},
-    settings::FarmZone,
     tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, TimeView, for_people, points_down},
     web::base::listing::{cell, heading},
 };

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use build_file::name_in_build_file;
+use farm::{CakeContents, CakeCopy};
 use ledger::RemovalStep;
 use nester::RemovedCopy;
-
-use crate::farm::{CakeContents, CakeCopy};
 
 /// Largest report that is read.
 const MAX_REPORT_BYTES: u64 = 32 << 20;

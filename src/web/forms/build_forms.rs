@@ -18,9 +18,10 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::operate_form::say_word;
+use farm::{awaits_release, preview_release};
+use settings::MachineProfile;
+
 use crate::{
-    farm::{awaits_release, preview_release},
-    settings::MachineProfile,
     tables::{CountedPart, fields},
     web::{
         base::error::{HandlerError, HandlerResult},

@@ -5,9 +5,9 @@ use build_file::part_endings;
 use intake::Ticket;
 use language::say;
 use maud::{Markup, html};
+use settings::{FarmZone, MachineProfile};
 
 use crate::{
-    settings::{FarmZone, MachineProfile},
     tables::fields,
     web::core::{form_answer::key_field, state::DashboardState},
 };

@@ -13,8 +13,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{build_forms::MAX_NOTE, operate_form::say_word};
+use farm::PrinterFact;
+
 use crate::{
-    farm::PrinterFact,
     tables::fields,
     web::{
         base::error::{HandlerError, HandlerResult},

@@ -4,12 +4,9 @@
 use language::say;
 use ledger::{InQueueError, LedgerError, OperatorWord};
 
-use crate::{
-    farm,
-    web::{
-        base::error::HandlerResult,
-        core::{command::answer_form, form_answer::FormAnswer, state::DashboardState},
-    },
+use crate::web::{
+    base::error::HandlerResult,
+    core::{command::answer_form, form_answer::FormAnswer, state::DashboardState},
 };
 
 /// Says a word of a form. `anyway` = the button was pressed that says it anyway.

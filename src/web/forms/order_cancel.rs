@@ -5,14 +5,11 @@ use std::collections::HashSet;
 use language::say;
 use ledger::{CommandArgument, CommandKind, NewCommand, OrderLine, PartId, PartRow, PartState};
 
-use crate::{
-    farm,
-    web::{
-        base::error::{HandlerError, HandlerResult},
-        core::{
-            command::{CommandAnswers, run_commands},
-            state::DashboardState,
-        },
+use crate::web::{
+    base::error::{HandlerError, HandlerResult},
+    core::{
+        command::{CommandAnswers, run_commands},
+        state::DashboardState,
     },
 };
 

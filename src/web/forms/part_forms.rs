@@ -19,8 +19,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{build_forms::MAX_NOTE, operate_form::say_word};
+use settings::FarmZone;
+
 use crate::{
-    settings::FarmZone,
     tables::fields,
     web::{
         base::error::{HandlerError, HandlerResult},

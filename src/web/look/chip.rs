@@ -1,8 +1,7 @@
 //! Chips: a state as a colour, a shape and its word. Which tone a word has is decided here, for all pages.
 
+use farm::said_state;
 use maud::{Markup, html};
-
-use crate::farm::said_state;
 
 /// What a state means for whoever looks: each tone has a colour and a shape of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +110,7 @@ mod tests {
     use ledger::{BuildState, OrderState, PartState, PrintOutcome};
 
     use super::*;
-    use crate::farm::{CopyWord, MachineWord, OrderWord, PlanStage, PrinterWord};
+    use farm::{CopyWord, MachineWord, OrderWord, PlanStage, PrinterWord};
 
     #[test]
     fn every_word_of_a_state_is_in_the_catalogs() {

@@ -12,9 +12,10 @@ use super::{
     costs::{CostQuestion, cost_figure},
     downloads::downloads_sheet,
 };
+use farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans};
+use settings::MachineProfile;
+
 use crate::{
-    farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans},
-    settings::MachineProfile,
     tables::{
         BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts,
         fields,

@@ -16,9 +16,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::month::FarmMonth;
+use farm::CostReport;
+use settings::PriceSum;
+
 use crate::{
-    farm::CostReport,
-    settings::PriceSum,
     tables::{COST_SHARE_COLUMNS, ORDER_COST_COLUMNS, csv_of, fields},
     web::{
         base::{

@@ -16,9 +16,10 @@ use super::{
     pick_page::cached_map,
     report::{HtmlReport, ReportSource},
 };
+use farm::{CakeContents, find_proved_file, load_placed_parts};
+use settings::MachineProfile;
+
 use crate::{
-    farm::{CakeContents, find_proved_file, load_placed_parts},
-    settings::MachineProfile,
     tables::{PICK_COLUMNS, csv_of},
     web::{
         base::error::{HandlerError, HandlerResult},

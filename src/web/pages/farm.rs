@@ -10,12 +10,13 @@ use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
 use maud::{Markup, html};
 
 use super::needs::needs_section;
+use farm::{
+    DateRisk, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, dates_at_risk, farm_summary, halt_summary,
+    read_stored_alerts,
+};
+use settings::Settings;
+
 use crate::{
-    farm::{
-        DateRisk, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, dates_at_risk, farm_summary,
-        halt_summary, read_stored_alerts,
-    },
-    settings::Settings,
     tables::{FarmNode, GivenDate, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{
         base::{error::HandlerResult, format::format_age, listing::table_of, page::html_page, query::order_address},

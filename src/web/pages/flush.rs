@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use farm::{asked_text, load_placed_parts};
 use language::say;
 use ledger::{CommandKind, MachineStatus, PartQuery, PartRow, PartState};
 use maud::{Markup, html};
+use settings::MachineProfile;
 
 use crate::{
-    farm::{asked_text, load_placed_parts},
-    settings::MachineProfile,
     tables::{
         BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, ListedPart, PART_COLUMNS, PART_PAGE_KEYS, fields,
         height_in_volume,

@@ -8,16 +8,16 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
+use farm::DatedBuild;
 use jiff::{Timestamp, ToSpan, civil::Date};
 use language::say;
 use ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistorySort};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use settings::FarmZone;
 
 use crate::{
-    farm::DatedBuild,
-    settings::FarmZone,
     tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, HISTORY_PAGE_KEYS, TimeView, csv_of, fields},
     web::{
         base::{

@@ -19,9 +19,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::farm::risk_row;
+use farm::{CostReport, DateRisk, dates_at_risk, read_late_parts};
+use settings::FarmZone;
+
 use crate::{
-    farm::{CostReport, DateRisk, dates_at_risk, read_late_parts},
-    settings::FarmZone,
     tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields, people_columns},
     web::{
         base::{

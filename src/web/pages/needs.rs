@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use axum::extract::{Path, State};
+use farm::{AlertKind, FarmAlert, awaits_release};
 use jiff::Timestamp;
 use language::{colon, comma, say};
 use ledger::{
@@ -12,22 +13,19 @@ use ledger::{
 };
 use maud::{Markup, html};
 
-use crate::{
-    farm::{self, AlertKind, FarmAlert, awaits_release},
-    web::{
-        base::{
-            error::{HandlerError, HandlerResult},
-            format::prose_with_code,
-        },
-        core::{
-            command::{command_button, mend_button},
-            form_answer::{FormAnswer, key_field},
-            picture::is_mendable,
-            state::DashboardState,
-        },
-        forms::build_forms::unseen_failure,
-        look::{pieces::thumbnail, times::time_of},
+use crate::web::{
+    base::{
+        error::{HandlerError, HandlerResult},
+        format::prose_with_code,
     },
+    core::{
+        command::{command_button, mend_button},
+        form_answer::{FormAnswer, key_field},
+        picture::is_mendable,
+        state::DashboardState,
+    },
+    forms::build_forms::unseen_failure,
+    look::{pieces::thumbnail, times::time_of},
 };
 
 /// Parts of an entry that are named.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use farm::{MachinePlan, MaterialReading, PartQuestion, count_copies_in_layout, read_part_facts};
 use language::say;
 use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, RefusalCause};
 use maud::{Markup, html};
@@ -10,7 +11,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{MachinePlan, MaterialReading, PartQuestion, count_copies_in_layout, read_part_facts},
     tables::{
         COPY_GROUP_COLUMNS, CopyGroup, EVENT_COLUMNS, ListedPart, PART_COLUMNS, PART_PAGE_KEYS, PlacedCopy, TimeView,
         fields, gathered_events, part_facts, wanted_text,

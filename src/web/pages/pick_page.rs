@@ -6,13 +6,13 @@ use axum::{
     Json,
     extract::{Path, State},
 };
+use farm::{CakeContents, build_fact};
 use language::{comma, say};
 use ledger::{BuildRow, BuildState};
 use maud::{Markup, html};
+use settings::MachineProfile;
 
 use crate::{
-    farm::{CakeContents, build_fact},
-    settings::MachineProfile,
     tables::{PickList, fields},
     web::{
         base::{error::HandlerResult, page::html_page},

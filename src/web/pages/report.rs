@@ -5,13 +5,13 @@ use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use build_file::{BuildMetadata, Viewpoint};
+use farm::CakeContents;
 use language::say;
 use ledger::BuildRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use settings::{FarmZone, MachineProfile};
 
 use crate::{
-    farm::CakeContents,
-    settings::{FarmZone, MachineProfile},
     tables::{CAKE_PART_COLUMNS, SheetFact, TimeView, build_facts, fields, height_in_volume},
     web::{
         base::listing::{fact_list, table_of},

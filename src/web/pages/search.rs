@@ -3,13 +3,13 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use axum::extract::State;
+use farm::{FoundNames, FoundRows, MachinePlan, build_of_search, read_part_facts, search_names};
 use language::{comma, say};
 use ledger::{NamedBuildRow, NamedPartRow, PartId};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    farm::{FoundNames, FoundRows, MachinePlan, build_of_search, read_part_facts, search_names},
     tables::fields,
     web::{
         base::{

@@ -19,17 +19,16 @@ use super::{
     labels_of::{Bag, LinkRoot, bag_labels, bin_labels},
     system_fonts::{SystemFont, font_folders},
 };
-use crate::{
-    farm::load_placed_parts,
-    web::{
-        base::{
-            error::{HandlerError, HandlerResult},
-            page::html_page,
-            query::{Query, order_address, query_string},
-        },
-        core::{cached_render::find_build, state::DashboardState},
-        look::pieces::sheet,
+use farm::load_placed_parts;
+
+use crate::web::{
+    base::{
+        error::{HandlerError, HandlerResult},
+        page::html_page,
+        query::{Query, order_address, query_string},
     },
+    core::{cached_render::find_build, state::DashboardState},
+    look::pieces::sheet,
 };
 
 /// What is labelled.

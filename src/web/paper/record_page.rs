@@ -20,8 +20,9 @@ use super::{
     labels_of::LinkRoot,
     system_fonts::SystemFont,
 };
+use farm::{RecordedBuild, RecordedCopy, read_part_record};
+
 use crate::{
-    farm::{RecordedBuild, RecordedCopy, read_part_record},
     tables::{
         CellValue, RECORDED_COPY_COLUMNS, SheetFact, TableColumn, TimeView, fields, part_facts, people_columns,
         record_facts, wanted_text,

@@ -15,21 +15,19 @@ use language::say;
 use maud::html;
 
 use super::sent_form::{carry_out_form, check_form_key};
-use crate::{
-    farm,
-    settings::MachineProfile,
-    web::{
-        base::{
-            connection_limits::RequestInProgress,
-            error::{HandlerError, HandlerResult},
-            form_field::{incomplete_form, read_field},
-            page::html_page,
-        },
-        clients::client::RequestClient,
-        core::{form_answer::FormAnswer, state::DashboardState},
-        doors::put_content::{put_contents, run_on_disk},
-        forms::drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
+use settings::MachineProfile;
+
+use crate::web::{
+    base::{
+        connection_limits::RequestInProgress,
+        error::{HandlerError, HandlerResult},
+        form_field::{incomplete_form, read_field},
+        page::html_page,
     },
+    clients::client::RequestClient,
+    core::{form_answer::FormAnswer, state::DashboardState},
+    doors::put_content::{put_contents, run_on_disk},
+    forms::drop_form::{DropFields, MAX_FIELD_BYTES, drop_form},
 };
 
 /// Uploads at the same time.

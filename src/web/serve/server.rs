@@ -10,10 +10,11 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{drop, guard, page_routes, sent_form, spoken};
+use farm::{JudgedFiles, QuoteMeshes, ServiceBridge};
+use settings::{SharedSettings, WebSettings};
+
 use crate::{
-    farm::{JudgedFiles, QuoteMeshes, ServiceBridge},
     metrics::MetricsExporter,
-    settings::{SharedSettings, WebSettings},
     web::{
         base::{
             cache::RecentCache,

@@ -203,9 +203,9 @@ async fn farm_in_trouble() -> TestDashboard {
         dashboard.ledger.refuse_claim(id, cause, reason).await.unwrap();
     }
     add_doubts_and_failures(&dashboard).await;
-    let alerts: Vec<crate::farm::FarmAlert> = crate::farm::AlertKind::ALL
+    let alerts: Vec<farm::FarmAlert> = farm::AlertKind::ALL
         .into_iter()
-        .map(|kind| crate::farm::FarmAlert {
+        .map(|kind| farm::FarmAlert {
             kind,
             machine: "cube".to_owned(),
             detail: DETAILS.iter().find(|(of, _)| *of == word_of(kind)).map_or("", |(_, detail)| detail).to_owned(),
@@ -219,7 +219,7 @@ async fn farm_in_trouble() -> TestDashboard {
 }
 
 /// The word of a kind of alert.
-fn word_of(kind: crate::farm::AlertKind) -> String {
+fn word_of(kind: farm::AlertKind) -> String {
     serde_json::to_value(kind).unwrap().as_str().unwrap().to_owned()
 }
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::{DVec3, dvec3};
-use nestd::settings::load_settings;
+use settings::load_settings;
 
 const MACHINES: [(&str, DVec3, f64); 4] = [
     ("fuse-1", dvec3(165.0, 165.0, 300.0), 2.0),

@@ -7,7 +7,7 @@ use std::{
 };
 
 use glam::dvec3;
-use nestd::settings::load_settings;
+use settings::load_settings;
 
 fn nestd(dir: &Path, words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_nestd")).args(words).current_dir(dir).env_remove("NESTD_ROOT").output().unwrap()

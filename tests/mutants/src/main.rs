@@ -1,7 +1,7 @@
 //! Mutation tests: small faults are written into named source files, and each must make a test of the library fail. All mutants are
 //! compiled at once, each behind a switch (`mutate`), so that hundreds are tried with one compilation.
 //!
-//!     cargo run --release --manifest-path tests/mutants/Cargo.toml -- --package nestd src/queue/withdrawal.rs crates/ledger/src/words/put_back.rs
+//!     cargo run --release --manifest-path tests/mutants/Cargo.toml -- --package delivery crates/delivery/src/queue/take_back.rs crates/ledger/src/words/put_back.rs
 //!
 //! Or chosen faults, `chosen.txt`, each with the tests that must notice it:
 //!
@@ -102,7 +102,7 @@ fn arguments() -> Result<Arguments> {
         }
     }
     if asked.files.is_empty() && !asked.chosen {
-        bail!("name the source files that get mutants, for example src/queue/withdrawal.rs");
+        bail!("name the source files that get mutants, for example crates/delivery/src/queue/take_back.rs");
     }
     Ok(asked)
 }

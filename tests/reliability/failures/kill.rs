@@ -7,8 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState};
-use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -14,14 +14,11 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::{InvariantExpectations, check_invariants};
 use farm_node::{FarmNode, PROFILE, can_set_clocks, configured_node, configured_spare, machine_name};
 use ledger::{PartRow, PartState};
 use ledger_fixtures::postgres_cluster::{PostgresCluster, find_programs};
 use ledger_fixtures::server_link;
-use nestd::{
-    farm::{InvariantExpectations, check_invariants},
-    settings,
-};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -8,8 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{BuildState, PartState};
-use nestd::farm::InvariantExpectations;
 
 use crate::{
     harness::{SectionBudget, SectionResult, catch_panic, in_parallel},

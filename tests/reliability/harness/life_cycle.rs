@@ -8,8 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState};
-use nestd::farm::InvariantExpectations;
 
 use crate::support::{MACHINE, TestFarm, block, stl};
 
@@ -276,11 +276,11 @@ impl LifeCycle {
 
     /// Returns nothing when the ledger has no schema yet, after an early crash.
     fn try_invariants(&self, expectations: &InvariantExpectations) -> Vec<String> {
-        let settings = nestd::settings::load_settings(Some(&self.farm.config()), Some(self.farm.root())).unwrap();
+        let settings = settings::load_settings(Some(&self.farm.config()), Some(self.farm.root())).unwrap();
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let Ok(ledger) = Ledger::open_existing(&settings.ledger).await else { return Vec::new() };
-            let invariant_report = nestd::farm::check_invariants(&settings, &ledger, expectations).await.unwrap();
+            let invariant_report = farm::check_invariants(&settings, &ledger, expectations).await.unwrap();
             ledger.close().await;
             invariant_report.violations.iter().map(ToString::to_string).collect()
         })

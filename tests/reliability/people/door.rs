@@ -8,8 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{PartRow, PartState};
-use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -16,8 +16,8 @@ use std::{
 };
 
 use asked::{Asked, CopiesByFile, DroppedLine, TakenBuild};
+use farm::{AskedCopies, InvariantExpectations};
 use ledger::{CommandId, OrderQuery, PartRow, PartState};
-use nestd::farm::{AskedCopies, InvariantExpectations};
 use outcomes::ToldBad;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

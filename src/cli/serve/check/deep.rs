@@ -7,10 +7,8 @@ use build_file::format_count;
 use ledger::{Ledger, LedgerError};
 
 use super::report::CheckReport;
-use crate::{
-    farm::{self, InvariantExpectations, InvariantReport},
-    settings::Settings,
-};
+use farm::{InvariantExpectations, InvariantReport};
+use settings::Settings;
 
 const SUBJECT: &str = "invariants";
 /// A running daemon moves files during the check. Only a violation that is found twice, with this delay between,

@@ -5,10 +5,7 @@ use anyhow::{Context, Result};
 use ledger::{BuildRow, BuildState, Ledger, LedgerError};
 
 use super::{other_machines::OtherMachines, report::CheckReport};
-use crate::{
-    farm,
-    settings::{MachineProfile, PrinterRules, Settings},
-};
+use settings::{MachineProfile, PrinterRules, Settings};
 
 const SUBJECT: &str = "ledger";
 const RESTORE: &str = "put a backup back with `nestd restore FILE`";

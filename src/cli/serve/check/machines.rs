@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::report::CheckReport;
-use crate::settings::Settings;
+use settings::Settings;
 
 /// The longest edge of the smallest powder-bed machines is longer, mm.
 const SMALLEST_EDGE_MM: f64 = 80.0;

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::report::CheckReport;
-use crate::settings::{EmailSettings, Settings, WebhookSettings};
+use settings::{EmailSettings, Settings, WebhookSettings};
 
 /// A host that does not answer within this time gets a warning.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);

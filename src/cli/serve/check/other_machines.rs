@@ -7,7 +7,7 @@ use build_file::format_count;
 use ledger::{Ledger, LedgerError};
 
 use super::report::CheckReport;
-use crate::{farm, settings::Settings};
+use settings::Settings;
 
 /// Each machine with its node.
 #[derive(Debug, Default)]

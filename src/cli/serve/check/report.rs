@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use anyhow::Result;
 use build_file::escape_invisible_lines;
 use serde::Serialize;
+use settings::ConfigProblem;
 
-use crate::{cli::terminal::terminal::LinePaint, settings::ConfigProblem};
+use crate::cli::terminal::terminal::LinePaint;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -6,7 +6,7 @@ use jiff::{Timestamp, tz::TimeZone};
 use rustix::process::{Resource, getrlimit};
 
 use super::report::CheckReport;
-use crate::settings::{FarmZone, Settings};
+use settings::{FarmZone, Settings};
 
 /// Open files that a busy daemon needs: ledger connections, a few parts and builds at once, inotify.
 const MIN_OPEN_FILES: u64 = 256;

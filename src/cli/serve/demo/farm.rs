@@ -11,9 +11,10 @@ use std::{
 
 use anyhow::{Context, Result};
 use build_file::write_stl;
+use settings::load_settings;
 use solids::{Mesh, Pose};
 
-use crate::{cli::UsageError, settings::load_settings};
+use crate::cli::UsageError;
 
 /// The machine of the demo.
 pub(super) const MACHINE: &str = "paper-200";

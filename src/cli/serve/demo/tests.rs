@@ -24,7 +24,7 @@ fn a_second_demo_keeps_the_configuration_that_somebody_has_edited() {
 fn the_configuration_is_a_valid_one() {
     let dir = tempfile::tempdir().unwrap();
     let farm = DemoFarm::open_or_make(&dir.path().join("a \"farm\"")).unwrap();
-    let settings = crate::settings::load_settings(Some(&farm.config_file()), None).unwrap();
+    let settings = settings::load_settings(Some(&farm.config_file()), None).unwrap();
     let profile = &settings.profiles[MACHINE];
     assert_eq!(settings.ledger.file(), Some(&*farm.ledger_file()));
     assert_eq!(

@@ -4,11 +4,9 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 use nester::{FaceNotDown, InterlockRule, NestingMethod, OrientationRule, TiltLimit, VolumeMargins};
+use settings::parse_secs;
 
-use crate::{
-    cli::terminal::values::{parse_distance, parse_margins, parse_share, parse_volume, parse_word},
-    settings::parse_secs,
-};
+use crate::cli::terminal::values::{parse_distance, parse_margins, parse_share, parse_volume, parse_word};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]

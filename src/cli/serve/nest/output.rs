@@ -9,10 +9,9 @@ use nester::{NestingInstance, NestingReport, NestingSolution, SearchSummary};
 use solids::{Mesh, Pose};
 
 use super::{args::NestArgs, setup::NestingSetup};
-use crate::{
-    build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild},
-    cli::terminal::{atomic_file::AtomicFile, table::print_to_stderr},
-};
+use delivery::build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild};
+
+use crate::cli::terminal::{atomic_file::AtomicFile, table::print_to_stderr};
 
 /// Edge lengths of the thumbnail, pixels.
 const THUMBNAIL: (u32, u32) = (512, 384);
@@ -89,11 +88,17 @@ fn write_and_prove(
 }
 
 #[cfg(test)]
+#[path = "../../../../crates/delivery/src/build/fixtures.rs"]
+mod fixtures;
+
+#[cfg(test)]
 mod tests {
     use std::io::{Cursor, Write};
 
-    use super::*;
-    use crate::build::tests::{one_cube, with_an_item_more};
+    use super::{
+        fixtures::{one_cube, with_an_item_more},
+        *,
+    };
 
     #[test]
     fn a_build_that_a_second_reader_reads_differently_does_not_get_its_name() {

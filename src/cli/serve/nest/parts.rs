@@ -10,10 +10,9 @@ use anyhow::{Context, Result};
 use solids::Mesh;
 
 use super::{args::NestArgs, setup::NestingSetup};
-use crate::{
-    build::BuildPart,
-    cli::{UsageError, terminal::table::print_to_stderr},
-};
+use delivery::build::BuildPart;
+
+use crate::cli::{UsageError, terminal::table::print_to_stderr};
 
 /// A part file that the user requested.
 pub struct RequestedFile {

@@ -6,11 +6,9 @@ use glam::DVec3;
 use nester::{FaceNotDown, LayerAreaCap, NestingConfig, OrientationLimits, OrientationRule, TiltLimit, VolumeMargins};
 
 use super::args::NestArgs;
-use crate::{
-    build::MachineSpec,
-    cli::{CommonArgs, UsageError},
-    settings,
-};
+use delivery::build::MachineSpec;
+
+use crate::cli::{CommonArgs, UsageError};
 
 /// Clearance without a profile and without `--clearance`, mm.
 const DEFAULT_CLEARANCE_MM: f64 = 3.0;

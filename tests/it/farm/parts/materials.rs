@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use farm::InvariantExpectations;
 use ledger::PartState;
-use nestd::farm::InvariantExpectations;
 
 use crate::support::{QUICK, TestFarm, block, wait_until_or};
 

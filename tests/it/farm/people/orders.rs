@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use farm::InvariantExpectations;
 use ledger::PartState;
-use nestd::farm::InvariantExpectations;
 use serde_json::Value;
 
 use crate::support::{QUICK, TestFarm, block, http::send_request, wait_until_or};

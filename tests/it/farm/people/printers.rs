@@ -7,8 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use farm::InvariantExpectations;
 use ledger::{BuildState, OperatorWord, PartState, SeenFiles};
-use nestd::farm::InvariantExpectations;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::support::{

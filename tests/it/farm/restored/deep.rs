@@ -2,8 +2,8 @@
 
 use std::{fs, path::PathBuf};
 
+use farm::{AskedCopies, InvariantExpectations};
 use ledger::PartState;
-use nestd::farm::{AskedCopies, InvariantExpectations};
 
 use crate::support::{QUICK, TestFarm, block, stl, wait_until};
 

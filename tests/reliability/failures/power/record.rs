@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::farm::InvariantExpectations;
+use farm::InvariantExpectations;
 use nix::libc;
 
 use super::tree::{FileOperation, InodeTree, OperationKind};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use farm::InvariantExpectations;
 use ledger::{OrderQuery, OrderState, OrderSummary};
-use nestd::farm::InvariantExpectations;
 use serde_json::Value;
 
 use super::{Bureau, OrderFate, PER_LITRE, PER_PART};

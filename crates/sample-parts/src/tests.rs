@@ -211,3 +211,31 @@ fn figures_and_cages_are_closed_and_as_large_as_promised() {
         }
     }
 }
+
+#[test]
+fn a_written_workload_holds_the_copies_and_triangles_that_the_bench_packs() {
+    for workload in &COMPARED_WORKLOADS {
+        assert_eq!(ComparedWorkload::named(workload.name), Some(workload));
+        let files = workload.files();
+        let bytes = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.bytes.clone()).unwrap();
+        let text = |path: &str| String::from_utf8(bytes(path)).unwrap();
+        let list = text(&format!("workloads/{}.csv", workload.name));
+        let rows: Vec<(&str, u32)> =
+            list.lines().skip(1).filter_map(|row| row.split_once(',')).map(|(f, n)| (f, n.parse().unwrap())).collect();
+        let parts = workload_parts(workload.parts);
+        assert!(list.starts_with("file,quantity\n") && rows.len() == parts.len() && files.len() == parts.len() + 2);
+        for ((file, quantity), (mesh, copies)) in rows.iter().zip(&parts) {
+            let mut source = std::io::Cursor::new(bytes(file));
+            let facets = stl_io::create_stl_reader(&mut source).unwrap();
+            let written: Vec<[[f32; 3]; 3]> = facets.map(|facet| facet.unwrap().vertices.map(|v| v.0)).collect();
+            let corners = |t| mesh.corners(t).map(|corner| corner.as_vec3().to_array());
+            let packed: Vec<[[f32; 3]; 3]> = (0..mesh.triangles().len()).map(corners).collect();
+            assert!(quantity == copies && written == packed, "{file}");
+            assert!(packed.iter().all(|[a, b, c]| a != b && b != c && c != a), "{file}: a triangle lost its area");
+        }
+        let [length_mm, width_mm] = workload.base_mm;
+        let beside = text(&format!("workloads/{}.json", workload.name));
+        assert!(beside.contains(&format!("\"volume_mm\": [{length_mm}, {width_mm}, 600]")), "{beside}");
+        assert!(beside.contains(&format!("\"clearance_mm\": {}}}", workload.clearance_mm)), "{beside}");
+    }
+}

@@ -1,4 +1,4 @@
-"""Distances of placed triangle meshes, for judge.py: box trees, exact distances of triangles, and what is inside a solid."""
+"""Distances of placed triangle meshes, for judge.py: box trees, distances of triangles, what is inside a solid."""
 import math
 
 import numpy as np
@@ -7,7 +7,7 @@ CHUNK = 8192  # triangle pairs at a time
 
 
 class Shape:
-    """The triangles of an STL in the order of a box tree: node k of a level has the nodes 2k and 2k + 1 of the next one."""
+    """The triangles of an STL in the order of a box tree: below node k of a level are nodes 2k and 2k + 1 of the next."""
 
     def __init__(self, triangles):
         self.depth = max(0, math.ceil(math.log2(len(triangles))))

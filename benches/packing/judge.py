@@ -192,7 +192,8 @@ def match(copies, parts):
             (_, _, wrong), name = min(tries, key=lambda one: one[0][1])
             faults.append(f"copy {at} ({name}) {wrong}")
         else:
-            faults.append(f"copy {at} has {len(triangles)} triangles, as no STL of the workload: write its triangles unchanged")
+            count = f"{len(triangles)} triangles, as no STL of the workload"
+            faults.append(f"copy {at} has {count}: write its triangles unchanged")
     for file, missing in left.items():
         if missing:
             word = f"{missing} missing: place each" if missing > 0 else f"{-missing} too many: leave them out"
@@ -220,8 +221,8 @@ def compare(copies, clearance):
         if found < cap:
             least = min(least, found)
         if found < wanted:
-            how = f"are {found:.4f} mm apart, {clearance:g} mm are asked: move them apart" if found else "meet: move them apart"
-            faults.append(f"{a.name} and {b.name} {how}")
+            how = f"are {found:.4f} mm apart, {clearance:g} mm are asked" if found else "meet"
+            faults.append(f"{a.name} and {b.name} {how}: move them apart")
         if gap[one, two] == 0 and found > 0:
             for inner, outer in ((a, b), (b, a)):
                 if is_inside(inner, outer):
@@ -242,7 +243,8 @@ def judge(folder, name, entry, clearance=None):
     for copy in copies:
         out = np.array([-copy.low[0], -copy.low[1], copy.high[0] - base[0], copy.high[1] - base[1]]).max()
         if out > SLACK_MM:
-            faults.append(f"{copy.name} is {out:.4f} mm outside the base of {base[0]:g} x {base[1]:g} mm: move it inside")
+            where = f"outside the base of {base[0]:g} x {base[1]:g} mm"
+            faults.append(f"{copy.name} is {out:.4f} mm {where}: move it inside")
         if copy.low[2] < -SLACK_MM:
             faults.append(f"{copy.name} is {-copy.low[2]:.4f} mm below the floor: raise it to z = 0")
     least, near = compare(copies, clearance) if len(copies) > 1 else (math.inf, [])
@@ -283,7 +285,7 @@ def table(path):
         rows = {}
         for e in entries:
             mark = "" if e["clearance_ok"] else f" (distance {e['least_distance_mm']:.2f})"
-            time = "" if e["cpu_secs"] is None else f", {e['cpu_secs']:g} s"
+            time = "" if e["cpu_secs"] is None else f", {e['cpu_secs']:.1f} s"
             cell = (not e["clearance_ok"], e["height_mm"], f"{e['height_mm']:.1f}{mark}{time}")
             cells = rows.setdefault(e["workload"], {})
             cells[e["program"]] = min(cell, cells.get(e["program"], cell))
@@ -298,7 +300,7 @@ def table(path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("given", nargs="*", metavar="FOLDER WORKLOAD ENTRY")
-    parser.add_argument("--clearance", type=float, metavar="MM", help="judge at this clearance instead of the workload's")
+    parser.add_argument("--clearance", type=float, metavar="MM", help="judge at another clearance")
     parser.add_argument("--json", metavar="FILE", help="also write the result as a record")
     parser.add_argument("--poses", metavar="FILE", help="also write the entry as a small JSON of poses")
     parser.add_argument("--table", metavar="RESULTS", help="print the table of results")

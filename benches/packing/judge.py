@@ -285,8 +285,7 @@ def table(path):
         rows = {}
         for e in entries:
             mark = "" if e["clearance_ok"] else f" (distance {e['least_distance_mm']:.2f})"
-            time = "" if e["cpu_secs"] is None else f", {e['cpu_secs']:.1f} s"
-            cell = (not e["clearance_ok"], e["height_mm"], f"{e['height_mm']:.1f}{mark}{time}")
+            cell = (not e["clearance_ok"], e["height_mm"], f"{e['height_mm']:.1f}{mark}")
             cells = rows.setdefault(e["workload"], {})
             cells[e["program"]] = min(cell, cells.get(e["program"], cell))
     except (OSError, KeyError, ValueError, TypeError) as error:

@@ -3,6 +3,7 @@
 use std::{collections::HashSet, f64::consts::PI};
 
 use glam::DVec3;
+use sha2::{Digest, Sha256};
 
 use super::*;
 
@@ -214,9 +215,12 @@ fn figures_and_cages_are_closed_and_as_large_as_promised() {
 
 #[test]
 fn a_written_workload_holds_the_copies_and_triangles_that_the_bench_packs() {
+    let hex = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let mut sums = String::new();
     for workload in &COMPARED_WORKLOADS {
         assert_eq!(ComparedWorkload::named(workload.name), Some(workload));
         let files = workload.files();
+        sums.extend(files.iter().map(|file| format!("{}  {}\n", hex(&file.bytes), file.path)));
         let bytes = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.bytes.clone()).unwrap();
         let text = |path: &str| String::from_utf8(bytes(path)).unwrap();
         let list = text(&format!("workloads/{}.csv", workload.name));
@@ -238,4 +242,7 @@ fn a_written_workload_holds_the_copies_and_triangles_that_the_bench_packs() {
         assert!(beside.contains(&format!("\"volume_mm\": [{length_mm}, {width_mm}, 600]")), "{beside}");
         assert!(beside.contains(&format!("\"clearance_mm\": {}}}", workload.clearance_mm)), "{beside}");
     }
+    // Results of others refer to these parts.
+    let page = include_str!("../../../benches/packing/README.md");
+    assert!(page.contains(&format!("SHA-256 of SHA256SUMS: {}\n", hex(sums.as_bytes()))), "{}", hex(sums.as_bytes()));
 }

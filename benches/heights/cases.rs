@@ -10,51 +10,24 @@ use anyhow::{Context, Result, bail};
 use build_file::{LengthUnit, ReadLimits};
 use glam::DVec3;
 use nester::{BuildVolume, NestingInstance, NestingItem, OrientationRule};
-use sample_parts::{SampleWorkload, workload_parts};
+use sample_parts::{COMPARED_ROOM_MM, ComparedWorkload, SampleWorkload, workload_parts};
 use serde::Deserialize;
 use solids::Mesh;
 
-/// The workloads whose heights are compared.
-pub const COMPARED: [&str; 13] = [
-    "fans20",
-    "engine30",
-    "small200",
-    "small600",
-    "organic88",
-    "cages42",
-    "twins120",
-    "bulk400",
-    "tall48",
-    "wheels20",
-    "wheels21",
-    "wheels23",
-    "windows30",
-];
 /// Numbers of copies of the workloads that show how the search scales.
 pub const SCALE: [u32; 6] = [20, 50, 100, 200, 500, 1000];
 /// Prefix of the names of listed workloads.
 pub const LISTED: &str = "data/";
-/// Height of all machines: more than any build needs, because only heights are compared.
-const ROOM_MM: f64 = 600.0;
 
-/// The workload of a name: one of [`COMPARED`], `small60`, `scale-COPIES`, `first-COPIES-MESHES`, `first-engine30` or `data/LIST`.
+/// The workload of a name: one of `COMPARED_WORKLOADS`, `small60`, `scale-COPIES`, `first-COPIES-MESHES`, `first-WORKLOAD`
+/// or `data/LIST`.
 pub fn instance(name: &str) -> Result<NestingInstance> {
     let small = |copies: u32, meshes: u32| SampleWorkload::Small { copies, meshes, seed: 7 };
+    if let Some(compared) = ComparedWorkload::named(name.strip_prefix("first-").unwrap_or(name)) {
+        return generated(compared.parts, compared.base_mm, compared.clearance_mm);
+    }
     match name {
-        "fans20" => generated(SampleWorkload::Fans, [200.0, 200.0], 3.0),
-        "engine30" | "first-engine30" => generated(SampleWorkload::EngineLike, [150.0, 150.0], 3.0),
-        "organic88" => generated(SampleWorkload::Organic { copies: 88, meshes: 22, seed: 11 }, [200.0, 250.0], 2.0),
-        "cages42" => generated(SampleWorkload::Cages, [160.0, 160.0], 3.0),
-        "twins120" => generated(SampleWorkload::Twins { each: 60 }, [180.0, 180.0], 2.0),
-        "bulk400" => generated(small(400, 80), [380.0, 284.0], 3.0),
-        "tall48" => generated(SampleWorkload::Tall, [170.0, 170.0], 3.0),
-        "wheels20" => generated(SampleWorkload::Wheels { wheels: 5 }, [424.0, 230.0], 2.0),
-        "wheels21" => generated(SampleWorkload::Wheels { wheels: 6 }, [420.0, 220.0], 2.0),
-        "wheels23" => generated(SampleWorkload::Wheels { wheels: 8 }, [420.0, 220.0], 2.0),
-        "windows30" => generated(SampleWorkload::Windows, [390.0, 390.0], 2.0),
         "small60" => generated(small(60, 30), [100.0, 100.0], 2.0),
-        "small200" => generated(small(200, 40), [160.0, 160.0], 2.0),
-        "small600" => generated(small(600, 60), [250.0, 250.0], 2.0),
         _ => {
             let numbers: Vec<u32> = name.split('-').filter_map(|n| n.parse().ok()).collect();
             match (name.split('-').next(), numbers.as_slice()) {
@@ -89,7 +62,7 @@ fn item(name: String, mesh: Arc<Mesh>, copies: u32) -> NestingItem {
 fn generated(pile: SampleWorkload, base_mm: [f64; 2], clearance_mm: f64) -> Result<NestingInstance> {
     let parts = workload_parts(pile).into_iter().enumerate();
     let items = parts.map(|(at, (mesh, copies))| item(format!("part {at}"), Arc::new(mesh), copies)).collect();
-    let volume = BuildVolume { size_mm: DVec3::new(base_mm[0], base_mm[1], ROOM_MM) };
+    let volume = BuildVolume { size_mm: DVec3::new(base_mm[0], base_mm[1], COMPARED_ROOM_MM) };
     Ok(NestingInstance::new(volume, clearance_mm, items)?)
 }
 
@@ -138,7 +111,7 @@ fn listed(list: &str) -> Result<NestingInstance> {
     }
     let size = DVec3::from_array(beside.volume_mm);
     // As for our own workloads: higher than any build.
-    let volume = BuildVolume { size_mm: size.with_z(size.z.max(ROOM_MM)) };
+    let volume = BuildVolume { size_mm: size.with_z(size.z.max(COMPARED_ROOM_MM)) };
     Ok(NestingInstance::new(volume, beside.clearance_mm, items)?)
 }
 

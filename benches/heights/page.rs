@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use anyhow::{Context, Result};
+use sample_parts::ComparedWorkload;
 
 use super::{
-    cases::{COMPARED, LISTED},
+    cases::LISTED,
     plot,
     record_book::{MeasurementOrigin, RecordBook, SearchRecord},
     repository, tables,
@@ -33,7 +34,7 @@ a table may come from different days, commits and processors.
 /// Writes page and drawings.
 pub fn write(book: &RecordBook) -> Result<()> {
     let mut page = HEAD.to_owned();
-    let own = |r: &&SearchRecord| COMPARED.contains(&r.finding.trial.case.as_str());
+    let own = |r: &&SearchRecord| ComparedWorkload::named(&r.finding.trial.case).is_some();
     let compared: Vec<&SearchRecord> = book.records.iter().filter(own).collect();
     section(&mut page, "Height at the same CPU seconds", &compared, tables::heights);
     page.push_str(&drawings(&compared)?);

@@ -3,6 +3,7 @@
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use nester::{NestingMethod, SearchComponents};
+use sample_parts::COMPARED_WORKLOADS;
 
 use super::{
     BenchArgs, cases,
@@ -52,7 +53,7 @@ pub fn plan(args: &BenchArgs) -> Result<Vec<SearchTrial>> {
     let mut plan = Vec::new();
     let wanted = |case: &&str| args.cases.is_empty() || args.cases.iter().any(|c| bare_name(c) == bare_name(case));
     if asks_for(args, BenchSection::Heights) {
-        plan.extend(cases::COMPARED.iter().filter(|c| wanted(c)).flat_map(|case| compared(args, case)));
+        plan.extend(COMPARED_WORKLOADS.iter().map(|c| c.name).filter(wanted).flat_map(|case| compared(args, case)));
     }
     if asks_for(args, BenchSection::Data) {
         let lists = cases::lists()?;

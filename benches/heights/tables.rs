@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use nester::{NestingMethod, SearchComponents};
+use sample_parts::COMPARED_WORKLOADS;
 
 use super::{
     cases,
@@ -91,7 +92,7 @@ pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut origins = Vec::new();
     for record in records.iter().filter(|r| r.finding.trial.without.is_none() && r.finding.trial.threads == 1) {
         let (f, trial) = (&record.finding, &record.finding.trial);
-        let known = cases::COMPARED.iter().position(|c| *c == trial.case).unwrap_or(usize::MAX);
+        let known = COMPARED_WORKLOADS.iter().position(|c| c.name == trial.case).unwrap_or(usize::MAX);
         let [short, long] = COMPARED_SECS.map(|secs| trial.budget == TrialBudget::CpuSecs(secs));
         let cell = match (short, long, trial.method == NestingMethod::Paper) {
             (true, _, false) => 0,

@@ -1,5 +1,5 @@
 //! The farm with what not every machine has: its pages in a real Chromium, its hot folder behind a real Samba server, clients that
-//! others' generators make, disks that are mounted and full, processes that are traced. A test that cannot run on this machine is
+//! others' generators make, disks that are mounted and full, processes that are traced. And the judge of the benchmark, which is Python. A test that cannot run on this machine is
 //! reported as ignored, with the reason.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
@@ -7,6 +7,7 @@ mod break_out;
 mod clients;
 mod documented;
 mod full_disk;
+mod judged;
 mod pages;
 mod paper;
 mod quiet;
@@ -31,7 +32,7 @@ const AT_ONCE: usize = 3;
 fn main() -> ExitCode {
     let mut arguments = Arguments::from_args();
     arguments.test_threads.get_or_insert(AT_ONCE);
-    let trials = [pages_in_a_browser(), programs(), disks_and_processes()].into_iter().flatten().collect();
+    let trials = [pages_in_a_browser(), programs(), disks_and_processes(), judge()].into_iter().flatten().collect();
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -110,6 +111,19 @@ fn disks_and_processes() -> Vec<Trial> {
     let share = remounted::a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was;
     trials.push(beside_others(remounted, remounted::missing(), share));
     trials
+}
+
+/// The judge of the benchmark of 3D packing.
+fn judge() -> Vec<Trial> {
+    let cases: [(&str, fn()); 3] = [
+        ("judged::good_entries_count_in_each_form", judged::good_entries_count_in_each_form),
+        ("judged::each_fault_of_an_entry_is_named", judged::each_fault_of_an_entry_is_named),
+        (
+            "judged::a_record_is_what_the_judge_says_of_its_entry_and_the_table_is_made_of_all",
+            judged::a_record_is_what_the_judge_says_of_its_entry_and_the_table_is_made_of_all,
+        ),
+    ];
+    cases.into_iter().map(|(name, case)| beside_others(name, judged::missing(), case)).collect()
 }
 
 /// A test that runs while no other one measures time.

@@ -18,7 +18,9 @@ pub use parts::fan::axial_fan;
 pub use parts::figure::random_figure;
 pub use parts::revolved::{lampshade, pawn, pulley, ring};
 pub use parts::swept::{duct, hook, knob, spring};
-pub use workload::{SampleWorkload, random_part, workload_parts};
+pub use workload::{
+    COMPARED_ROOM_MM, COMPARED_WORKLOADS, ComparedWorkload, SampleWorkload, WorkloadFile, random_part, workload_parts,
+};
 
 /// A sample part, with the name of its file.
 #[derive(Debug, Clone)]

@@ -3,6 +3,7 @@
 use std::{collections::HashSet, f64::consts::PI};
 
 use glam::DVec3;
+use sha2::{Digest, Sha256};
 
 use super::*;
 
@@ -210,4 +211,38 @@ fn figures_and_cages_are_closed_and_as_large_as_promised() {
             assert!(mesh.defects().is_closed() && size.max_element() <= 205.0, "{workload:?} {at} measures {size} mm");
         }
     }
+}
+
+#[test]
+fn a_written_workload_holds_the_copies_and_triangles_that_the_bench_packs() {
+    let hex = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let mut sums = String::new();
+    for workload in &COMPARED_WORKLOADS {
+        assert_eq!(ComparedWorkload::named(workload.name), Some(workload));
+        let files = workload.files();
+        sums.extend(files.iter().map(|file| format!("{}  {}\n", hex(&file.bytes), file.path)));
+        let bytes = |path: &str| files.iter().find(|file| file.path == path).map(|file| file.bytes.clone()).unwrap();
+        let text = |path: &str| String::from_utf8(bytes(path)).unwrap();
+        let list = text(&format!("workloads/{}.csv", workload.name));
+        let rows: Vec<(&str, u32)> =
+            list.lines().skip(1).filter_map(|row| row.split_once(',')).map(|(f, n)| (f, n.parse().unwrap())).collect();
+        let parts = workload_parts(workload.parts);
+        assert!(list.starts_with("file,quantity\n") && rows.len() == parts.len() && files.len() == parts.len() + 2);
+        for ((file, quantity), (mesh, copies)) in rows.iter().zip(&parts) {
+            let mut source = std::io::Cursor::new(bytes(file));
+            let facets = stl_io::create_stl_reader(&mut source).unwrap();
+            let written: Vec<[[f32; 3]; 3]> = facets.map(|facet| facet.unwrap().vertices.map(|v| v.0)).collect();
+            let corners = |t| mesh.corners(t).map(|corner| corner.as_vec3().to_array());
+            let packed: Vec<[[f32; 3]; 3]> = (0..mesh.triangles().len()).map(corners).collect();
+            assert!(quantity == copies && written == packed, "{file}");
+            assert!(packed.iter().all(|[a, b, c]| a != b && b != c && c != a), "{file}: a triangle lost its area");
+        }
+        let [length_mm, width_mm] = workload.base_mm;
+        let beside = text(&format!("workloads/{}.json", workload.name));
+        assert!(beside.contains(&format!("\"volume_mm\": [{length_mm}, {width_mm}, 600]")), "{beside}");
+        assert!(beside.contains(&format!("\"clearance_mm\": {}}}", workload.clearance_mm)), "{beside}");
+    }
+    // Results of others refer to these parts.
+    let page = include_str!("../../../benches/packing/README.md");
+    assert!(page.contains(&format!("SHA-256 of SHA256SUMS: {}\n", hex(sums.as_bytes()))), "{}", hex(sums.as_bytes()));
 }

@@ -1,4 +1,5 @@
-//! Sets of parts for benches: many copies of one part, all different, and random ones by seed.
+//! Sets of parts for benches: many copies of one part, all different, and random ones by seed; and the workloads of the
+//! public benchmark, with the files from which other packers read them.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -48,6 +49,90 @@ pub enum SampleWorkload {
     Windows,
     /// 48 long rails and ducts of 60 to 200 mm.
     Tall,
+}
+
+/// A workload of the public benchmark: what is to be packed, on which base, and how far apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedWorkload {
+    /// Name in tables and of its files.
+    pub name: &'static str,
+    /// Its parts.
+    pub parts: SampleWorkload,
+    /// Length and width of the base, mm.
+    pub base_mm: [f64; 2],
+    /// Least distance between two copies, mm.
+    pub clearance_mm: f64,
+}
+
+/// Height of the room above each base, mm: more than any build needs, because only heights are compared.
+pub const COMPARED_ROOM_MM: f64 = 600.0;
+
+/// The workloads whose heights are compared. What has a name here never changes: results of others refer to it.
+pub const COMPARED_WORKLOADS: [ComparedWorkload; 13] = [
+    compared("fans20", SampleWorkload::Fans, [200.0, 200.0], 3.0),
+    compared("engine30", SampleWorkload::EngineLike, [150.0, 150.0], 3.0),
+    compared("small200", SampleWorkload::Small { copies: 200, meshes: 40, seed: 7 }, [160.0, 160.0], 2.0),
+    compared("small600", SampleWorkload::Small { copies: 600, meshes: 60, seed: 7 }, [250.0, 250.0], 2.0),
+    compared("organic88", SampleWorkload::Organic { copies: 88, meshes: 22, seed: 11 }, [200.0, 250.0], 2.0),
+    compared("cages42", SampleWorkload::Cages, [160.0, 160.0], 3.0),
+    compared("twins120", SampleWorkload::Twins { each: 60 }, [180.0, 180.0], 2.0),
+    compared("bulk400", SampleWorkload::Small { copies: 400, meshes: 80, seed: 7 }, [380.0, 284.0], 3.0),
+    compared("tall48", SampleWorkload::Tall, [170.0, 170.0], 3.0),
+    compared("wheels20", SampleWorkload::Wheels { wheels: 5 }, [424.0, 230.0], 2.0),
+    compared("wheels21", SampleWorkload::Wheels { wheels: 6 }, [420.0, 220.0], 2.0),
+    compared("wheels23", SampleWorkload::Wheels { wheels: 8 }, [420.0, 220.0], 2.0),
+    compared("windows30", SampleWorkload::Windows, [390.0, 390.0], 2.0),
+];
+
+const fn compared(name: &'static str, parts: SampleWorkload, base_mm: [f64; 2], clearance_mm: f64) -> ComparedWorkload {
+    ComparedWorkload { name, parts, base_mm, clearance_mm }
+}
+
+/// A file by which another packer gets a workload.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorkloadFile {
+    /// Where it belongs, below the folder of all workloads.
+    pub path: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+impl ComparedWorkload {
+    /// The workload of a name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        COMPARED_WORKLOADS.iter().find(|workload| workload.name == name)
+    }
+
+    /// A binary STL for each different part, the list of their copies, and base and clearance. The same bytes on each call.
+    pub fn files(&self) -> Vec<WorkloadFile> {
+        let Self { name, base_mm: [length_mm, width_mm], clearance_mm, .. } = self;
+        let mut list = "file,quantity\n".to_owned();
+        let mut files = Vec::new();
+        for (at, (mesh, copies)) in workload_parts(self.parts).iter().enumerate() {
+            let path = format!("{name}/part-{at:02}.stl");
+            list += &format!("{path},{copies}\n");
+            files.push(WorkloadFile { path, bytes: stl_bytes(mesh) });
+        }
+        let beside = format!(
+            "{{\"name\": \"{name}\", \"volume_mm\": [{length_mm}, {width_mm}, {COMPARED_ROOM_MM}], \"clearance_mm\": {clearance_mm}}}\n"
+        );
+        files.push(WorkloadFile { path: format!("workloads/{name}.csv"), bytes: list.into_bytes() });
+        files.push(WorkloadFile { path: format!("workloads/{name}.json"), bytes: beside.into_bytes() });
+        files
+    }
+}
+
+/// A mesh as binary STL; its triangles keep their order.
+fn stl_bytes(mesh: &Mesh) -> Vec<u8> {
+    let facet = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle);
+        let [normal, a, b, c] = [(b - a).cross(c - a).normalize_or_zero(), a, b, c].map(|v| v.as_vec3().to_array());
+        stl_io::Triangle { normal: stl_io::Vector::new(normal), vertices: [a, b, c].map(stl_io::Vector::new) }
+    };
+    let facets: Vec<stl_io::Triangle> = (0..mesh.triangles().len()).map(facet).collect();
+    let mut bytes = Vec::new();
+    stl_io::write_stl(&mut bytes, facets.iter()).expect("memory takes all that is written");
+    bytes
 }
 
 /// The meshes of a workload with their numbers of copies, at least 1 each. The result for a workload never changes.

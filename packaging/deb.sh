@@ -6,6 +6,9 @@ cd "$(dirname "$0")/.."
 binary=${1:-target/release/nestd}
 out=${2:-target/debian}
 . packaging/version.sh
+# Of one binary and commit the same package is made, byte for byte: times in it are not later than the commit.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 0)}
+export SOURCE_DATE_EPOCH
 arch=$(dpkg --print-architecture)
 tree=$(mktemp -d)
 trap 'rm -r "$tree"' EXIT
@@ -42,7 +45,7 @@ mkdir -p "$tree/usr/share/bash-completion/completions" "$tree/usr/share/zsh/vend
 "$tree/usr/bin/nestd" completions bash >"$tree/usr/share/bash-completion/completions/nestd"
 "$tree/usr/bin/nestd" completions zsh >"$tree/usr/share/zsh/vendor-completions/_nestd"
 "$tree/usr/bin/nestd" completions fish >"$tree/usr/share/fish/vendor_completions.d/nestd.fish"
-printf 'nestd (%s) unstable; urgency=medium\n\n  * See /usr/share/doc/nestd/NEWS.gz.\n\n -- nestd developers <nestd@users.noreply.github.com>  %s\n' "$version" "$(date -R -u -d "@${SOURCE_DATE_EPOCH:-0}")" |
+printf 'nestd (%s) unstable; urgency=medium\n\n  * See /usr/share/doc/nestd/NEWS.gz.\n\n -- nestd developers <nestd@users.noreply.github.com>  %s\n' "$version" "$(date -R -u -d "@$SOURCE_DATE_EPOCH")" |
     gzip -9n >"$tree/$doc/changelog.gz"
 gzip -9nc CHANGELOG.md >"$tree/$doc/NEWS.gz"
 find "$tree" -type d -exec chmod 0755 {} +
@@ -50,7 +53,7 @@ find "$tree/usr/share" -type f -exec chmod 0644 {} +
 
 mkdir "$tree/DEBIAN"
 for script in postinst prerm postrm; do install -m 0755 "packaging/$script" "$tree/DEBIAN/$script"; done
-(cd "$tree" && find usr -type f -exec md5sum {} + >DEBIAN/md5sums)
+(cd "$tree" && find usr -type f -print0 | LC_ALL=C sort -z | xargs -0 md5sum >DEBIAN/md5sums)
 # The oldest glibc whose symbols the binary names; everything else is linked in.
 glibc=$(objdump -T "$tree/usr/bin/nestd" | sed -n 's/.*GLIBC_\([0-9.]*\)).*/\1/p' | sort -uV | tail -1)
 cat >"$tree/DEBIAN/control" <<END
@@ -61,7 +64,7 @@ Maintainer: nestd developers <nestd@users.noreply.github.com>
 Section: misc
 Priority: optional
 Depends: libc6 (>= ${glibc:-2.36}), libgcc-s1, libstdc++6, systemd (>= 250) | systemd-standalone-sysusers
-Installed-Size: $(du -sk --exclude=DEBIAN "$tree" | cut -f1)
+Installed-Size: $(du -sk --apparent-size --exclude=DEBIAN "$tree" | cut -f1)
 Homepage: https://github.com/nestd/nestd
 Description: daemon that runs a powder-bed print farm
  Parts (STL, 3MF) that are dropped into the hot folder of a machine (SLS, MJF)

@@ -19,7 +19,7 @@ fi
 WORK=$(mktemp -d /tmp/nestd-deb.XXXXXX)
 trap 'umount -R "$WORK" 2>/dev/null || true; rmdir "$WORK" 2>/dev/null || true' EXIT
 mount -t tmpfs -o size=2g tmpfs "$WORK"
-mkdir "$WORK"/{upper,work,root,first,second}
+mkdir "$WORK"/{upper,work,root,first,again,second}
 mount -t overlay -o "lowerdir=/,upperdir=$WORK/upper,workdir=$WORK/work" overlay "$WORK/root" || skip "no overlay here"
 ROOT=$WORK/root
 mount --bind /dev "$ROOT/dev"
@@ -28,6 +28,9 @@ rm -rf "$ROOT"/etc/nestd "$ROOT"/srv/nestd "$ROOT"/var/lib/nestd
 
 sh "$REPO/packaging/deb.sh" "$BINARY" "$WORK/first" >/dev/null
 FIRST=$(echo "$WORK"/first/*.deb)
+sleep 1
+sh "$REPO/packaging/deb.sh" "$BINARY" "$WORK/again" >/dev/null
+cmp "$FIRST" "$WORK"/again/*.deb || fail "the same binary and commit give another package"
 # The next version: that of a repository with one more commit, which changes the farm file.
 git -c safe.directory="$REPO/.git" clone -q "$REPO" "$WORK/next"
 echo "# A line of the next version." >>"$WORK/next/config/server/nestd.toml"

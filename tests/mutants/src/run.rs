@@ -36,9 +36,6 @@ pub enum Built {
 pub fn build(tree: &Path, package: &str) -> Result<Built> {
     let mut cargo = Command::new("cargo");
     cargo.args(["test", "--no-run", "--lib", "--message-format=json", "-p", package]).current_dir(tree);
-    if package == "nestd" && has_feature(tree, "postgres") {
-        cargo.args(["--features", "postgres"]);
-    }
     let output = cargo.stderr(Stdio::null()).output().context("starting cargo")?;
     let (mut program, mut refused) = (None, BTreeSet::new());
     for line in String::from_utf8_lossy(&output.stdout).lines() {
@@ -115,11 +112,6 @@ pub fn try_chosen(tree: &Path, programs: &BTreeMap<String, PathBuf>, all: &[Chos
 
 fn root_of(tree: &Path, package: &str) -> PathBuf {
     if package == "nestd" { tree.to_owned() } else { tree.join("crates").join(package) }
-}
-
-fn has_feature(tree: &Path, name: &str) -> bool {
-    fs::read_to_string(tree.join("Cargo.toml"))
-        .is_ok_and(|text| text.lines().any(|line| line.starts_with(&format!("{name} ="))))
 }
 
 /// The numbers that stand in the lines of an error, or in the nearest lines above them.

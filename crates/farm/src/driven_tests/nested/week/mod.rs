@@ -15,7 +15,8 @@ use play::play_week;
 
 /// A machine as it is delivered, with searches of so many seconds.
 fn machine(name: &'static str, file: &str, secs: f64) -> (&'static str, String) {
-    let profile = std::fs::read_to_string(format!("config/profiles/{file}.toml")).unwrap();
+    let profile =
+        std::fs::read_to_string(format!("{}/../../config/profiles/{file}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
     let searches = format!("final_secs = {secs}\narrival_secs = {}\nimprove_secs = 0\n", secs / 2.0);
     (name, format!("{profile}{searches}[trigger]\nfill_height = 0.9\ndue_margin_secs = \"8h\"\n"))
 }

@@ -10,8 +10,7 @@ pub fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
-/// A stopped farm and its backup. Part `a` waited at the time of the backup and was published later; `b` was dropped
-/// and published later; `c` was dropped later and waits. The printer has taken the first build.
+/// A stopped farm and its backup. Since the backup, parts `a` and `b` were published; `c` waits. The printer has taken the first build.
 fn farm_and_backup() -> (TestFarm, PathBuf) {
     let mut farm = TestFarm::running(QUICK);
     let backup = farm.root().join("ledger.backup");
@@ -263,6 +262,8 @@ fn a_write_ahead_log_that_was_removed_with_its_index_forgets_no_order() {
     let mut farm = TestFarm::running(QUICK);
     farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
+    let claims = farm.folder("inbox").join(".claimed"); // while one is there, a start takes its file once more
+    wait_until("no claim is left", 30.0, || fs::read_dir(&claims).unwrap().next().is_none());
     farm.kill();
     for suffix in ["-wal", "-shm"] {
         fs::remove_file(farm.root().join(format!("state/nestd.db{suffix}"))).unwrap();

@@ -1,7 +1,5 @@
-//! nestd: the daemon that runs a powder-bed print farm.
-//!
-//! The modules follow the life of a part: dropped, claimed, read, waiting, batched, nested, verified, published,
-//! history. They are arranged in layers ("floors"), which ARCHITECTURE.md draws: a module may use only the floors below its own, and
+//! The faces of nestd, the daemon that runs a powder-bed print farm: command line, pages, tables, metrics, messages. The service is the crate
+//! `farm`. The modules stand on floors, which ARCHITECTURE.md draws: a module may use only the floors below its own, and
 //! `tests/it/floors.rs` enforces this.
 
 pub mod cli;

@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
+use farm::DatedOrder;
 use jiff::Timestamp;
 use ledger::{CommandKind, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts};
 use ledger_fixtures::*;
 use nester::TiltLimit;
+use settings::FarmZone;
 
 use super::{
     CommandExit, CommandLine,
@@ -17,9 +19,6 @@ use super::{
         show_text, table,
     },
 };
-use farm::DatedOrder;
-use settings::FarmZone;
-
 use crate::tables::{LEAST_ORDER_COLUMNS, ORDER_COLUMNS, TimeView, for_people};
 
 fn kept_view() -> TimeView {

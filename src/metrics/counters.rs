@@ -5,9 +5,9 @@ use prometheus_client::{
     metrics::{counter::Counter, family::Family, histogram::Histogram},
     registry::Registry,
 };
+use settings::Settings;
 
 use super::gauges::{FloatGauge, LabelPairs};
-use settings::Settings;
 
 /// Upper bounds of the buckets of build heights, m.
 const HEIGHTS_M: [f64; 9] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6];

@@ -12,9 +12,9 @@ use ledger::{
     EventKind, NewPartRow, NightState, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp,
 };
 use ledger_fixtures as fixtures;
+use settings::{Settings, SharedSettings};
 
 use super::*;
-use settings::{Settings, SharedSettings};
 
 /// A farm of the machines `cube` and `idle`; `more` is of its configuration.
 fn farm(folder: &std::path::Path, more: &str) -> Settings {

@@ -8,10 +8,10 @@ use std::{
 use anyhow::{Context, Result};
 use ledger::{FarmTotals, Ledger};
 use prometheus_client::{encoding::text::encode, registry::Registry};
+use settings::Settings;
 use tokio::sync::Mutex;
 
 use super::{counters, gauges};
-use settings::Settings;
 
 /// Content type of the text.
 pub const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";

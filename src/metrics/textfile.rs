@@ -11,10 +11,10 @@ use std::{
 
 use anyhow::{Context, Result};
 use ledger::LedgerOnDemand;
+use settings::{MetricsFile, Settings, SharedSettings};
 use tracing::{info, warn};
 
 use super::MetricsExporter;
-use settings::{MetricsFile, Settings, SharedSettings};
 
 /// Interval of the checks whether the file is due and still wanted.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

@@ -10,13 +10,13 @@ use std::{
 use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use ledger::{EventRow, Ledger, LedgerOnDemand, ReceiverKind};
+use settings::{Settings, SharedSettings};
 use tracing::{info, warn};
 
 use super::{
     EventMessage,
     send::{configured_receivers, kinds_for, send_message},
 };
-use settings::{Settings, SharedSettings};
 
 /// Interval of the checks for new events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);

@@ -17,9 +17,9 @@ use lettre::{
         extension::ClientId,
     },
 };
+use settings::{EmailSettings, MailEncryption};
 
 use super::{mail::Mail, message::host_name};
-use settings::{EmailSettings, MailEncryption};
 
 /// Why a mail was not taken.
 #[derive(Debug, thiserror::Error)]

@@ -7,9 +7,9 @@ use anyhow::{Context, Result};
 use jiff::Timestamp;
 use language::{Language, join_names, say, say_word, told};
 use ledger::{EventKind, EventRow, Ledger, PartRow, ReceiverKind, RefusalCause, UtcTimestamp};
+use settings::EmailSettings;
 
 use super::message::{AlertWords, host_name};
-use settings::EmailSettings;
 
 /// Most lines of an order that a mail lists.
 const MAX_LINES: usize = 40;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, anyhow};
 use jiff::{SignedDuration, Timestamp};
 use ledger::{EventRow, Ledger, ReceiverKind};
+use settings::{EmailSettings, Settings};
 use tracing::warn;
 
 use super::{
@@ -14,7 +15,6 @@ use super::{
     mail::{Mail, compose_mails},
     send::kinds_for,
 };
-use settings::{EmailSettings, Settings};
 
 /// Most events that one mail tells.
 const MAX_GATHERED: u32 = 200;

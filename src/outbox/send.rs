@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use ledger::{EventKind, ReceiverKind};
+use settings::{NotifySettings, Settings};
 
 use super::{
     EventMessage, command, email,
@@ -11,7 +12,6 @@ use super::{
     message::event_kinds,
     webhook,
 };
-use settings::{NotifySettings, Settings};
 
 /// The configured receivers.
 pub fn configured_receivers(notify: &NotifySettings) -> Vec<ReceiverKind> {

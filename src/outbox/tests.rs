@@ -11,10 +11,10 @@ use std::{
 use jiff::{SignedDuration, Timestamp};
 use ledger::{EventKind, Ledger, NewPartRow, ReceiverKind, RefusalCause};
 use ledger_fixtures as fixtures;
+use settings::{Settings, SharedSettings};
 use tokio::task::JoinHandle;
 
 use super::*;
-use settings::{Settings, SharedSettings};
 
 #[path = "../../tests/support/webhook.rs"]
 mod hook;

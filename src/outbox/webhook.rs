@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use hmac::{Hmac, KeyInit, Mac};
+use settings::WebhookSettings;
 use sha2::Sha256;
 use ureq::tls::{RootCerts, TlsConfig};
 
 use super::EventMessage;
-use settings::WebhookSettings;
 
 /// Header names.
 const SIGNATURE: &str = "Nestd-Signature";

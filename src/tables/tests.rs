@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
+use farm::DatedBuild;
 use ledger::HistoryQuery;
 use ledger_fixtures::*;
+use settings::FarmZone;
 
 use super::{
     columns::table_column::{ColumnAudience, TableColumn},
     *,
 };
-use farm::DatedBuild;
-use settings::FarmZone;
 
 /// Key and field of the columns of a table that programs see.
 fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {

@@ -6,10 +6,10 @@ use axum::{
     body::{Body, Bytes},
     http::Request,
 };
+use settings::Settings;
 use tokio_stream::wrappers::ReceiverStream;
 
 use super::{TestDashboard, TestResponse};
-use settings::Settings;
 
 const LINE: &str = "----line";
 

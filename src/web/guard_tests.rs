@@ -1,7 +1,8 @@
 //! Which requests the dashboard answers.
 
-use super::*;
 use farm::ServicePhase;
+
+use super::*;
 
 #[tokio::test]
 async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {

@@ -2,9 +2,9 @@
 
 use ledger::{BuildId, OperatorWord};
 use ledger_fixtures::*;
+use settings::{ApprovalPolicy, MachineProfile, PrinterRules, Settings};
 
 use super::*;
-use settings::{ApprovalPolicy, MachineProfile, PrinterRules, Settings};
 
 /// A dashboard with the machine of the ledger's fixtures: two printers, and every build waits for a yes.
 async fn with_two_printers() -> TestDashboard {

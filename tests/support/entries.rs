@@ -14,7 +14,6 @@ use std::{
 use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, has_end, read_build, read_part_file};
 use intake::{OrderList, Ticket, copies_in_name, display_name, raw_name};
 use ledger::RequiredTilts;
-
 use nester::OrientationLimits;
 
 /// A fuzz target: its name, which is also its corpus' folder, and its entry.

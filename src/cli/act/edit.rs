@@ -5,13 +5,12 @@ use anyhow::Result;
 use build_file::{MAX_COPIES, MAX_PRIORITY};
 use ledger::{BuildId, Ledger, OperatorWord, PartEdit, ReprintTarget};
 use nester::OrientationRule;
+use settings::FarmZone;
 
 use super::{
     command::{DaemonCommand, run_for_parts},
     operate::{say, say_all},
 };
-use settings::FarmZone;
-
 use crate::cli::{
     CommandExit, CommonArgs, UsageError,
     terminal::{

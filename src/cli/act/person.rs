@@ -4,10 +4,9 @@ use access::{PasswordHash, Role, is_password, is_person_name, is_pin};
 use anyhow::{Context, Result};
 use language::say;
 use ledger::{Ledger, PersonChange};
-
-use super::secret_input::read_secret;
 use settings::Settings;
 
+use super::secret_input::read_secret;
 use crate::{
     cli::{
         CommandExit, CommonArgs, UsageError,

@@ -1,13 +1,12 @@
 //! `nestd printer`: the printers of the farm; takes one out of use, and puts it into use again.
 
 use anyhow::{Context, Result};
+use farm::{FarmReading, PrinterFact};
 use jiff::Timestamp;
 use ledger::{Ledger, OperatorWord};
-
-use super::operate::say_all;
-use farm::{FarmReading, PrinterFact};
 use settings::{MachineProfile, Settings};
 
+use super::operate::say_all;
 use crate::{
     cli::{
         CommandExit, CommonArgs, UsageError,

@@ -1,13 +1,12 @@
 //! `nestd release`: says that a proved build may be published, and shows what that means.
 
 use anyhow::{Context, Result, ensure};
+use farm::preview_release;
 use jiff::Timestamp;
 use ledger::{BuildId, BuildState, OperatorWord};
-
-use super::operate::say_all;
-use farm::preview_release;
 use settings::MachineProfile;
 
+use super::operate::say_all;
 use crate::cli::{
     CommandExit, CommonArgs,
     terminal::{

@@ -9,10 +9,9 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::builder::PossibleValuesParser;
 use glam::DVec3;
-
-use super::check::volume_doubt;
 use settings::{find_config_file, is_machine_name};
 
+use super::check::volume_doubt;
 use crate::cli::{
     CommandExit, CommonArgs, UsageError,
     terminal::{

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use build_file::{BuildMetadata, ReadLimits};
+use farm::{CakeContents, CakeCopy};
 use glam::DVec3;
 use ledger::{BuildId, BuildRow, Ledger, PartRow};
+use settings::{MachineProfile, Settings};
 
 use super::{
     atomic_file::AtomicFile,
@@ -14,9 +16,6 @@ use super::{
     table::{print_text, print_to_stderr},
     values::parse_prefixed_number,
 };
-use farm::{CakeContents, CakeCopy};
-use settings::{MachineProfile, Settings};
-
 use crate::cli::{CommandExit, CommonArgs, UsageError};
 
 /// The options that select a build.

@@ -5,13 +5,12 @@ use std::{ffi::OsStr, path::PathBuf};
 
 use clap::builder::StyledStr;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
+use farm::{DatedBuild, said_state};
 use jiff::Timestamp;
 use ledger::{HistoryQuery, OrderQuery, PartQuery, PartState};
-
-use super::farm_context::run_with_ledger;
-use farm::{DatedBuild, said_state};
 use settings::Settings;
 
+use super::farm_context::run_with_ledger;
 use crate::cli::CommonArgs;
 
 /// Most words of a kind.

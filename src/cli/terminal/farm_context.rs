@@ -4,10 +4,9 @@
 use anyhow::{Context, Result, anyhow};
 use jiff::{Span, Timestamp, civil::Date};
 use ledger::{Ledger, LedgerError, UtcTimestamp};
-
-use super::table::print_to_stderr;
 use settings::{FarmZone, Settings};
 
+use super::table::print_to_stderr;
 use crate::cli::{CommonArgs, UsageError};
 
 /// Loads the farm's settings; any error is a usage error.

@@ -3,17 +3,16 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
+use farm::{BuildFact, DatedOrder, MachinePlan, MaterialReading, PartQuestion, build_fact, copy_counts, customer_note};
 use jiff::Timestamp;
 use ledger::{
     BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OrderSummary, OutcomeRow, PartId, PartRow,
     PlacementRow,
 };
 use serde::Serialize;
-
-use super::values::parse_prefixed_number;
-use farm::{BuildFact, DatedOrder, MachinePlan, MaterialReading, PartQuestion, build_fact, copy_counts, customer_note};
 use settings::{FarmZone, MachineProfile, Materials};
 
+use super::values::parse_prefixed_number;
 use crate::tables::{CountedPart, PlacedCopy};
 
 /// What the user wants to see. A bare number or name may match a build, a part, an order and a file.

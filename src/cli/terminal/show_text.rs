@@ -1,6 +1,7 @@
 //! The output of `nestd show` for people.
 
 use build_file::escape_invisible;
+use farm::part_fact;
 use ledger::{BuildState, EventRow, PartRow};
 
 use super::{
@@ -13,7 +14,6 @@ use crate::tables::{
     PromisedDate, SheetFact, TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, closing_text, fields,
     order_copies_text, part_facts, wanted_text, whereabouts,
 };
-use farm::part_fact;
 
 /// Columns that are left out on a narrow terminal, the first of them first.
 const LEAST_COLUMNS: &[&str] = &["machine", "state", "due_at", "reason_or_warning", "where"];

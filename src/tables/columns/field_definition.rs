@@ -1,13 +1,13 @@
 //! A field that people see: its label, its unit and its number format. In a table the heading contains the unit, so
 //! that the cells are plain numbers. Elsewhere the unit follows the value.
 
+use farm::said_state;
 use ledger::UtcTimestamp;
 
 use super::{
     cell_value::CellValue,
     time_view::{GivenDate, TimeView},
 };
-use farm::said_state;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,15 +1,14 @@
 //! The current state of a machine: waiting parts, current activity, and when its next build fires.
 
 use build_file::format_count;
+use farm::{FireTrigger, MachineFact, held_text, night_gain_text};
 use jiff::Timestamp;
 use ledger::{MachineStatus, OpenBuildForecast, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use super::build_sheet::joined;
-use farm::{FireTrigger, MachineFact, held_text, night_gain_text};
 use settings::MachineProfile;
 
+use super::build_sheet::joined;
 use crate::tables::{
     columns::{
         table_column::TableColumn,

@@ -1,5 +1,6 @@
 //! The facts of a part, line by line.
 
+use farm::said_state;
 use language::say;
 use ledger::{PartMending, PartRow, PartState};
 
@@ -11,7 +12,6 @@ use crate::tables::{
     },
     fields,
 };
-use farm::said_state;
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {

@@ -1,12 +1,11 @@
 //! The record of a part: a sheet for each build that made copies of it, and its copies there.
 
+use farm::{RecordedBuild, RecordedCopy};
 use glam::DQuat;
 use language::say;
 use ledger::PickMark;
 
 use super::build_sheet::{clearance_text, content};
-use farm::{RecordedBuild, RecordedCopy};
-
 use crate::tables::{
     columns::{
         cell_value::CellValue,

@@ -3,17 +3,16 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use axum::extract::State;
+use farm::{DatesKept, PlanStage, PlannedBuild};
 use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildId, UtcTimestamp};
 use maud::{Markup, html};
+use settings::FarmZone;
 
 use super::{
     axis::TimeAxis,
     job::{Job, JobSetting, later_job},
 };
-use farm::{DatesKept, PlanStage, PlannedBuild};
-use settings::FarmZone;
-
 use crate::{
     tables::{GivenDate, TimeView},
     web::{

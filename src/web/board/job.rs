@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use farm::{DatesKept, PlanStage, PlannedBuild};
 use language::say;
 use ledger::{BuildId, UtcTimestamp};
 use maud::{Markup, html};
 
 use super::axis::{AxisSpan, TimeAxis};
-use farm::{DatesKept, PlanStage, PlannedBuild};
-
 use crate::{
     tables::TimeView,
     web::{

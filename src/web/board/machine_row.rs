@@ -1,8 +1,12 @@
 //! A machine on the board: what it does, one click to what a person does next, and a lane with its builds for each printer.
 
-use access::Role;
 use std::collections::BTreeSet;
 
+use access::Role;
+use farm::{
+    FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text, build_fact,
+    held_text, night_text, with_lot,
+};
 use jiff::Timestamp;
 use language::{colon, comma, say};
 use ledger::{
@@ -10,17 +14,12 @@ use ledger::{
     UtcTimestamp,
 };
 use maud::{Markup, html};
+use settings::MachineProfile;
 
 use super::{
     axis::TimeAxis,
     job::{Job, JobSetting, later_job},
 };
-use farm::{
-    FireForecast, MachineFact, MachinePlan, MachineWord, PlanStage, PrinterFact, PrinterWord, asked_text, build_fact,
-    held_text, night_text, with_lot,
-};
-use settings::MachineProfile;
-
 use crate::{
     tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, plan_notes},
     web::{

@@ -4,13 +4,12 @@
 use std::sync::Arc;
 
 use anyhow::Context;
+use farm::{CakeContents, load_placed_parts};
 use language::say;
 use ledger::{BuildId, BuildRow, PartId};
-
-use super::state::DashboardState;
-use farm::{CakeContents, load_placed_parts};
 use settings::MachineProfile;
 
+use super::state::DashboardState;
 use crate::web::base::{
     cache::RecentCache,
     error::{HandlerError, HandlerResult},

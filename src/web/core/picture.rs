@@ -11,6 +11,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::{PictureScheme, Viewpoint, draw_part};
+use farm::CakeContents;
 use language::say;
 use ledger::{BuildId, MachineStatus, PartId, PartRow, PartState, RefusalCause};
 use maud::{Markup, html};
@@ -20,8 +21,6 @@ use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
     state::DashboardState,
 };
-use farm::CakeContents;
-
 use crate::{
     tables::fields,
     web::{

@@ -12,6 +12,7 @@ use axum::{
     http::HeaderMap,
     response::Response,
 };
+use farm::{CakeContents, CakeCopy, CakePart};
 use flate2::Compression;
 use serde::Serialize;
 use solids::Mesh;
@@ -20,8 +21,6 @@ use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
     state::DashboardState,
 };
-use farm::{CakeContents, CakeCopy, CakePart};
-
 use crate::web::{
     base::{compressed::CompressedBody, error::HandlerResult},
     figures::mesh_reduction::{ReducedMesh, reduce_mesh},

@@ -4,14 +4,13 @@ use std::sync::{Arc, PoisonError};
 
 use access::Role;
 use axum::{body::Bytes, response::Redirect};
+use farm::{FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans};
 use jiff::Timestamp;
 use ledger::Ledger;
+use settings::{MachineProfile, Settings, SharedSettings};
 use tokio::sync::{Notify, Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, shown_copies::ShownCopies, upload_turns::UploadTurns};
-use farm::{FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans};
-use settings::{MachineProfile, Settings, SharedSettings};
-
 use crate::{
     metrics::MetricsExporter,
     tables::TimeView,

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use farm::CakePart;
 use language::{comma, say};
 use maud::{Markup, html};
 
 use super::picture::cake_picture;
-use farm::CakePart;
-
 use crate::{tables::CountedPart, web::base::assets::asset_address};
 
 /// What the view of a build shows.

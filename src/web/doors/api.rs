@@ -7,18 +7,17 @@ use axum::{
     extract::{Path, State},
     http::StatusCode,
 };
-use jiff::Timestamp;
-use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow, PartId, UtcTimestamp};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource, RecordResponse};
 use farm::{
     AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts, dates_at_risk,
     load_placed_parts, read_plans, read_stored_alerts,
 };
+use jiff::Timestamp;
+use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow, PartId, UtcTimestamp};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use settings::{MachineProfile, NotificationKind};
 
+use super::dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource, RecordResponse};
 use crate::{
     outbox::{EventMessage, MessageBody, event_kinds, message_id},
     tables::{FarmNode, MachineForecast, list_farm_nodes},

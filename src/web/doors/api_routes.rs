@@ -11,6 +11,7 @@ use axum::{
     middleware::from_fn,
     routing::{MethodFilter, on},
 };
+use farm::{CostReport, DatedBuild, DatedOrder, MachinePlan, OrderQuote};
 use ledger::{FinishingStep, HeightSummary};
 
 use super::{
@@ -19,8 +20,6 @@ use super::{
     dto::{BuildResponse, PartResource, PartResponse, RecordResponse},
     edit_door, operate_door, order_door, order_request, put_content, quote, upload_door,
 };
-use farm::{CostReport, DatedBuild, DatedOrder, MachinePlan, OrderQuote};
-
 use crate::{
     tables::PickList,
     web::{

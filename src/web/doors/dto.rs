@@ -2,6 +2,7 @@
 //! fields are left out.
 
 use build_file::LengthUnit;
+use farm::{BuildFact, CakeCopy, RecordedBuild};
 use ledger::{
     BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, FinishingStep, LineCopies, OutcomeRow, PartId,
     PartMending, PartRow, PartState, PlacementRow, PrintOutcome, PrinterPlace, SearchEffort, SolidOfFile, UtcTimestamp,
@@ -9,11 +10,9 @@ use ledger::{
 use nester::OrientationRule;
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::MachineProfile;
 
 use super::enum_words::{words_of, words_or_null};
-
-use farm::{BuildFact, CakeCopy, RecordedBuild};
-use settings::MachineProfile;
 
 /// A build with its parts, placements and outcomes.
 #[derive(Serialize, JsonSchema)]

@@ -13,10 +13,9 @@ use ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow
 use nester::OrientationRule;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-
-use super::{dto::PartResource, enum_words::words_or_null};
 use settings::FarmZone;
 
+use super::{dto::PartResource, enum_words::words_or_null};
 use crate::web::{
     base::{
         api_body::JsonBody,

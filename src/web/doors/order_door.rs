@@ -11,10 +11,12 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use build_file::LengthUnit;
+use farm::JudgedFile;
 use intake::ordered_claim_id;
 use ledger::{AnsweredRequest, NewOrderRequest, OrderedLine, RecordedRequest};
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::MachineProfile;
 
 use super::{
     order_request::{CheckedLine, MAX_LINES, OrderRequest},
@@ -22,9 +24,6 @@ use super::{
         announced_bytes, find_content, incomplete_body, put_contents, receive_content, require_room, take_place,
     },
 };
-use farm::JudgedFile;
-use settings::MachineProfile;
-
 use crate::web::{
     base::{
         api_body::MAX_JSON_BYTES,

@@ -14,19 +14,18 @@ use axum::{
     extract::{FromRequest, Multipart, Request, State, multipart::Field},
     http::{StatusCode, header},
 };
+use farm::{
+    MaterialReading, OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan,
+    read_quoted_files,
+};
 use intake::{ArrivingContent, ContentStore, is_content_hash};
 use jiff::Timestamp;
+use settings::MachineProfile;
 
 use super::{
     order_request::{LineRequest, MAX_LINES, OrderRequest, due_of},
     put_content::{announced_bytes, put_contents, receive_file, take_place},
 };
-use farm::{
-    MaterialReading, OrderQuote, QUOTE_SEARCH_TIME, QuoteError, QuoteQuestion, QuotedFile, quote_order, read_plan,
-    read_quoted_files,
-};
-use settings::MachineProfile;
-
 use crate::web::{
     base::{
         client_limits::BytesUnderWay,

@@ -5,10 +5,12 @@ use std::{
     sync::Arc,
 };
 
+use farm::{CakeContents, CakeCopy, CakePart};
 use glam::DVec2;
 use language::say;
 use ledger::RemovalStep;
 use maud::{Markup, html};
+use settings::FarmZone;
 use solids::Bounds;
 
 use super::{
@@ -16,9 +18,6 @@ use super::{
     look_alike::look_alikes,
     outline::{OUTLINE_SCALE, outline_path},
 };
-use farm::{CakeContents, CakeCopy, CakePart};
-use settings::FarmZone;
-
 use crate::{
     tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, TimeView, for_people, points_down},
     web::base::listing::{cell, heading},

@@ -1,14 +1,15 @@
 //! The forms of the page of a build, for what became of its print: the outcome, printing it again, and that somebody has
 //! seen to a failed print. They are words, as those of `nestd outcome`, `reprint`, `requeue`, `release` and `dismiss`.
 
-use access::Role;
 use std::{collections::BTreeMap, sync::Arc};
 
+use access::Role;
 use axum::{
     Form,
     extract::{Path, State},
     http::StatusCode,
 };
+use farm::{awaits_release, preview_release};
 use jiff::Timestamp;
 use language::say;
 use ledger::{
@@ -16,11 +17,9 @@ use ledger::{
 };
 use maud::{Markup, html};
 use serde::Deserialize;
-
-use super::operate_form::say_word;
-use farm::{awaits_release, preview_release};
 use settings::MachineProfile;
 
+use super::operate_form::say_word;
 use crate::{
     tables::{CountedPart, fields},
     web::{

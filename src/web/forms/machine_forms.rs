@@ -1,20 +1,19 @@
 //! The forms of a machine: what material is loaded, and which of its printers is out of use. As `nestd machine load` and `nestd printer`.
 
-use access::Role;
 use std::sync::Arc;
 
+use access::Role;
 use axum::{
     Form,
     extract::{Path, State},
 };
+use farm::PrinterFact;
 use language::{colon, say};
 use ledger::{DownPrinter, MachineStatus, OperatorWord};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{build_forms::MAX_NOTE, operate_form::say_word};
-use farm::PrinterFact;
-
 use crate::{
     tables::fields,
     web::{

@@ -1,9 +1,9 @@
 //! The forms of the page of a part: what was asked with it is changed, it moves to another machine, printed copies are
 //! printed again. The daemon carries out the first two, like `nestd edit` and `nestd move`.
 
-use access::Role;
 use std::sync::Arc;
 
+use access::Role;
 use axum::{
     Form,
     extract::{Path, State},
@@ -17,10 +17,9 @@ use ledger::{
 };
 use maud::{Markup, html};
 use serde::Deserialize;
-
-use super::{build_forms::MAX_NOTE, operate_form::say_word};
 use settings::FarmZone;
 
+use super::{build_forms::MAX_NOTE, operate_form::say_word};
 use crate::{
     tables::fields,
     web::{

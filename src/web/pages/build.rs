@@ -3,18 +3,17 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
+use farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans};
 use jiff::Timestamp;
 use language::say;
 use ledger::{BuildRow, BuildState, MachineStatus, OutcomeRow, PartRow};
 use maud::{Markup, html};
+use settings::MachineProfile;
 
 use super::{
     costs::{CostQuestion, cost_figure},
     downloads::downloads_sheet,
 };
-use farm::{BuildFact, CakeCopy, FarmReading, build_fact, load_placed_parts, read_plans};
-use settings::MachineProfile;
-
 use crate::{
     tables::{
         BUILD_PART_COLUMNS, BUILD_PART_PAGE_KEYS, CountedPart, GivenDate, OUTCOME_COLUMNS, TimeView, build_facts,

@@ -8,17 +8,16 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
+use farm::CostReport;
 use jiff::Timestamp;
 use language::say;
 use ledger::{BuildId, CostQuery};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use super::month::FarmMonth;
-use farm::CostReport;
 use settings::PriceSum;
 
+use super::month::FarmMonth;
 use crate::{
     tables::{COST_SHARE_COLUMNS, ORDER_COST_COLUMNS, csv_of, fields},
     web::{

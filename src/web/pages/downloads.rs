@@ -8,17 +8,17 @@ use axum::{
     http::{HeaderMap, HeaderValue, header},
     response::{Html, IntoResponse, Response},
 };
+use build_file::DeliveryKind;
+use farm::{CakeContents, find_proved_file, load_placed_parts};
 use language::say;
 use ledger::BuildRow;
 use maud::{Markup, html};
+use settings::MachineProfile;
 
 use super::{
     pick_page::cached_map,
     report::{HtmlReport, ReportSource},
 };
-use farm::{CakeContents, find_proved_file, load_placed_parts};
-use settings::MachineProfile;
-
 use crate::{
     tables::{PICK_COLUMNS, csv_of},
     web::{
@@ -27,7 +27,6 @@ use crate::{
         look::pieces::sheet,
     },
 };
-use build_file::DeliveryKind;
 
 /// What the name of the report of the search ends in, as it is written beside the build file.
 const SEARCH_REPORT: &str = ".report.json";

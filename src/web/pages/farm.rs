@@ -1,21 +1,20 @@
 //! The first page: what needs a person, which dates are at risk, and the board with a row for each machine.
 
-use access::Role;
 use std::{collections::BTreeMap, sync::Arc};
 
+use access::Role;
 use axum::{extract::State, response::Redirect};
-use jiff::{SignedDuration, Timestamp};
-use language::{colon, say};
-use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
-use maud::{Markup, html};
-
-use super::needs::needs_section;
 use farm::{
     DateRisk, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, dates_at_risk, farm_summary, halt_summary,
     read_stored_alerts,
 };
+use jiff::{SignedDuration, Timestamp};
+use language::{colon, say};
+use ledger::{BuildId, HistoryQuery, MachineStatus, NodeRow};
+use maud::{Markup, html};
 use settings::Settings;
 
+use super::needs::needs_section;
 use crate::{
     tables::{FarmNode, GivenDate, NODE_COLUMNS, TimeView, list_farm_nodes},
     web::{

@@ -8,6 +8,7 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
+use farm::{CostReport, DateRisk, dates_at_risk, read_late_parts};
 use jiff::{
     Timestamp, ToSpan,
     civil::{Date, date},
@@ -17,11 +18,9 @@ use ledger::{BuildState, CostQuery, HistoryQuery, HistoryRow, LatePart};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use super::farm::risk_row;
-use farm::{CostReport, DateRisk, dates_at_risk, read_late_parts};
 use settings::FarmZone;
 
+use super::farm::risk_row;
 use crate::{
     tables::{GivenDate, MONTH_COLUMNS, MachineOutput, TimeView, csv_of, fields, people_columns},
     web::{

@@ -6,6 +6,7 @@ use axum::{
     Json,
     extract::{Path, State},
 };
+use farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, RiskCause, copy_counts, customer_note};
 use jiff::Timestamp;
 use language::{colon, say};
 use ledger::{
@@ -16,8 +17,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::costs::{CostQuestion, cost_figure};
-use farm::{DatedOrder, MachinePlan, OrderFact, OrderWord, RiskCause, copy_counts, customer_note};
-
 use crate::{
     tables::{
         BUILD_PAGE_KEYS, BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_EVENT_COLUMNS,

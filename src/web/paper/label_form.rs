@@ -8,6 +8,7 @@ use axum::{
     http::{HeaderMap, header},
     response::{IntoResponse, Response},
 };
+use farm::load_placed_parts;
 use language::say;
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -19,8 +20,6 @@ use super::{
     labels_of::{Bag, LinkRoot, bag_labels, bin_labels},
     system_fonts::{SystemFont, font_folders},
 };
-use farm::load_placed_parts;
-
 use crate::web::{
     base::{
         error::{HandlerError, HandlerResult},

@@ -7,6 +7,7 @@ use axum::{
     http::HeaderMap,
     response::Response,
 };
+use farm::{RecordedBuild, RecordedCopy, read_part_record};
 use language::say;
 use ledger::{FinishingStep, PartFinishing, PartId, PartRow, UtcTimestamp};
 use maud::{Markup, html};
@@ -20,8 +21,6 @@ use super::{
     labels_of::LinkRoot,
     system_fonts::SystemFont,
 };
-use farm::{RecordedBuild, RecordedCopy, read_part_record};
-
 use crate::{
     tables::{
         CellValue, RECORDED_COPY_COLUMNS, SheetFact, TableColumn, TimeView, fields, part_facts, people_columns,

@@ -1,9 +1,9 @@
 //! Files that people put into the hot folder of a machine with their browser. They are taken as files are that were copied there; what
 //! does not arrive as a whole leaves nothing behind.
 
-use access::Role;
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
+use access::Role;
 use anyhow::Context;
 use axum::{
     extract::{Multipart, Path, State, multipart::Field},
@@ -13,10 +13,9 @@ use axum::{
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use language::say;
 use maud::html;
-
-use super::sent_form::{carry_out_form, check_form_key};
 use settings::MachineProfile;
 
+use super::sent_form::{carry_out_form, check_form_key};
 use crate::web::{
     base::{
         connection_limits::RequestInProgress,

@@ -4,15 +4,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 use axum::{Router, extract::DefaultBodyLimit, middleware, routing::get};
+use farm::{JudgedFiles, QuoteMeshes, ServiceBridge};
 use language::say;
 use ledger::{Ledger, LedgerUser};
+use settings::{SharedSettings, WebSettings};
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{drop, guard, page_routes, sent_form, spoken};
-use farm::{JudgedFiles, QuoteMeshes, ServiceBridge};
-use settings::{SharedSettings, WebSettings};
-
 use crate::{
     metrics::MetricsExporter,
     web::{

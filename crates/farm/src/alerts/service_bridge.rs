@@ -5,10 +5,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use settings::{OtherMachine, Settings, SharedSettings};
 use tokio::sync::watch;
 
 use super::alert::AlertKind;
-use settings::{OtherMachine, Settings, SharedSettings};
 
 /// What is wrong with each service, by alert and name; `None` = it works.
 type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;

@@ -6,14 +6,13 @@ use std::{collections::HashSet, time::Instant};
 use jiff::Timestamp;
 use jobs::JobRunner;
 use ledger::Ledger;
+use settings::Settings;
 
 use super::{
     farm::Farm,
     machine_state::MachineStates,
     state::{CompletionState, DaemonLifecycle, DisplayState, HotFolderWatch, LoopSchedule, NestingState, ReadingState},
 };
-use settings::Settings;
-
 use crate::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
     files::mesh_source::MeshSource,

@@ -5,13 +5,12 @@ use std::time::{Duration, Instant};
 use jobs::JobRunner;
 use language::say;
 use ledger::Ledger;
+use settings::Settings;
 
 use super::{
     machine_state::MachineStates,
     state::{CompletionState, DaemonLifecycle, DisplayState, HotFolderWatch, LoopSchedule, NestingState, ReadingState},
 };
-use settings::Settings;
-
 use crate::{
     alerts::{
         alert::{AlertKind, FarmAlert},

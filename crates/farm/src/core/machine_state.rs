@@ -9,10 +9,9 @@ use std::{
 
 use jiff::Timestamp;
 use ledger::{BuildRow, CommandId, DueArrival, QueuedBuild, UtcTimestamp, WaitingPart, rank_waiting_copies};
-
-use super::printer_state::MachinePrinters;
 use settings::{MachineProfile, Settings};
 
+use super::printer_state::MachinePrinters;
 use crate::{
     alerts::alert_registry::AlertRegistry,
     decisions::{

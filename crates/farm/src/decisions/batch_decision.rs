@@ -1,9 +1,9 @@
 //! Decides what the open build of a machine needs next. This is a function of facts and time.
 
 use jiff::Timestamp;
+use settings::MachineProfile;
 
 use super::trigger::{FireTrigger, TriggerFacts, find_trigger};
-use settings::MachineProfile;
 
 /// What is known of a machine and its waiting parts.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,13 +3,13 @@
 use jiff::Timestamp;
 use language::say;
 use ledger::MachineStatus;
+use settings::MachineProfile;
 
 use super::{
     printer_outlook::PrinterOutlook,
     queue_depth::{has_machine_room, is_hindered},
     trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger},
 };
-use settings::MachineProfile;
 
 /// When a machine's next build fires, unless it is full before or an operator flushes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
 use build_file::DeliveryKind;
+use delivery::build::MachineSpec;
 use ledger::{BuildId, Ledger, NightSearchRow, PartId, PartRow};
 use nester::LayerAreaCap;
+use settings::MachineProfile;
 
 use super::layout::{LayoutPlacement, layouts_from_json};
-use delivery::build::MachineSpec;
-use settings::MachineProfile;
 
 /// The lowest layout that is kept of exactly these copies with these rules.
 pub(crate) async fn find_kept_layout(

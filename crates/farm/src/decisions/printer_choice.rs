@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildId, BuildState, OccupyingBuild};
+use settings::{MachineProfile, PrinterRules};
 
 use super::print_times::PrintTimes;
-use settings::{MachineProfile, PrinterRules};
 
 /// What lies ahead of a printer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

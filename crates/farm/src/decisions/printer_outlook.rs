@@ -3,12 +3,12 @@
 
 use jiff::{SignedDuration, Timestamp};
 use ledger::{MachineStatus, OccupyingBuild};
+use settings::{FarmZone, MachineProfile, PrinterRules};
 
 use super::{
     print_times::PrintTimes,
     printer_choice::{BuildSpan, PrinterLoad, build_spans, load_of_spans},
 };
-use settings::{FarmZone, MachineProfile, PrinterRules};
 
 /// The printers of a machine that are in use, and how long prints take.
 #[derive(Debug, Clone, PartialEq)]

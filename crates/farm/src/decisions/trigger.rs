@@ -6,9 +6,9 @@ use jiff::{SignedDuration, Timestamp, civil::Date};
 use ledger::DueArrival;
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::MachineProfile;
 
 use super::printer_outlook::PrinterOutlook;
-use settings::MachineProfile;
 
 /// Why a batch fired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use jiff::{SignedDuration, Timestamp};
 use ledger::WaitingPart;
+use settings::{ApprovalPolicy, MachineProfile, WithdrawalPolicy};
 
 use super::{layout::CopyId, left_out::HIGHEST_PRIORITY, trigger::secs_between};
-use settings::{ApprovalPolicy, MachineProfile, WithdrawalPolicy};
 
 /// Beside the time that the next final search takes, this long must pass before the printer could take the file, seconds: a
 /// printer never waits for a better build.

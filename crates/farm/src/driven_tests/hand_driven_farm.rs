@@ -13,13 +13,12 @@ use ledger::{
     BuildState, CommandId, CommandKind, CommandRow, Ledger, LedgerError, NewCommand, OperatorWord, PartId, PartRow,
     PartState, WordAnswer,
 };
+use settings::MachineProfile;
 use solids::Mesh;
 use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{AlertKind, InvariantExpectations, QuoteMeshes, ReconcileReport};
-use settings::MachineProfile;
-
 use crate::{
     core::{farm::Farm, job_events},
     decisions::layout::CopyId,

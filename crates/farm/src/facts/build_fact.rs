@@ -5,10 +5,9 @@ use jiff::Timestamp;
 use ledger::{BuildId, BuildRow, BuildState, HistoryRow, Ledger, NamedBuildRow, PlacementRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use super::read_facts::read_plans;
 use settings::MachineProfile;
 
+use super::read_facts::read_plans;
 use crate::planning::{MachinePlan, PlanStage, PlannedBuild};
 
 /// What is so of a build.

@@ -3,9 +3,9 @@
 use jiff::{Timestamp, Zoned};
 use language::say;
 use ledger::UtcTimestamp;
+use settings::FarmZone;
 
 use super::order_fact::{DatedOrder, OrderWord};
-use settings::FarmZone;
 
 /// How an order stands, as its customer wants to know it: `Your order A-17: 40 of 48 parts are printed, the rest is expected Friday 4
 /// December.`

@@ -2,13 +2,12 @@ use jiff::Timestamp;
 use ledger::{
     AwaitedMaterial, BuildId, BuildState, DownPrinter, MachineStatus, NestingBuild, OccupyingBuild, PauseStatus,
 };
+use settings::MachineProfile;
 
 use super::{
     machine_fact::{MachineFact, MachineWord, machine_fact},
     printer_fact::{PrinterFact, PrinterWord, printer_fact},
 };
-use settings::MachineProfile;
-
 use crate::decisions::{print_times::PrintTimes, printer_choice::build_spans, trigger::tests::machine_with_triggers};
 
 /// A Wednesday, and hours after its begin.

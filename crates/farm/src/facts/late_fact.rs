@@ -6,10 +6,9 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use jiff::Timestamp;
 use ledger::{LatePart, Ledger, PartId, UtcTimestamp};
-
-use super::build_fact::ends_of;
 use settings::MachineProfile;
 
+use super::build_fact::ends_of;
 use crate::planning::{MachinePlan, read_occupation};
 
 /// The parts with a due date in a span of time that came late or are late, by due date.

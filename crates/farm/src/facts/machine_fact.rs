@@ -6,10 +6,9 @@ use language::say;
 use ledger::{BuildId, BuildState, MachineRow, MachineStatus, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use super::printer_fact::{PrinterFact, PrinterWord};
 use settings::MachineProfile;
 
+use super::printer_fact::{PrinterFact, PrinterWord};
 use crate::{
     decisions::fire_forecast::{FireForecast, forecast_fire},
     planning::PlanStage,

@@ -3,13 +3,12 @@
 use anyhow::Result;
 use jiff::Timestamp;
 use ledger::{Ledger, MachineStatus};
+use settings::MachineProfile;
 
 use super::{
     machine_fact::{MachineFact, machine_fact},
     printer_fact::printer_fact,
 };
-use settings::MachineProfile;
-
 use crate::{
     decisions::printer_choice::build_spans,
     planning::{DateRisk, FarmRows, MachinePlan, Occupation, plan_machine, read_occupation},

@@ -13,10 +13,9 @@ use ledger::{
     DroppedFile, Ledger, MEND_BY_TICKET, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource,
 };
 use serde::{Deserialize, Serialize};
-
-use super::file_fault::FileTerms;
 use settings::{MachineProfile, Settings};
 
+use super::file_fault::FileTerms;
 use crate::leases::{lease_holder::FarmIdentity, own_machines::without_other_nodes};
 
 /// A note in the store.

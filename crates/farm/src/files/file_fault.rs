@@ -5,10 +5,10 @@ use build_file::{LengthUnit, PartFileContents, PartFileSolid, ReadLimits, SolidR
 use intake::Ticket;
 use ledger::{PartId, RefusalCause, RequestedTerms, RequiredTilts};
 use nester::{FaceNotDown, OrientationLimits, OrientationRule, TiltLimit, TiltLimitError};
+use settings::{MachineProfile, MeshErrorPolicy};
 use solids::MeshDefects;
 
 use super::mending::mend_text;
-use settings::{MachineProfile, MeshErrorPolicy};
 
 /// A part that would be smaller than this in another unit was not meant in it.
 const SMALLEST_MEANT_MM: f64 = 1.0;

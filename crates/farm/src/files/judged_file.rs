@@ -11,14 +11,13 @@ use std::{
 use build_file::{LengthUnit, PartFileContents, ReadLimits};
 use intake::Ticket;
 use ledger::PartRow;
+use settings::MachineProfile;
 
 use super::{
     file_fault::{FileTerms, find_file_fault},
     isolated_read::PartReadRequest,
     mending::{allowed_by_ticket, mend_solids},
 };
-use settings::MachineProfile;
-
 use crate::alerts::failure::PartReadError;
 
 /// A larger file is judged when it is taken: reading it takes longer than a client waits.

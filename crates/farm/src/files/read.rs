@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use build_file::{LengthUnit, PartFileSolid};
 use ledger::{PartRow, RefusalCause, SolidFacts};
+use settings::MachineProfile;
 
 use super::{
     file_fault::{FileTerms, defects_text, find_file_fault, requested_terms},
@@ -13,8 +14,6 @@ use super::{
     read_again::read_in_fixed_unit,
     standing_claim::StandingClaim,
 };
-use settings::MachineProfile;
-
 use crate::alerts::failure::{LostFileError, PartReadError, error_chain};
 
 /// Coarser coordinates than this share of a layer are told.

@@ -8,6 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use settings::{MachineFolders, Settings};
+
 use super::{
     folder_lease::LeaseError,
     known_folders::known_identity,
@@ -15,7 +17,6 @@ use super::{
     lease_holder::{FarmIdentity, LeaseHolder, find_place},
     lease_marker::{LeaseMarker, folder_identity, read_marker},
 };
-use settings::{MachineFolders, Settings};
 
 /// How often the markers are read while they are watched.
 const WATCH_INTERVAL: Duration = Duration::from_millis(500);

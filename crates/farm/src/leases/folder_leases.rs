@@ -1,12 +1,13 @@
 //! The leases on the folders of a machine, acquired and renewed together.
 
+use delivery::queue::QueueAddress;
+use settings::{MachineFolders, MachineProfile};
+
 use super::{
     folder_lease::{FolderLease, LeaseError},
     lease_clock::LeaseTimestamp,
     lease_holder::LeaseHolder,
 };
-use delivery::queue::QueueAddress;
-use settings::{MachineFolders, MachineProfile};
 
 /// Why a folder cannot be used, for alerts.
 #[derive(Debug, Clone, PartialEq, Eq)]

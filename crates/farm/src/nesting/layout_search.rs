@@ -8,10 +8,9 @@ use std::{
 use anyhow::Result;
 use ledger::PartRow;
 use nester::{HeightCurve, NestingSolution, PreparedMeshes, SearchBudget, SearchEnd};
-
-use super::search_policy::{SearchPolicy, SearchProblem};
 use settings::MachineProfile;
 
+use super::search_policy::{SearchPolicy, SearchProblem};
 use crate::{
     decisions::layout::{BatchLayout, LayoutPlacement, NestingBatch, NestingPart},
     files::mesh_source::MeshSource,

@@ -5,11 +5,10 @@ use std::{fs, path::Path, sync::Arc};
 use anyhow::Result;
 use glam::DVec3;
 use ledger::{Ledger, PartMending, PartRow, PartState};
+use settings::Settings;
 use solids::Mesh;
 
 use super::node_content::find_kept_content;
-use settings::Settings;
-
 use crate::files::{isolated_read::PartReadRequest, mesh_cache::MeshCache};
 
 /// A larger file has no picture: reading it takes longer than somebody looks at a list.

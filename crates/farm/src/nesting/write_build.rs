@@ -11,18 +11,17 @@ use std::{
 
 use anyhow::{Context, Result};
 use build_file::{BuildFile, DeliveryKind, ReadLimits};
-use jiff::Timestamp;
-use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
-use nester::{SearchSummary, Separability};
-use tracing::info;
-
-use super::layout_search::NestingResult;
 use delivery::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
     queue::OpenQueue,
 };
+use jiff::Timestamp;
+use ledger::{BuildRow, FinalSearch, ProvedFile, ProvedMeasures, RemovalStep, Verified};
+use nester::{SearchSummary, Separability};
 use settings::MachineProfile;
+use tracing::info;
 
+use super::layout_search::NestingResult;
 use crate::decisions::layout::CopyId;
 
 /// Pixels of the build's picture and thumbnail.

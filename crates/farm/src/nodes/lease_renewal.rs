@@ -3,12 +3,11 @@
 use std::time::Duration;
 
 use anyhow::Result;
+use delivery::queue::QueueAddress;
 use jobs::{BackgroundJob, Carried};
 use tracing::{info, warn};
 
 use super::{adopt, folder_comparison};
-use delivery::queue::QueueAddress;
-
 use crate::{
     alerts::{alert::AlertKind, alert_registry::AlertRegistry},
     core::{

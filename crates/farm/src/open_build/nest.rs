@@ -8,17 +8,16 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use build_file::{PLACEMENT_TABLE_ENDING, format_count};
+use delivery::queue::FileState;
 use jobs::BackgroundJob;
 use ledger::{
     BuildId, BuildRow, BuildState, EventKind, Ledger, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
     rank_waiting_copies,
 };
+use settings::MachineProfile;
 use tracing::{info, warn};
 
 use super::{batch, searches::start_search};
-use delivery::queue::FileState;
-use settings::MachineProfile;
-
 use crate::{
     alerts::alert::AlertKind,
     core::{crash_guard, desks::Building, farm::Farm, state::NestingState},

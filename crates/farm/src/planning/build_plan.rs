@@ -3,10 +3,9 @@
 
 use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildId, DueArrival};
-
-use super::plan_facts::{PlanFacts, PlanLine, StandingLayout};
 use settings::MachineProfile;
 
+use super::plan_facts::{PlanFacts, PlanLine, StandingLayout};
 use crate::decisions::{
     printer_outlook::{PrinterAhead, PrinterOutlook},
     trigger::{DueFacts, FireTrigger, TriggerFacts, find_trigger, next_timed_trigger},

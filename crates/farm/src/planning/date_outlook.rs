@@ -4,13 +4,12 @@ use jiff::{SignedDuration, Timestamp};
 use language::say;
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::{FarmZone, MachineProfile};
 
 use super::{
     build_plan::{ComingBuild, add_secs},
     plan_facts::{PlanFacts, PlanHindrance},
 };
-use settings::{FarmZone, MachineProfile};
-
 use crate::decisions::printer_choice::BuildStage;
 
 /// What puts a due date at risk.

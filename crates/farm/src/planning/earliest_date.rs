@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use jiff::Timestamp;
 use ledger::{PartId, PartRow};
+use settings::MachineProfile;
 
 use super::{
     build_plan::{ComingBuild, add_secs, plan_builds},
@@ -12,7 +13,6 @@ use super::{
     plan_facts::{PlanFacts, PlanLine},
     reprint_odds::ReprintOdds,
 };
-use settings::MachineProfile;
 
 /// A due date moves those of others; the date is sought in so many steps at most.
 const MAX_STEPS: usize = 5;

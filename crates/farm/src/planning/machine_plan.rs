@@ -7,6 +7,7 @@ use language::say;
 use ledger::{BuildId, PartId, PartRow, PartState, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::{FarmZone, MachineProfile};
 
 use super::{
     build_plan::{ComingBuild, plan_builds},
@@ -14,8 +15,6 @@ use super::{
     plan_facts::PlanHindrance,
     plan_reading::{BuildUnderWay, PlanReading},
 };
-use settings::{FarmZone, MachineProfile};
-
 use crate::{
     decisions::{printer_choice::BuildStage, trigger::FireTrigger},
     process::time_text::known_minute,

@@ -6,10 +6,9 @@ use jiff::Timestamp;
 use ledger::{
     BuildId, BuildRow, BuildState, DownPrinter, Ledger, MachineRow, MachineStatus, OccupyingBuild, ToldPrint,
 };
-
-use super::packing_experience::{LEARN_FROM, PackingExperience};
 use settings::MachineProfile;
 
+use super::packing_experience::{LEARN_FROM, PackingExperience};
 use crate::{decisions::print_times::PrintTimes, scanning::machine_fit::find_misfit};
 
 /// What the ledger says of all machines.

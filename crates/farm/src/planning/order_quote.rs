@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use ledger::{BuildId, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
+use settings::{FarmZone, MachineProfile, Money, PriceSum};
 
 use super::{
     build_plan::{ComingBuild, plan_builds},
@@ -20,7 +21,6 @@ use super::{
     quoted_part::QuotedPart,
     reprint_odds::ReprintOdds,
 };
-use settings::{FarmZone, MachineProfile, Money, PriceSum};
 
 /// Time that the insertion into the open build may take: a quote takes less than two seconds.
 pub const QUOTE_SEARCH_TIME: Duration = Duration::from_millis(1400);

@@ -5,10 +5,9 @@ use std::{collections::HashSet, sync::Arc};
 use jiff::Timestamp;
 use ledger::{BuildId, PartId, PartRow, WaitingPart, compare_precedence, rank_waiting_copies};
 use nester::OrientationRule;
-
-use super::packing_experience::PackingExperience;
 use settings::MachineProfile;
 
+use super::packing_experience::PackingExperience;
 use crate::decisions::printer_outlook::PrinterOutlook;
 
 /// Waiting copies of one part, all of which stand in the open build, or none.

@@ -8,6 +8,7 @@ use ledger::{
     BuildId, BuildRow, Ledger, MachineStatus, OccupyingBuild, PartId, PartRow, PublishedExperience, ToldPrint,
     WaitingPart,
 };
+use settings::MachineProfile;
 
 use super::{
     date_outlook::{EndReserve, MadeBuild},
@@ -15,8 +16,6 @@ use super::{
     packing_experience::{self, PackingExperience, upper_end},
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, StandingLayout},
 };
-use settings::MachineProfile;
-
 use crate::decisions::{
     layout::{CopyId, LayoutPlacement, placed_from_json},
     print_times::{PrintTimes, print_excess_hours},

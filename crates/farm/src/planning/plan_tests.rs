@@ -5,6 +5,7 @@ use std::sync::Arc;
 use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildId, PartId, PartRow, WaitingPart};
 use ledger_fixtures::part_row;
+use settings::MachineProfile;
 
 use super::{
     build_plan::{ComingBuild, plan_builds},
@@ -13,8 +14,6 @@ use super::{
     packing_experience::PackingExperience,
     plan_facts::{FiredBuild, PlanFacts, PlanHindrance, PlanLine, StandingLayout},
 };
-use settings::MachineProfile;
-
 use crate::decisions::{
     print_times::PrintTimes,
     printer_choice::BuildStage,

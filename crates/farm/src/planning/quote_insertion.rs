@@ -12,12 +12,11 @@ use build_file::ReadLimits;
 use intake::ContentStore;
 use ledger::{PartId, PartRow, WaitingPart};
 use nester::{PreparedMeshCache, PreparedMeshes};
+use settings::{MachineProfile, Settings};
 use solids::Mesh;
 use tracing::debug;
 
 use super::quoted_part::QuotedPart;
-use settings::{MachineProfile, Settings};
-
 use crate::{
     decisions::layout::{LayoutPlacement, NestingBatch, NestingPart},
     files::{disk_cache::DiskCacheReader, isolated_read::READS_IN_THE_DAEMON, mesh_cache::MeshCache},

@@ -2,16 +2,14 @@
 //! dates it would miss: what the plan of its machine says of it.
 
 use anyhow::Result;
-use language::say;
-
 use jiff::Timestamp;
+use language::say;
 use ledger::{BuildId, BuildRow, Ledger, MachineStatus, PartRow, UtcTimestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
-
-use super::printers::rules_of_build;
 use settings::{FarmZone, MachineProfile};
 
+use super::printers::rules_of_build;
 use crate::{
     planning::{FarmRows, awaits_release, plan_machine, read_occupation},
     scanning::machine_fit::find_misfit,

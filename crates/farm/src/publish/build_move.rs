@@ -1,11 +1,10 @@
 //! Which printer the file of a published build is taken back for: its own went down before it took the file, or the move has begun.
 
 use anyhow::{Context, Result, ensure};
+use delivery::queue::OpenQueue;
 use ledger::{BuildRow, BuildState, TakeBackEnd};
 
 use super::taken_file::TakeBackTarget;
-use delivery::queue::OpenQueue;
-
 use crate::{
     core::{desks::Building, machine_state::MachineState},
     printers::printers::{choose_for_build, usable_printers},

@@ -2,13 +2,12 @@
 //! work continues where a crash interrupted it.
 
 use anyhow::Result;
+use delivery::queue::{PublishOutcome, QueueError};
 use jobs::BackgroundJob;
 use ledger::{BuildId, BuildRow, BuildState, PartState};
 use tracing::{info, warn};
 
 use super::staged_build::{PublishStep, QueueReplacedError, StagedBuild, check_record_of_away};
-use delivery::queue::{PublishOutcome, QueueError};
-
 use crate::{
     alerts::alert::AlertKind,
     core::{desks::Building, farm::Farm, machine_state::MachineState, state::NestingState},

@@ -4,6 +4,7 @@
 //! does them, and `queue/take_back` says how a file leaves a queue.
 
 use anyhow::Result;
+use delivery::queue::OpenQueue;
 use jobs::BackgroundJob;
 use ledger::{BuildId, BuildRow, BuildState, LedgerError, TakeBackEnd, TakenBackFor};
 use tokio::runtime::Handle;
@@ -13,8 +14,6 @@ use super::{
     build_move::find_other_printer,
     taken_file::{TakeBackStep, TakeBackTarget, TakenFile},
 };
-use delivery::queue::OpenQueue;
-
 use crate::{
     alerts::alert::AlertKind,
     core::{desks::Building, farm::Farm},

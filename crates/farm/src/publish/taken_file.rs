@@ -4,12 +4,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
+use delivery::queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome};
 use ledger::{BuildRow, BuildState, FoundPlace, Ledger};
 use tokio::runtime::Handle;
 
 use super::staged_build::{has_hash, is_of_hash};
-use delivery::queue::{FileState, OpenQueue, PrinterQueue, TakeBackOutcome};
-
 use crate::{
     leases::folder_leases::FolderLeases,
     records::build_record::note_withdrawn,

@@ -3,10 +3,9 @@
 
 use anyhow::Result;
 use ledger::{Ledger, PartId, PartRow, SolidFacts};
-
-use super::doubtful_drops::add_question;
 use settings::DuplicatePolicy;
 
+use super::doubtful_drops::add_question;
 use crate::core::machine_state::MachineStates;
 
 /// The consequence of an earlier part with the same bytes.

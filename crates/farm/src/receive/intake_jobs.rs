@@ -7,6 +7,7 @@ use build_file::{MESH_FORMATS, format_count};
 use intake::TicketError;
 use jobs::BackgroundJob;
 use ledger::{PartId, PartRow, PartState, RecordedAs, RecordedPart, RefusalCause};
+use settings::MachineProfile;
 use tracing::{debug, info};
 
 use super::{
@@ -14,8 +15,6 @@ use super::{
     duplicates::{self, DuplicateDecision},
     mark_note,
 };
-use settings::MachineProfile;
-
 use crate::{
     alerts::alert::AlertKind,
     core::{desks::Receiving, farm::Farm},

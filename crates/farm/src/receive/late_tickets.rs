@@ -10,11 +10,10 @@ use jiff::{SignedDuration, Timestamp};
 use jobs::BackgroundJob;
 use ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts};
 use nester::OrientationLimits;
+use settings::MachineProfile;
 use tracing::{info, warn};
 
 use super::mark_note;
-use settings::MachineProfile;
-
 use crate::{
     core::{desks::Receiving, farm::Farm},
     files::claim_note::ticket_row,

@@ -12,11 +12,10 @@ use build_file::{BuildMetadata, PictureBody, PictureScheme, PlacedMesh, Viewpoin
 use glam::DVec3;
 use intake::ContentStore;
 use ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep};
+use settings::{MachineProfile, Settings};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{build_record::archive_folder, kept_build};
-use settings::{MachineProfile, Settings};
-
 use crate::{
     decisions::layout::{due_words, placed_from_json},
     files::{mesh_cache::MeshCache, mesh_source::MeshSource},

@@ -8,11 +8,10 @@ use std::{
 };
 
 use anyhow::Context;
-
-use super::build_record;
 use delivery::queue::FileState;
 use settings::{MachineProfile, Settings};
 
+use super::build_record;
 use crate::leases::{folder_check, folder_lease::LeaseError};
 
 /// A folder that must be read and cannot be.

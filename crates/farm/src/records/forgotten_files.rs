@@ -5,6 +5,7 @@ use std::{collections::HashSet, path::PathBuf};
 
 use anyhow::{Context, Result};
 use ledger::{Ledger, PartRow, RefusalCause};
+use settings::Settings;
 
 use super::{
     newer_decisions::{how_to_take_back, wanted_then},
@@ -12,8 +13,6 @@ use super::{
         DECIDED_SINCE, DeferredFolderStep, ErrorFolderIndex, ReconcileReport, UNKNOWN_FILES_DIR, copy_to_error_folder,
     },
 };
-use settings::Settings;
-
 use crate::files::{
     claim_note::{ClaimNote, ForgottenFile},
     error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, reason_text},

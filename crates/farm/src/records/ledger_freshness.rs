@@ -9,7 +9,9 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use delivery::queue::QueueAddress;
 use ledger::Ledger;
+use settings::{MachineProfile, Settings};
 use tokio::sync::OnceCell;
 
 use super::{
@@ -17,9 +19,6 @@ use super::{
     newer_decisions, order_notes,
     reconcile::find_unknown_builds,
 };
-use delivery::queue::QueueAddress;
-use settings::{MachineProfile, Settings};
-
 use crate::{
     alerts::alert::AlertKind,
     files::claim_note,

@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use ledger::{LedgerError, ServerError};
-
-use super::ledger_freshness::LedgerBehindError;
 use settings::Settings;
 
+use super::ledger_freshness::LedgerBehindError;
 use crate::{
     alerts::alert::AlertKind,
     leases::{lease_holder, state_lock},

@@ -6,10 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 use intake::{ContentStore, StoredContent};
 use ledger::{ClaimDecisions, Ledger, PartId, PartRow, PartState};
-
-use super::reconcile_report::ReconcileReport;
 use settings::Settings;
 
+use super::reconcile_report::ReconcileReport;
 use crate::files::claim_note::ClaimNote;
 
 /// Claims whose notes count more decisions than the ledger.

@@ -6,10 +6,9 @@ use std::{collections::HashMap, path::PathBuf};
 use anyhow::{Context, Result};
 use intake::ContentStore;
 use ledger::PartRow;
-
-use super::{build_record, folder_builds::FolderExpectations};
 use settings::{MachineProfile, Settings};
 
+use super::{build_record, folder_builds::FolderExpectations};
 use crate::files::error_folder::{REASON_SUFFIX, reason_text};
 
 /// What was done, in sentences.

@@ -9,10 +9,9 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use ledger::{DownPrinter, ExistingRows, Ledger, LedgerAddress, ServingRight};
-
-use super::ledger_service::serving_node;
 use settings::Settings;
 
+use super::ledger_service::serving_node;
 use crate::{
     leases::{folder_check, own_machines::without_other_nodes, state_lock::StateDirLock},
     records::{folder_builds::FolderExpectations, reconcile::reconcile_ledger, reconcile_report::ReconcileReport},

@@ -7,14 +7,13 @@ use intake::ContentStore;
 use jobs::JobRunner;
 use language::say;
 use ledger::{Ledger, LedgerError, ServingRight};
+use settings::Settings;
 use tracing::warn;
 
 use super::{
     machine_setup::{self, MachineRows},
     status,
 };
-use settings::Settings;
-
 use crate::{
     alerts::{
         alert::AlertKind, alert_registry::AlertRegistry, failure::is_disk_failure, service_bridge::ServiceBridge,

@@ -2,14 +2,13 @@
 //! say of its machines.
 
 use anyhow::{Result, bail};
+use settings::Settings;
 use tracing::{info, warn};
 
 use super::{
     machine_setup::{self, MachineRows},
     status,
 };
-use settings::Settings;
-
 use crate::{
     alerts::alert::AlertKind,
     core::farm::Farm,

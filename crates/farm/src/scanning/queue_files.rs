@@ -4,14 +4,14 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
+use delivery::queue::{FileState, OpenQueue, PrinterQueue};
 use ledger::{BuildId, BuildRow, BuildState};
+use settings::MachineProfile;
 
 use super::{
     machine_fit::find_misfit,
     queue_contents::{self, BuildFiles, ContentReader, SoughtFile, VisibleFile, is_at, told_place},
 };
-use delivery::queue::{FileState, OpenQueue, PrinterQueue};
-use settings::MachineProfile;
 
 /// Maximum number of files of which one look reads the content.
 const MAX_READ_PER_LOOK: usize = 8;

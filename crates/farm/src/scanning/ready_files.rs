@@ -9,11 +9,10 @@ use intake::{
     UnpackOutcome,
 };
 use ledger::RefusalCause;
+use settings::MachineProfile;
 use tracing::info;
 
 use super::hot_folder_scan::{HotFolderScan, RefusedFile, file_display_name};
-use settings::MachineProfile;
-
 use crate::{alerts::failure::error_chain, leases::folder_lease::FolderLease};
 
 /// A list that cannot be read is reported when it has not changed for this many settle times.

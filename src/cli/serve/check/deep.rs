@@ -4,11 +4,11 @@ use std::{path::PathBuf, time::Duration};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use farm::{InvariantExpectations, InvariantReport};
 use ledger::{Ledger, LedgerError};
+use settings::Settings;
 
 use super::report::CheckReport;
-use farm::{InvariantExpectations, InvariantReport};
-use settings::Settings;
 
 const SUBJECT: &str = "invariants";
 /// A running daemon moves files during the check. Only a violation that is found twice, with this delay between,

@@ -10,9 +10,9 @@ use std::{
 
 use intake::display_name;
 use rustix::fs::{Access, access, statfs, statvfs};
+use settings::{MachineProfile, Settings};
 
 use super::{other_machines::OtherMachines, report::CheckReport};
-use settings::{MachineProfile, Settings};
 
 /// With less free space than this in the state directory, the next large drop fills the disk.
 const MIN_STATE_BYTES: u64 = 1 << 30;

@@ -3,9 +3,9 @@
 
 use anyhow::{Context, Result};
 use ledger::{BuildRow, BuildState, Ledger, LedgerError};
+use settings::{MachineProfile, PrinterRules, Settings};
 
 use super::{other_machines::OtherMachines, report::CheckReport};
-use settings::{MachineProfile, PrinterRules, Settings};
 
 const SUBJECT: &str = "ledger";
 const RESTORE: &str = "put a backup back with `nestd restore FILE`";

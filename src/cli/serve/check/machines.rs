@@ -1,9 +1,9 @@
 //! Doubts about the sizes of machines: numbers that were given in another unit than millimetres.
 
 use glam::DVec3;
+use settings::Settings;
 
 use super::report::CheckReport;
-use settings::Settings;
 
 /// The longest edge of the smallest powder-bed machines is longer, mm.
 const SMALLEST_EDGE_MM: f64 = 80.0;

@@ -7,8 +7,9 @@ use std::{
     time::Duration,
 };
 
-use super::report::CheckReport;
 use settings::{EmailSettings, Settings, WebhookSettings};
+
+use super::report::CheckReport;
 
 /// A host that does not answer within this time gets a warning.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);

@@ -5,9 +5,9 @@ use std::{collections::BTreeMap, path::PathBuf};
 use anyhow::{Context, Result};
 use build_file::format_count;
 use ledger::{Ledger, LedgerError};
+use settings::Settings;
 
 use super::report::CheckReport;
-use settings::Settings;
 
 /// Each machine with its node.
 #[derive(Debug, Default)]

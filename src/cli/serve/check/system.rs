@@ -4,9 +4,9 @@ use std::{fs, path::Path};
 
 use jiff::{Timestamp, tz::TimeZone};
 use rustix::process::{Resource, getrlimit};
+use settings::{FarmZone, Settings};
 
 use super::report::CheckReport;
-use settings::{FarmZone, Settings};
 
 /// Open files that a busy daemon needs: ledger connections, a few parts and builds at once, inotify.
 const MIN_OPEN_FILES: u64 = 256;

@@ -4,13 +4,12 @@ use std::{fs::File, io::BufWriter, path::Path};
 
 use anyhow::{Context, Result};
 use build_file::{BuildFile, FileWriteError, ReadLimits};
+use delivery::build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild};
 use jiff::Timestamp;
 use nester::{NestingInstance, NestingReport, NestingSolution, SearchSummary};
 use solids::{Mesh, Pose};
 
 use super::{args::NestArgs, setup::NestingSetup};
-use delivery::build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild};
-
 use crate::cli::terminal::{atomic_file::AtomicFile, table::print_to_stderr};
 
 /// Edge lengths of the thumbnail, pixels.

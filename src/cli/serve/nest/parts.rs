@@ -7,11 +7,10 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use delivery::build::BuildPart;
 use solids::Mesh;
 
 use super::{args::NestArgs, setup::NestingSetup};
-use delivery::build::BuildPart;
-
 use crate::cli::{UsageError, terminal::table::print_to_stderr};
 
 /// A part file that the user requested.

@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use build_file::{Arrangement, DeliveryKind, LengthUnit, ReadLimits};
+use delivery::build::MachineSpec;
 use glam::DVec3;
 use nester::{FaceNotDown, LayerAreaCap, NestingConfig, OrientationLimits, OrientationRule, TiltLimit, VolumeMargins};
 
 use super::args::NestArgs;
-use delivery::build::MachineSpec;
-
 use crate::cli::{CommonArgs, UsageError};
 
 /// Clearance without a profile and without `--clearance`, mm.

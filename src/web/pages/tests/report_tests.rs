@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use farm::{CakeCopy, CakePart};
 use glam::{DQuat, DVec3};
 use solids::Pose;
 
 use super::*;
-use farm::{CakeCopy, CakePart};
 
 const NAMES: [&str; 4] =
     ["<script>alert(1)</script>.stl", "</script><img src=x onerror=alert(1)>.stl", "\"onload=\"x.stl", "a'b&amp;.stl"];

@@ -3,10 +3,9 @@
 use std::sync::mpsc::{Sender, channel};
 
 use jobs::BackgroundJob;
-
-use super::{HandDrivenFarm, MACHINE, MOST_TICKS, STEP};
 use settings::Settings;
 
+use super::{HandDrivenFarm, MACHINE, MOST_TICKS, STEP};
 use crate::{core::farm::Farm, open_build::batch};
 
 /// A job in a folder that does not answer.

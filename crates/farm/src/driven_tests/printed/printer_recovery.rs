@@ -3,6 +3,7 @@
 
 use std::{fs, path::Path, sync::Arc};
 
+use delivery::queue::{OpenQueue, PrinterQueue, QueueFolder};
 use ledger::{
     BuildRow, BuildState, CommandKind, LedgerError, OperatorWord, PartId, PartState, PrintOutcome, PrinterPlace,
     ToldOutcome,
@@ -10,8 +11,6 @@ use ledger::{
 use ledger_fixtures::ToldWords;
 
 use super::printers::{bring_up, build_part, published, queue, take_down, two_printers, visible};
-use delivery::queue::{OpenQueue, PrinterQueue, QueueFolder};
-
 use crate::{
     AlertKind,
     driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::list_build_files},

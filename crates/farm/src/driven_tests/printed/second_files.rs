@@ -2,14 +2,13 @@
 
 use std::{fs, path::PathBuf};
 
+use delivery::queue::{PrinterQueue, QueueFolder};
 use ledger::{
     BuildRow, BuildState, CommandKind, EventKind, InQueueError, LedgerError, OperatorWord, PartState, PrintOutcome,
     ToldOutcome,
 };
 
 use super::printers::{bring_up, build_part, published, queue, take_down, two_printers, visible};
-use delivery::queue::{PrinterQueue, QueueFolder};
-
 use crate::{
     AlertKind,
     driven_tests::{HandDrivenFarm, block},

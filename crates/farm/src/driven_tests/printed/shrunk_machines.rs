@@ -4,10 +4,9 @@ use std::{fs, path::Path};
 
 use glam::DVec3;
 use ledger::{BuildRow, BuildState, CommandKind, OperatorWord, PartState};
-
-use super::printers::{published, queue, take_down, visible};
 use settings::load_settings;
 
+use super::printers::{published, queue, take_down, visible};
 use crate::{
     AlertKind, awaits_release,
     driven_tests::{

@@ -3,14 +3,13 @@
 
 use std::fs;
 
+use delivery::queue::{PrinterQueue, QueueFolder};
 use ledger::{
     BuildId, BuildRow, BuildState, CommandArgument, CommandKind, InQueueError, LedgerError, NewCommand, OperatorWord,
     PartEdit, PartState, PrintOutcome, ToldOutcome,
 };
 
 use super::printers::{build_part, published};
-use delivery::queue::{PrinterQueue, QueueFolder};
-
 use crate::{
     AlertKind,
     driven_tests::{HandDrivenFarm, MACHINE, QUICK, block, hand_driven_farm::farm_files::assert_each_copy_once},

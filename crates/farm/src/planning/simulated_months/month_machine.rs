@@ -4,13 +4,12 @@ use std::{cmp::Ordering, collections::VecDeque, sync::Arc};
 
 use jiff::Timestamp;
 use ledger::{PartRow, compare_precedence};
+use settings::MachineProfile;
 
 use super::super::{
     packing_experience::PackingExperience,
     plan_facts::{PlanFacts, PlanLine},
 };
-use settings::MachineProfile;
-
 use crate::decisions::{
     print_times::PrintTimes,
     printer_outlook::{PrinterAhead, PrinterOutlook},

@@ -8,13 +8,12 @@ use std::{
 
 use anyhow::Result;
 use ledger::{BuildRow, BuildState, Ledger, PartId};
+use settings::{MachineProfile, Settings};
 
 use super::report::{
     Invariant::{I2, I3, I4},
     InvariantExpectations, InvariantReport,
 };
-use settings::{MachineProfile, Settings};
-
 use crate::records::kept_build::KeptBuild;
 
 /// Ends of the dot-names of nestd's files in a queue folder.

@@ -6,6 +6,7 @@ use anyhow::Result;
 use intake::{ContentStore, StoreError};
 use jiff::{SignedDuration, Timestamp};
 use ledger::{BuildState, Ledger, PartFileRow, PartId, PartState};
+use settings::Settings;
 
 use super::{
     folders::{FilesByHash, FolderContents, files_by_hash},
@@ -14,8 +15,6 @@ use super::{
         InvariantExpectations, InvariantReport,
     },
 };
-use settings::Settings;
-
 use crate::{
     decisions::trigger::secs_between,
     records::{build_record::archive_folder, forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild},

@@ -8,9 +8,9 @@ use std::{
 use anyhow::Result;
 use intake::ClaimsOnDisk;
 use ledger::{Ledger, PartState};
+use settings::Settings;
 
 use super::report::{Invariant, InvariantExpectations, InvariantReport};
-use settings::Settings;
 
 /// Files of a folder by BLAKE3.
 pub type FilesByHash = HashMap<String, Vec<PathBuf>>;

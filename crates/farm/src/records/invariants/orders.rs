@@ -4,13 +4,13 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::Result;
 use ledger::{Ledger, LineCopies};
+use settings::Settings;
 
 use super::report::{
     AskedCopies,
     Invariant::{I3, I5},
     InvariantExpectations, InvariantReport,
 };
-use settings::Settings;
 
 /// For each dropped file: copies in build files that are not told bad are at most those wanted, and, with the copies that
 /// the ledger says wait, stand in builds or are refused, exactly those.

@@ -190,7 +190,7 @@ async fn a_form_that_was_sent_before_is_told_from_one_with_something_else_in_it(
 }
 
 #[tokio::test]
-async fn a_form_of_an_earlier_daemon_is_told_what_became_of_it_and_an_unknown_one_is_refused() {
+async fn a_form_of_an_earlier_daemon_is_carried_out_once_and_one_of_another_farm_is_refused() {
     let dashboard = with_a_build("bracket.stl").await;
     dashboard.printer_takes_it().await;
     let requeue = |form: &PageForm| form.says("act", "requeue");
@@ -210,16 +210,20 @@ async fn a_form_of_an_earlier_daemon_is_told_what_became_of_it_and_an_unknown_on
         std::future::pending(),
     );
     assert!(tokio::time::timeout(std::time::Duration::from_millis(500), never).await.is_err());
-    let restarted = TestDashboard::new(|web| web.ledger = (*dashboard.ledger).clone()).await;
+    let keys = FormKeys::of_farm(&dashboard.ledger).await.unwrap();
+    let restarted = TestDashboard::new(|web| (web.ledger, web.form_keys) = ((*dashboard.ledger).clone(), keys)).await;
     let again = restarted.press(&sent).await;
     assert!(again.text.contains("Build 1 is issued once more as build 2."), "{}", again.text);
-    let unknown = restarted.press(&unsent).await;
+    let foreign = with_a_build("bracket.stl").await.form("/builds/1", requeue).await;
+    let unknown = restarted.press(&foreign).await;
     assert_eq!(unknown.status, StatusCode::FORBIDDEN, "{}", unknown.text);
     let ended = restarted.press(&ended).await;
     assert!(ended.text.contains("it is not known whether all of it was done"), "{}", ended.text);
     let build = dashboard.ledger.find_build(BuildId(2)).await.unwrap().unwrap();
     assert_eq!(build.state, BuildState::Nesting);
     assert!(dashboard.ledger.find_build(BuildId(3)).await.unwrap().is_none());
+    let late = restarted.press(&unsent).await;
+    assert_eq!(late.status, StatusCode::SEE_OTHER, "{}", late.text);
 }
 
 #[tokio::test]

@@ -1,8 +1,11 @@
 //! Which requests the dashboard answers.
 
+use access::Role;
+use axum::http::{HeaderMap, HeaderValue, header};
 use farm::ServicePhase;
 
 use super::*;
+use crate::web::clients::client::{ON_BEHALF, RequestClient, SignInWay, SignedIn};
 
 #[tokio::test]
 async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
@@ -79,6 +82,30 @@ async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
         assert_eq!(dashboard.get(path).await.status, StatusCode::UNAUTHORIZED, "{path}");
     }
     assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn another_node_asks_in_the_name_of_a_person_and_nobody_else_can() {
+    let token = "a-token-of-some-length";
+    let dashboard = TestDashboard::new(|web| web.clients.token = Some(token.to_owned())).await;
+    let ann = SignedIn { name: "Änn".to_owned(), way: SignInWay::Password, is_shared: false };
+    let header = RequestClient::of_person(ann, Role::Read).to_header().unwrap();
+    let ask = async |given: &str, form: bool| {
+        let request = Request::builder().method(if form { "POST" } else { "GET" }).uri("/commands");
+        let request = request.header("host", "farm").header("authorization", format!("Bearer {given}"));
+        let request = request.header(ON_BEHALF, &header).header("content-type", "application/x-www-form-urlencoded");
+        let body = dashboard.with_key("key=key&kind=flush&machine=cube");
+        dashboard.send(request.body(Body::from(body)).unwrap()).await
+    };
+    // She may look only, whatever the node may.
+    let refused = ask(token, true).await;
+    assert!(refused.status == StatusCode::FORBIDDEN && refused.text.contains("read"), "{}", refused.text);
+    assert_eq!(ask("another-token-of-some-length", false).await.status, StatusCode::UNAUTHORIZED);
+    let client = dashboard.web.clients.client_of_token(&HeaderMap::from_iter([
+        (header::AUTHORIZATION, HeaderValue::from_str(&format!("Bearer {token}")).unwrap()),
+        (ON_BEHALF, header.clone()),
+    ]));
+    assert_eq!(client.ok().unwrap().key_name(), "Änn@dashboard");
 }
 
 #[tokio::test]

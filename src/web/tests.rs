@@ -15,7 +15,10 @@ use super::{
         cache::RecentCache,
         client_limits::{ClientLimits, ClientRates},
     },
-    core::state::{DashboardState, PageCaches},
+    core::{
+        form_keys::FormKeys,
+        state::{DashboardState, PageCaches},
+    },
     serve::server::build_router,
 };
 
@@ -91,7 +94,7 @@ impl TestDashboard {
             attempts: Default::default(),
             uploads: Default::default(),
             door: Default::default(),
-            form_keys: Default::default(),
+            form_keys: FormKeys::of_farm(&ledger).await.unwrap(),
             caches: PageCaches {
                 scenes: RecentCache::new(2),
                 picks: RecentCache::new(2),

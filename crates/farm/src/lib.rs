@@ -37,9 +37,9 @@ pub use crate::core::state::Load;
 
 pub use again::part_questions::PartQuestion;
 pub use alerts::alert::{AlertKind, FarmAlert};
-pub use alerts::alert_registry::read_stored_alerts;
 pub use alerts::alert_summary::AlertSummary;
 pub use alerts::service_bridge::{ServiceBridge, ServicePhase};
+pub use alerts::stored_alerts::{alerts_of_farm, read_stored_alerts};
 pub use decisions::fire_forecast::FireForecast;
 pub use decisions::night_text::{night_gain_text, night_text};
 pub use decisions::print_times::PrintTimes;
@@ -65,10 +65,11 @@ pub use leases::folder_check::{check_readable, watch_other_holders};
 pub use leases::folder_lease::LeaseError;
 pub use leases::known_folders::is_known_folder;
 pub use leases::own_machines::{machines_of_other_nodes, with_other_nodes};
+pub use nesting::node_client::NodeClient;
 pub use nesting::node_content::{fetch_put_content, find_kept_content};
 pub use nesting::part_mesh::load_part_mesh;
 pub use nodes::adopt::adopt_claims;
-pub use operate::operate::operate;
+pub use operate::operate::{operate, see_own_file};
 pub use planning::{
     DateRisk, DatesKept, DueAnswer, FarmRows, MachinePlan, OrderQuote, PlanStage, PlannedBuild, PlannedPart,
     QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, RiskCause, awaits_release, quote_order,

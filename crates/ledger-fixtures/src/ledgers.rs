@@ -65,6 +65,7 @@ pub fn heartbeat() -> NodeHeartbeat {
         version: "0.1.0".to_owned(),
         started_at: Timestamp::now(),
         status: "idle".to_owned(),
+        alerts: "[]".to_owned(),
         machines: Vec::new(),
         configured: Vec::new(),
     }

@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use farm::{
-    AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, dates_at_risk, machine_fact,
+    AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, alerts_of_farm, dates_at_risk,
+    machine_fact,
 };
 use jiff::Timestamp;
 use ledger::{Ledger, MachineStatus, NodeRow, PartRow, PartState};
@@ -97,14 +98,14 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
                 text if text.is_empty() => error,
                 text => anyhow::anyhow!("{error:#}\n\n{text}"),
             })?;
-            Ok(FarmStatus { attention, ..status }.to_text(Timestamp::now(), &settings.time_zone, columns))
+            Ok(status.to_text(Timestamp::now(), &settings.time_zone, columns))
         })?;
         return Ok(CommandExit::Success);
     }
     let attention = farm::read_stored_alerts(&settings.state_dir);
     let zone = settings.time_zone.clone();
     let status = match read_farm_status(settings, args.parts) {
-        Ok(status) => FarmStatus { attention, ..status },
+        Ok(status) => status,
         Err(error) => {
             // The ledger itself may be what needs a person.
             match (attention.is_empty(), args.json) {
@@ -138,6 +139,7 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
                 machine.forecast = MachineForecast::new(of_ledger, profile, fact, now);
             }
         }
+        status.attention = alerts_of_farm(settings, &ledger.list_nodes().await?);
         status.dates_at_risk = dates_at_risk(reading.plans(ledger).await?);
         Ok(status)
     })
@@ -302,7 +304,7 @@ impl FarmStatus {
 
     /// Whether it has told what keeps it from the ledger.
     fn is_cut_off(&self) -> bool {
-        self.attention.iter().any(|alert| alert.kind.cuts_ledger_off())
+        self.attention.iter().any(FarmAlert::cuts_ledger_off)
     }
 
     /// What the daemon does, according to its alerts and the rows of the table below.
@@ -311,7 +313,8 @@ impl FarmStatus {
             return halted;
         }
         // The files name other machines than the daemon serves.
-        let is_refused = self.attention.iter().any(|alert| alert.kind == AlertKind::ConfigurationWrong);
+        let is_refused =
+            self.attention.iter().any(|alert| alert.kind == AlertKind::ConfigurationWrong && alert.node.is_empty());
         if let Some(daemon) = self.daemon.as_ref().filter(|daemon| is_refused && !daemon.status.is_empty()) {
             return daemon.status.clone();
         }

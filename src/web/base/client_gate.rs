@@ -71,24 +71,26 @@ impl ClientGate {
         }
         match (headers.contains_key(header::AUTHORIZATION), self.without_token) {
             (false, Some(role)) => Ok(RequestClient { role, ..RequestClient::NAMELESS }),
-            _ => self.client_of_token(bearer_token(headers).unwrap_or_default()),
+            _ => self.client_of_token(headers),
         }
     }
 
-    /// Who has a token.
+    /// Who has the token of a request. The nodes of the farm have its own token, and may name in whose name they ask.
     ///
     /// # Errors
     /// `Refused` where the farm does not know it.
-    pub(crate) fn client_of_token(&self, token: &str) -> Result<RequestClient, HandlerError> {
+    pub(crate) fn client_of_token(&self, headers: &HeaderMap) -> Result<RequestClient, HandlerError> {
         let unknown = || refused(StatusCode::UNAUTHORIZED, "this farm asks for a bearer token");
-        self.find_client(token)?.ok_or_else(unknown)
-    }
-
-    fn find_client(&self, token: &str) -> Result<Option<RequestClient>, HandlerError> {
+        let token = bearer_token(headers).unwrap_or_default();
         // Hashes are compared, so that the time says nothing of the token.
         if self.token.as_ref().is_some_and(|known| hash_token(known) == hash_token(token)) {
-            return Ok(Some(RequestClient { known_by: KnownBy::Token(None), ..RequestClient::NAMELESS }));
+            let nameless = || RequestClient { known_by: KnownBy::Token(None), ..RequestClient::NAMELESS };
+            return Ok(RequestClient::passed_on(headers).unwrap_or_else(nameless));
         }
+        self.find_named(token)?.ok_or_else(unknown)
+    }
+
+    fn find_named(&self, token: &str) -> Result<Option<RequestClient>, HandlerError> {
         let Some(file) = &self.tokens_file else { return Ok(None) };
         let found = self.watch.lock().unwrap_or_else(PoisonError::into_inner).find_token(file, token);
         let found = found.map_err(|error| refused(StatusCode::SERVICE_UNAVAILABLE, &error.to_string()))?;
@@ -96,6 +98,7 @@ impl ClientGate {
             counted_as: format!("token {}", known.name),
             known_by: KnownBy::Token(Some(known.name)),
             role: known.role,
+            ..RequestClient::NAMELESS
         }))
     }
 }

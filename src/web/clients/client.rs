@@ -6,8 +6,13 @@ use std::convert::Infallible;
 use access::Role;
 use axum::{
     extract::FromRequestParts,
-    http::{HeaderMap, header, request::Parts},
+    http::{HeaderMap, HeaderName, HeaderValue, header, request::Parts},
 };
+use base64::Engine;
+use serde::{Deserialize, Serialize};
+
+/// The header with the client in whose name another node of the farm asks. Whatever has it is answered here.
+pub(crate) const ON_BEHALF: HeaderName = HeaderName::from_static("nestd-on-behalf-of");
 
 tokio::task_local! {
     /// Who sent the request that is being answered.
@@ -15,7 +20,7 @@ tokio::task_local! {
 }
 
 /// A person who is signed in.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SignedIn {
     pub(crate) name: String,
     pub(crate) way: SignInWay,
@@ -24,7 +29,7 @@ pub(crate) struct SignedIn {
 }
 
 /// How a person said who it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum SignInWay {
     Password,
     Pin,
@@ -32,7 +37,7 @@ pub(crate) enum SignInWay {
 }
 
 /// How it is known who asks.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum KnownBy {
     /// There are no people: nobody is asked who he is.
     Nothing,
@@ -45,17 +50,20 @@ pub(crate) enum KnownBy {
 }
 
 /// Who sent a request, and what he may do.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RequestClient {
     pub(crate) known_by: KnownBy,
     pub(crate) role: Role,
     /// Under which name its limits are counted: that of its token or person, or its address.
     pub(crate) counted_as: String,
+    /// Whether another node of the farm passes the request on.
+    #[serde(skip)]
+    pub(crate) is_passed_on: bool,
 }
 
 impl RequestClient {
     pub(crate) const NAMELESS: Self =
-        Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new() };
+        Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new(), is_passed_on: false };
 
     /// Who need not say who he is.
     pub(crate) fn nobody() -> Self {
@@ -64,13 +72,18 @@ impl RequestClient {
 
     /// Who is not signed in and has no token, where others are.
     pub(crate) fn stranger(role: Role) -> Self {
-        Self { role, known_by: KnownBy::NoName, counted_as: String::new() }
+        Self { role, known_by: KnownBy::NoName, ..Self::NAMELESS }
     }
 
     /// A person. A PIN is short, and is typed where others look on: it is not enough to say who else may sign in.
     pub(crate) fn of_person(person: SignedIn, role: Role) -> Self {
         let role = if person.way == SignInWay::Pin { role.min(Role::Operate) } else { role };
-        Self { counted_as: format!("person {}", person.name), known_by: KnownBy::Person(person), role }
+        Self {
+            counted_as: format!("person {}", person.name),
+            known_by: KnownBy::Person(person),
+            role,
+            ..Self::NAMELESS
+        }
     }
 
     /// The person who is signed in.
@@ -95,6 +108,18 @@ impl RequestClient {
             KnownBy::Person(person) => user_of_person(&person.name),
             _ => self.token_name().unwrap_or("anybody").to_owned(),
         }
+    }
+
+    /// The header in which a node names this client to another one.
+    pub(crate) fn to_header(&self) -> Option<HeaderValue> {
+        let text = base64::engine::general_purpose::STANDARD.encode(serde_json::to_vec(self).ok()?);
+        HeaderValue::from_str(&text).ok()
+    }
+
+    /// The client that another node names, in whose name it asks. It counts only beside the token of the farm.
+    pub(crate) fn passed_on(headers: &HeaderMap) -> Option<Self> {
+        let text = base64::engine::general_purpose::STANDARD.decode(headers.get(ON_BEHALF)?).ok()?;
+        Some(Self { is_passed_on: true, ..serde_json::from_slice(&text).ok()? })
     }
 
     /// Does some work on behalf of this client.

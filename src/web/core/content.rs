@@ -1,9 +1,10 @@
-//! The contents of parts, for the other nodes of the farm.
+//! What the other nodes of the farm ask: the contents of parts, and what is seen in the queues of a machine.
 
 use std::{io::Read, path::Path as FilePath, sync::Arc};
 
 use anyhow::Context;
 use axum::{
+    Json,
     body::{Body, Bytes},
     extract::{Path, State},
     http::{HeaderMap, HeaderValue, header},
@@ -11,8 +12,14 @@ use axum::{
 };
 use tokio_stream::wrappers::ReceiverStream;
 
-use super::state::DashboardState;
-use crate::web::base::error::{HandlerError, HandlerResult};
+use ledger::SeenFile;
+use serde::Deserialize;
+
+use super::{cached_render::find_build, state::DashboardState};
+use crate::web::base::{
+    error::{HandlerError, HandlerResult},
+    query::Query,
+};
 
 /// Bytes that are read at once.
 const CHUNK_BYTES: usize = 1 << 18;
@@ -30,15 +37,38 @@ pub(crate) async fn get_content(
     stream_file(&path, [(header::CONTENT_TYPE, kind)].into_iter().collect())
 }
 
+/// How another node asks where the file of a build is.
+#[derive(Debug, Deserialize)]
+pub(crate) struct SeenQuery {
+    /// Whether the outcome of its print is being told.
+    outcome: bool,
+}
+
+/// What this node sees of the file of a build in the queues of its machine, for a word that is said on another node.
+pub(crate) async fn get_seen_file(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+    Query(query): Query<SeenQuery>,
+) -> HandlerResult<Json<Option<SeenFile>>> {
+    let (build, _) = find_build(&web, number).await?;
+    Ok(Json(farm::see_own_file(&web.ledger, &web.current_settings(), build, query.outcome).await?))
+}
+
 /// Answers with a file, piece by piece.
 pub(crate) fn stream_file(path: &FilePath, mut headers: HeaderMap) -> HandlerResult<Response> {
     let opened = std::fs::File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
-    let (bytes, mut file) = opened.with_context(|| format!("opening {}", path.display()))?;
+    let (bytes, file) = opened.with_context(|| format!("opening {}", path.display()))?;
+    headers.insert(header::CONTENT_LENGTH, bytes.into());
+    Ok((headers, stream_body(file)).into_response())
+}
+
+/// What is read, piece by piece.
+pub(crate) fn stream_body(mut source: impl Read + Send + 'static) -> Body {
     let (send, chunks) = tokio::sync::mpsc::channel::<std::io::Result<Bytes>>(CHUNKS_AHEAD);
     tokio::task::spawn_blocking(move || {
         loop {
             let mut chunk = vec![0; CHUNK_BYTES];
-            let read = file.read(&mut chunk);
+            let read = source.read(&mut chunk);
             let is_last = !matches!(read, Ok(1..));
             let chunk = read.map(|count| {
                 chunk.truncate(count);
@@ -50,6 +80,5 @@ pub(crate) fn stream_file(path: &FilePath, mut headers: HeaderMap) -> HandlerRes
             }
         }
     });
-    headers.insert(header::CONTENT_LENGTH, bytes.into());
-    Ok((headers, Body::from_stream(ReceiverStream::new(chunks))).into_response())
+    Body::from_stream(ReceiverStream::new(chunks))
 }

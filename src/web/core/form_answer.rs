@@ -36,6 +36,9 @@ pub(crate) struct FormAnswer {
     pub(crate) back: String,
     /// Whether nothing was done: then the same form may be sent again, also with something else in it.
     pub(crate) is_refused: bool,
+    /// Whether it is being carried out, unless its daemon has crashed.
+    #[serde(default)]
+    pub(crate) is_open: bool,
     /// When it was answered.
     pub(crate) at: Timestamp,
     /// The button that sends it once more and has it done anyway.
@@ -91,6 +94,7 @@ impl FormAnswer {
             sentences,
             back,
             is_refused: false,
+            is_open: false,
             at: Timestamp::now(),
             anyway: None,
             undo: None,
@@ -122,7 +126,7 @@ impl FormAnswer {
     /// What is known until it is done.
     pub(crate) fn not_known() -> Self {
         let text = say!("form-not-known-text");
-        Self::told(&say!("form-not-known"), vec![text], "/")
+        Self { is_open: true, ..Self::told(&say!("form-not-known"), vec![text], "/") }
     }
 
     /// The answer that the ledger keeps.

@@ -3,11 +3,11 @@
 use std::sync::{Arc, PoisonError};
 
 use access::Role;
-use axum::{body::Bytes, response::Redirect};
+use axum::body::Bytes;
 use farm::{FarmReading, JudgedFiles, MachinePlan, QuoteMeshes, ServiceBridge, read_plans};
 use jiff::Timestamp;
 use ledger::Ledger;
-use settings::{MachineProfile, Settings, SharedSettings};
+use settings::{Settings, SharedSettings};
 use tokio::sync::{Notify, Semaphore, watch};
 
 use super::{form_keys::FormKeys, order_keys::OrderDoor, shown_copies::ShownCopies, upload_turns::UploadTurns};
@@ -94,16 +94,6 @@ impl DashboardState {
         TimeView::current(&self.current_settings().time_zone)
     }
 
-    /// The same page at the node that serves a machine, whose folders are there; `None` = that is this node, or it cannot be reached.
-    pub(crate) async fn at_its_node(&self, machine: &MachineProfile, path: &str) -> HandlerResult<Option<Redirect>> {
-        if machine.of_node.is_empty() {
-            return Ok(None);
-        }
-        let node = self.ledger.find_node(&machine.of_node).await?;
-        let address = node.filter(|node| node.alive && !node.address.is_empty()).map(|node| node.address);
-        Ok(address.map(|address| Redirect::temporary(&format!("{address}{path}"))))
-    }
-
     /// The plans of all machines, as of now.
     pub(crate) async fn read_plans(&self) -> HandlerResult<Vec<MachinePlan>> {
         Ok(read_plans(&self.ledger, self.current_settings().profiles.values(), Timestamp::now()).await?)
@@ -116,8 +106,9 @@ impl DashboardState {
         }
         let (settings, last) = (self.current_settings(), self.ledger.last_event_id().await?);
         let reading = FarmReading::read(&self.ledger, settings.profiles.values(), Timestamp::now()).await?;
-        let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
-        let notices = farm::read_stored_alerts(&settings.state_dir);
+        let nodes = self.ledger.list_nodes().await?;
+        let alive = nodes.iter().map(|node| node.alive).collect::<Vec<_>>();
+        let notices = farm::alerts_of_farm(&settings, &nodes);
         let picked = (self.ledger.last_pick_id().await?, self.shown.taken());
         let (status, facts) = (&reading.rows.statuses, reading.facts());
         // What each printer does is a word that time alone changes, too.

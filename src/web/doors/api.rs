@@ -8,8 +8,8 @@ use axum::{
     http::StatusCode,
 };
 use farm::{
-    AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, build_fact, copy_counts, dates_at_risk,
-    load_placed_parts, read_plans, read_stored_alerts,
+    AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, alerts_of_farm, build_fact, copy_counts,
+    dates_at_risk, load_placed_parts, read_plans,
 };
 use jiff::Timestamp;
 use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow, PartId, UtcTimestamp};
@@ -82,7 +82,8 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
         }
     };
     let resources = settings.profiles.iter().zip(reading.facts()).map(machine).collect();
-    let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
+    let nodes = web.ledger.list_nodes().await?;
+    let needs_a_person = alerts_of_farm(&settings, &nodes).iter().map(AlertSummary::from).collect();
     let at_risk = dates_at_risk(reading.plans(&web.ledger).await?);
     let daemon = web.ledger.find_node(&settings.node.name).await?;
     Ok(Json(FarmResponse {

@@ -184,6 +184,17 @@ async fn look_at(web: &DashboardState, id: &str) -> HandlerResult<UploadState> {
     run_on_disk(move || Ok(uploads.find_upload(&wanted)?)).await?.ok_or_else(|| no_upload(id))
 }
 
+/// The upload that an address names.
+pub(crate) fn upload_of_path(path: &str) -> Option<&str> {
+    path.strip_prefix("/api/v1/uploads/").filter(|id| is_upload_id(id))
+}
+
+/// Whether an upload is on this node.
+pub(crate) async fn find_upload_here(web: &DashboardState, id: &str) -> HandlerResult<bool> {
+    let (uploads, wanted) = (uploads_of(web), id.to_owned());
+    Ok(run_on_disk(move || Ok(uploads.find_upload(&wanted)?)).await?.is_some())
+}
+
 fn require_id(id: &str) -> HandlerResult<()> {
     is_upload_id(id).then_some(()).ok_or_else(|| HandlerError::NotFound(format!("upload {id}")))
 }

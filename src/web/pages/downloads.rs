@@ -92,9 +92,6 @@ pub(crate) async fn get_build_file(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/file")).await? {
-        return Ok(there.into_response());
-    }
     let missing = || HandlerError::NotFound(say!("build-file-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.proved.ok_or_else(missing)?;
     let name = build.staged.file_name.clone().unwrap_or_else(|| format!("build-{number}.build.3mf"));
@@ -107,9 +104,6 @@ pub(crate) async fn get_search_report(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/search.json")).await? {
-        return Ok(there.into_response());
-    }
     let missing = || HandlerError::NotFound(say!("search-report-of", build = number.to_string()));
     let file = DownloadableFiles::look(&build, &profile).await?.search_report.ok_or_else(missing)?;
     stream_file(&file, saved_as(&format!("build-{number}{SEARCH_REPORT}"), "application/json"))
@@ -121,9 +115,6 @@ pub(crate) async fn get_report(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    if let Some(there) = web.at_its_node(&profile, &format!("/builds/{number}/report.html")).await? {
-        return Ok(there.into_response());
-    }
     let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
     let (settings, turn) = (web.current_settings(), web.render_slot.clone().acquire_owned().await);
     let language = language::current();

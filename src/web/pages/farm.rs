@@ -5,8 +5,8 @@ use std::{collections::BTreeMap, sync::Arc};
 use access::Role;
 use axum::{extract::State, response::Redirect};
 use farm::{
-    DateRisk, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, dates_at_risk, farm_summary, halt_summary,
-    read_stored_alerts,
+    DateRisk, FarmAlert, FarmReading, FarmRows, MachineFact, MachinePlan, PrinterWord, alerts_of_farm, dates_at_risk,
+    farm_summary, halt_summary,
 };
 use jiff::{SignedDuration, Timestamp};
 use language::{colon, say};
@@ -80,11 +80,11 @@ impl FarmSight {
 pub(crate) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
     let read = FarmSight::read(&web).await?;
     let (now, view) = (read.now, TimeView::at(&read.settings.time_zone, read.now));
-    let alerts = read_stored_alerts(&read.settings.state_dir);
+    let alerts = alerts_of_farm(&read.settings, read.nodes.iter().map(|listed| &listed.node));
     let activity =
         halt_summary(&alerts).unwrap_or_else(|| farm_summary(read.settings.profiles.len(), read.rows.statuses.iter()));
     let risks = dates_at_risk(read.plans.clone());
-    let why_silent = match alerts.iter().any(|alert| alert.kind.cuts_ledger_off()) {
+    let why_silent = match alerts.iter().any(FarmAlert::cuts_ledger_off) {
         true => say!("why-below"),
         false => web.ledger.silence_hint().await?,
     };

@@ -64,7 +64,7 @@ pub(crate) struct AccountFields {
 
 /// Refuses what comes from no page of this daemon.
 pub(super) fn check_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
-    let refused = || HandlerError::Refused(StatusCode::FORBIDDEN, say!("form-too-old"));
+    let refused = || HandlerError::Refused(StatusCode::FORBIDDEN, say!("form-not-of-farm"));
     web.form_keys.is_own(key).then_some(()).ok_or_else(refused)
 }
 

@@ -52,8 +52,8 @@ pub(crate) async fn identify(
     if !asks_for_people(web).await? {
         return web.clients.identify_client(headers);
     }
-    if let Some(token) = bearer_token(headers) {
-        return web.clients.client_of_token(token);
+    if bearer_token(headers).is_some() {
+        return web.clients.client_of_token(headers);
     }
     let by_proxy = web.proxy.as_ref().and_then(|proxy| proxy.user_named(peer_address(&request.extensions), headers));
     if let Some(name) = by_proxy {

@@ -12,7 +12,7 @@ use axum::{
 };
 use intake::{PutUploads, UPLOAD_KEPT, UploadError, UploadedFile, remove_unfinished_uploads};
 use language::say;
-use maud::html;
+use maud::{Markup, html};
 use settings::MachineProfile;
 
 use super::sent_form::{carry_out_form, check_form_key};
@@ -41,16 +41,12 @@ const CONTENT_KEPT: Duration = Duration::from_secs(7 * 86_400);
 /// How long the key of a request is kept.
 const KEYS_KEPT: jiff::SignedDuration = jiff::SignedDuration::from_hours(30 * 24);
 
-/// The page with the form of a machine; for one of another node, that of its node.
+/// The page with the form of a machine.
 pub(super) async fn show_form(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
-) -> HandlerResult<Response> {
+) -> HandlerResult<Markup> {
     let profile = find_machine(&web, &name)?;
-    if let Some(there) = web.at_its_node(&profile, &format!("/machines/{name}/drop")).await? {
-        return Ok(there.into_response());
-    }
-    let profile = require_own(profile)?;
     let content = html! {
         h1 { (say!("add-files-to", machine = &name)) }
         @if web.offers(Role::Order) {
@@ -58,7 +54,7 @@ pub(super) async fn show_form(
             (drop_form(&web, &profile, web.current_settings().limits.max_bytes))
         } @else { p { (phrase!("no-orders-from-pages", folder = html! { code { (profile.folders.inbox.display()) } })) } }
     };
-    Ok(html_page(&say!("add-files-to", machine = &name), "", Some("drop.js"), &content).into_response())
+    Ok(html_page(&say!("add-files-to", machine = &name), "", Some("drop.js"), &content))
 }
 
 fn find_machine(web: &DashboardState, name: &str) -> HandlerResult<MachineProfile> {
@@ -66,22 +62,11 @@ fn find_machine(web: &DashboardState, name: &str) -> HandlerResult<MachineProfil
     settings.profiles.get(name).cloned().ok_or_else(|| HandlerError::NotFound(say!("machine-named", machine = name)))
 }
 
-/// Refuses files for a machine whose hot folder is on another server.
-fn require_own(profile: MachineProfile) -> HandlerResult<MachineProfile> {
-    match profile.of_node.as_str() {
-        "" => Ok(profile),
-        node => {
-            let text = say!("files-at-other-node", machine = &profile.name, node = node);
-            Err(refused(StatusCode::CONFLICT, text))
-        }
-    }
-}
-
 fn refused(status: StatusCode, text: impl ToString) -> HandlerError {
     HandlerError::Refused(status, text.to_string())
 }
 
-/// Takes the files of a form.
+/// Takes the files of a form. Those for a machine of another node were passed on to it.
 pub(super) async fn post_files(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
@@ -89,7 +74,7 @@ pub(super) async fn post_files(
     progress: RequestInProgress,
     mut form: Multipart,
 ) -> HandlerResult<Response> {
-    let profile = require_own(find_machine(&web, &name)?)?;
+    let profile = find_machine(&web, &name)?;
     let busy = || HandlerError::TooMany(1, say!("others-add-files"));
     let _place = web.upload_slots.clone().try_acquire_owned().map_err(|_| busy())?;
     let (mut fields, mut files, mut asked) = (DropFields::default(), Vec::new(), blake3::Hasher::new());
@@ -100,7 +85,7 @@ pub(super) async fn post_files(
             None => {
                 let text = read_text(field).await?;
                 if field_name == "key" {
-                    check_form_key(&web, &client, &text).await?;
+                    check_form_key(&web, &text)?;
                 }
                 fields.set_field(&field_name, text);
             }
@@ -110,14 +95,14 @@ pub(super) async fn post_files(
                 return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, say!("form-takes-files", files = MAX_FILES)));
             }
             Some(file_name) => {
-                check_form_key(&web, &client, &fields.key).await?;
+                check_form_key(&web, &fields.key)?;
                 asked.update(file_name.as_bytes()).update(b"\n");
                 files.push(receive_file(field, inbox.clone(), file_name, max_bytes, &mut asked).await?);
             }
         }
     }
     progress.note_complete();
-    check_form_key(&web, &client, &fields.key).await?;
+    check_form_key(&web, &fields.key)?;
     if files.is_empty() {
         return Err(refused(StatusCode::BAD_REQUEST, say!("no-file-chosen")));
     }

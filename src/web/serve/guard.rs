@@ -128,7 +128,8 @@ async fn check_request(web: &DashboardState, parts: &Parts) -> Result<RequestCli
         "/healthz" => return Ok(RequestClient::nobody()),
         _ => identify_client(web, parts, needed.is_none()).await?,
     };
-    if !matches!(client.known_by, KnownBy::Token(_)) && !is_known_host(web, &parts.headers) {
+    let has_token = matches!(client.known_by, KnownBy::Token(_)) || client.is_passed_on;
+    if !has_token && !is_known_host(web, &parts.headers) {
         return refused(StatusCode::MISDIRECTED_REQUEST, say!("guard-host"));
     }
     if let Some(needed) = needed.filter(|needed| client.role < *needed) {

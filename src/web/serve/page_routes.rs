@@ -33,12 +33,30 @@ pub(crate) struct PageRoute {
     pub(crate) path: &'static str,
     /// Who may; `None` = whoever can connect.
     pub(crate) role: Option<Role>,
+    /// Which of several nodes answers.
+    pub(crate) answered_by: AnsweringNode,
     handler: HandlerMaker,
+}
+
+/// Which node of a farm answers what is asked of a machine, or of a build of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AnsweringNode {
+    /// The one that is asked.
+    Any,
+    /// The one that serves the machine, while it runs: there, screens are kept apart, and files need not be fetched.
+    OfMachine,
+    /// No other than the one that serves the machine: the folders are there.
+    OnlyOfMachine,
 }
 
 /// Something to look at.
 const fn look(path: &'static str, handler: HandlerMaker) -> PageRoute {
-    PageRoute { method: "GET", path, role: Some(Role::Read), handler }
+    PageRoute { method: "GET", path, role: Some(Role::Read), answered_by: AnsweringNode::Any, handler }
+}
+
+/// Something that a node answers which knows more than the others.
+const fn at(answered_by: AnsweringNode, route: PageRoute) -> PageRoute {
+    PageRoute { answered_by, ..route }
 }
 
 /// Something to look at without saying who one is.
@@ -48,7 +66,7 @@ const fn open(path: &'static str, handler: HandlerMaker) -> PageRoute {
 
 /// A form that orders, or changes what waits.
 const fn order(path: &'static str, handler: HandlerMaker) -> PageRoute {
-    PageRoute { method: "POST", path, role: Some(Role::Order), handler }
+    PageRoute { method: "POST", role: Some(Role::Order), ..look(path, handler) }
 }
 
 /// A form that says what is done.
@@ -56,27 +74,32 @@ const fn operate(path: &'static str, handler: HandlerMaker) -> PageRoute {
     PageRoute { role: Some(Role::Operate), ..order(path, handler) }
 }
 
+use AnsweringNode::{OfMachine, OnlyOfMachine};
+
 /// All addresses of the pages.
 pub(crate) const PAGES: &[PageRoute] = &[
     look("/", |method| on(method, farm_page::show_farm)),
     look("/builds/{build}", |method| on(method, build::show_build)),
     operate("/builds/{build}/told", |method| on(method, build_forms::post_told)),
     look("/builds/{build}/pick", |method| on(method, pick_page::show_pick_map)),
-    look("/builds/{build}/break-out", |method| on(method, break_out::show_step)),
-    operate("/builds/{build}/break-out", |method| on(method, break_out::post_mark)),
-    look("/builds/{build}/file", |method| on(method, downloads::get_build_file)),
-    look("/builds/{build}/report.html", |method| on(method, downloads::get_report)),
+    at(OfMachine, look("/builds/{build}/break-out", |method| on(method, break_out::show_step))),
+    at(OfMachine, operate("/builds/{build}/break-out", |method| on(method, break_out::post_mark))),
+    at(OnlyOfMachine, look("/builds/{build}/file", |method| on(method, downloads::get_build_file))),
+    at(OfMachine, look("/builds/{build}/report.html", |method| on(method, downloads::get_report))),
     look("/builds/{build}/pick.csv", |method| on(method, downloads::get_pick_csv)),
-    look("/builds/{build}/search.json", |method| on(method, downloads::get_search_report)),
-    operate("/builds/{build}/break-out/all", |method| on(method, break_out::post_all)),
-    operate("/builds/{build}/break-out/undo", |method| on(method, break_out::post_undo)),
+    at(OnlyOfMachine, look("/builds/{build}/search.json", |method| on(method, downloads::get_search_report))),
+    at(OfMachine, operate("/builds/{build}/break-out/all", |method| on(method, break_out::post_all))),
+    at(OfMachine, operate("/builds/{build}/break-out/undo", |method| on(method, break_out::post_undo))),
     look("/builds/{build}/parts/{part}/picture", |method| on(method, picture::get_part_picture)),
     look("/builds/{build}/picture", |method| on(method, picture::get_picture)),
     look("/builds/{build}/labels.pdf", |method| on(method, label_form::get_build_labels)),
     look("/builds/{build}/scene", |method| on(method, scene::get_scene)),
     look("/machines/{machine}/flush", |method| on(method, flush::show_preview)),
     look("/machines/{machine}/drop", |method| on(method, drop::show_form)),
-    order("/machines/{machine}/files", |method| on(method, drop::post_files).layer(DefaultBodyLimit::disable())),
+    at(
+        OnlyOfMachine,
+        order("/machines/{machine}/files", |method| on(method, drop::post_files).layer(DefaultBodyLimit::disable())),
+    ),
     operate("/machines/{machine}/dismiss", |method| on(method, needs::post_dismiss)),
     operate("/machines/{machine}/load", |method| on(method, machine_forms::post_load)),
     operate("/machines/{machine}/printer", |method| on(method, machine_forms::post_printer)),
@@ -125,6 +148,10 @@ pub(crate) const PAGES: &[PageRoute] = &[
     operate("/orders/{order}/reprint", |method| on(method, order_forms::post_reprint)),
     open("/assets/{name}", |method| on(method, asset_route::get_asset)),
     look("/content/{hash}", |method| on(method, content::get_content)),
+    PageRoute {
+        role: Some(Role::Operate),
+        ..look("/builds/{build}/seen", |method| on(method, content::get_seen_file))
+    },
     look("/metrics", |method| on(method, metrics::get_metrics)),
     look("/readyz", |method| on(method, metrics::get_readiness)),
     open("/healthz", |_| get(|| async { "alive\n" })),

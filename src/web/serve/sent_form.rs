@@ -35,6 +35,8 @@ use crate::web::{
 
 /// How long a form waits for the same form that is being carried out.
 const TURN_TIMEOUT: Duration = Duration::from_secs(30);
+/// How long another node may carry out a form; after that it is as if it had crashed.
+const AT_WORK: SignedDuration = SignedDuration::from_secs(30);
 /// Time between two looks whether it has ended.
 const TURN_INTERVAL: Duration = Duration::from_millis(50);
 /// A form that comes again so soon is another click of the same person, who need not be told.
@@ -76,14 +78,11 @@ async fn receive_form(web: Arc<DashboardState>, request: Request, next: Next) ->
     carry_out_form(web, &client, &key, fingerprint, answering).await
 }
 
-/// Refuses a form where the farm takes none, or that comes from no page of this daemon; one that was carried out before may come from a
-/// page of an earlier daemon.
-pub(super) async fn check_form_key(web: &DashboardState, client: &RequestClient, key: &str) -> HandlerResult<()> {
+/// Refuses a form where the farm takes none, or that comes from no page of this farm.
+pub(super) fn check_form_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
     check_takes_orders(web)?;
-    let is_known = web.form_keys.is_own(key)
-        || web.ledger.find_answered_request(&client.key_name(), number_of(key)).await?.is_some();
-    let text = || say!("form-too-old");
-    if is_known { Ok(()) } else { Err(HandlerError::Refused(StatusCode::FORBIDDEN, text())) }
+    let unknown = || HandlerError::Refused(StatusCode::FORBIDDEN, say!("form-not-of-farm"));
+    web.form_keys.is_own(key).then_some(()).ok_or_else(unknown)
 }
 
 /// Carries out a form, unless it was carried out before; then it is answered as it was. Once it has begun, it ends, also when its browser
@@ -95,19 +94,19 @@ pub(crate) async fn carry_out_form(
     fingerprint: String,
     work: impl Future<Output = Response> + Send + 'static,
 ) -> HandlerResult<Response> {
-    check_takes_orders(&web)?;
+    check_form_key(&web, key)?;
     let (client_name, number) = (client.key_name(), number_of(key).to_owned());
     let turn = take_turn(&web, &client_name, &number).await?;
-    let known = web.ledger.find_answered_request(&client_name, &number).await?;
-    if let Some((known, answer)) = known.and_then(|known| FormAnswer::parse(&known).map(|answer| (known, answer)))
+    let known = settled_answer(&web, &client_name, &number).await?;
+    if let Some((known, answer)) = &known
         && !answer.is_refused
     {
-        return answer_again(&known, &answer, &fingerprint, &number);
+        return answer_again(known, answer, &fingerprint, &number);
     }
-    check_form_key(&web, client, key).await?;
+    let known = known.map(|(known, _)| known);
     let carry_out = async move {
         let _turn = turn;
-        record_and_answer(&web, &client_name, &number, fingerprint, work).await
+        record_and_answer(&web, &client_name, &number, (fingerprint, known), work).await
     };
     tokio::spawn(language::current().scope(client.clone().scope(carry_out)))
         .await
@@ -123,6 +122,25 @@ async fn take_turn(web: &DashboardState, client: &str, number: &str) -> HandlerR
                 tokio::time::sleep(TURN_INTERVAL).await;
             }
             turn => return turn,
+        }
+    }
+}
+
+/// What is known of a form, once no other node is at it; of one that never ends, that nothing is known.
+async fn settled_answer(
+    web: &DashboardState,
+    client: &str,
+    number: &str,
+) -> HandlerResult<Option<(AnsweredRequest, FormAnswer)>> {
+    loop {
+        let known = web.ledger.find_answered_request(client, number).await?;
+        let known = known.and_then(|known| FormAnswer::parse(&known).map(|answer| (known, answer)));
+        let is_at_it = |answer: &FormAnswer| answer.is_open && answer.at.duration_until(Timestamp::now()) < AT_WORK;
+        match &known {
+            Some((_, answer)) if web.ledger.file().is_none() && is_at_it(answer) => {
+                tokio::time::sleep(TURN_INTERVAL).await;
+            }
+            _ => return Ok(known),
         }
     }
 }
@@ -145,15 +163,20 @@ async fn record_and_answer(
     web: &DashboardState,
     client: &str,
     number: &str,
-    fingerprint: String,
+    (fingerprint, known): (String, Option<AnsweredRequest>),
     work: impl Future<Output = Response>,
 ) -> HandlerResult<Response> {
-    let record = async |answer: &FormAnswer| {
+    let answered = |answer: &FormAnswer| {
         let answer = serde_json::to_string(answer).context("writing the answer")?;
-        let answered = AnsweredRequest { fingerprint: fingerprint.clone(), answer };
-        HandlerResult::Ok(web.ledger.record_answered_request(client, number, &answered).await?)
+        HandlerResult::Ok(AnsweredRequest { fingerprint: fingerprint.clone(), answer })
     };
-    record(&FormAnswer::not_known()).await?;
+    let begun = answered(&FormAnswer::not_known())?;
+    if !web.ledger.record_answered_request(client, number, &begun, known.as_ref()).await? {
+        // Another node has begun with it just now.
+        let known = settled_answer(web, client, number).await?;
+        let (known, answer) = known.context("a form was forgotten while it was carried out")?;
+        return answer_again(&known, &answer, &fingerprint, number);
+    }
     let response = work.await;
     let Some(answer) = response.extensions().get::<FormAnswer>() else {
         // Where the farm itself failed, something may be done.
@@ -162,7 +185,7 @@ async fn record_and_answer(
         }
         return Ok(response);
     };
-    record(answer).await?;
+    web.ledger.record_answered_request(client, number, &answered(answer)?, Some(&begun)).await?;
     let mut leading = answer.lead_on(number, false);
     if let Some(cookie) = response.headers().get(header::SET_COOKIE) {
         leading.headers_mut().append(header::SET_COOKIE, cookie.clone());

@@ -11,7 +11,7 @@ use settings::{SharedSettings, WebSettings};
 use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
-use super::{drop, guard, page_routes, sent_form, spoken};
+use super::{drop, guard, page_routes, pass_on, sent_form, spoken};
 use crate::{
     metrics::MetricsExporter,
     web::{
@@ -25,6 +25,7 @@ use crate::{
             listener::DashboardListener,
         },
         core::{
+            form_keys::FormKeys,
             order_keys::OrderDoor,
             picture, scene,
             state::{DashboardState, PageCaches},
@@ -62,7 +63,6 @@ pub async fn serve_dashboard(
     let changes = watch::Sender::new(0);
     info!("The dashboard is at {}.", web.listen);
     let shared = Arc::new(DashboardState {
-        ledger,
         farm,
         judged,
         settings,
@@ -82,7 +82,7 @@ pub async fn serve_dashboard(
         attempts: Default::default(),
         uploads: Default::default(),
         door: Arc::new(OrderDoor::default()),
-        form_keys: Default::default(),
+        form_keys: FormKeys::of_farm(&ledger).await.context("the secret of the keys of forms")?,
         caches: PageCaches {
             scenes: RecentCache::new(scene::CACHED_SCENES),
             picks: RecentCache::new(pick_page::CACHED_MAPS),
@@ -97,6 +97,7 @@ pub async fn serve_dashboard(
         changes: changes.clone(),
         shown: Default::default(),
         said: Default::default(),
+        ledger,
     });
     tokio::spawn(live::watch_for_changes(shared.clone(), changes));
     if shared.orders {
@@ -132,6 +133,7 @@ pub(crate) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/api/v1/openapi.json", get(openapi::document))
         .fallback(|| async { HandlerError::NotFound(say!("page-of-address")) })
         .layer(middleware::from_fn_with_state(web.clone(), sent_form::carry_out_once))
+        .layer(middleware::from_fn_with_state(web.clone(), pass_on::pass_on))
         .layer(middleware::from_fn(request_stage::buffer_then_answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
         .layer(middleware::from_fn(compress_pages))

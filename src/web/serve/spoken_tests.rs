@@ -206,6 +206,7 @@ async fn farm_in_trouble() -> TestDashboard {
     let alerts: Vec<farm::FarmAlert> = farm::AlertKind::ALL
         .into_iter()
         .map(|kind| farm::FarmAlert {
+            node: String::new(),
             kind,
             machine: "cube".to_owned(),
             detail: DETAILS.iter().find(|(of, _)| *of == word_of(kind)).map_or("", |(_, detail)| detail).to_owned(),

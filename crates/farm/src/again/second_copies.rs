@@ -136,6 +136,7 @@ mod tests {
             started_at: UtcTimestamp(jiff::Timestamp::UNIX_EPOCH),
             beat_at: UtcTimestamp(jiff::Timestamp::UNIX_EPOCH),
             status: String::new(),
+            alerts: String::new(),
             alive,
         }
     }

@@ -297,6 +297,9 @@ pub struct FarmAlert {
     pub detail: String,
     /// Since when.
     pub since: Timestamp,
+    /// The other node that asks for it; "" = this one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub node: String,
 }
 
 impl FarmAlert {
@@ -308,10 +311,15 @@ impl FarmAlert {
             (_, Some(detail)) => say!("alert-detailed", headline = headline, detail = detail),
             (detail, None) => say!("alert-quoted", headline = headline, detail = detail),
         };
-        match self.machine.is_empty() {
-            true => what,
-            false => say!("alert-of", machine = &self.machine, what = what),
+        match [&self.machine, &self.node].into_iter().find(|of| !of.is_empty()) {
+            None => what,
+            Some(of) => say!("alert-of", machine = of, what = what),
         }
+    }
+
+    /// Whether this node cannot reach or change the ledger, until that is over by itself.
+    pub fn cuts_ledger_off(&self) -> bool {
+        self.node.is_empty() && self.kind.cuts_ledger_off()
     }
 
     /// Whether it is shown in the hot folder of a machine.

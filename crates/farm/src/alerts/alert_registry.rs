@@ -3,9 +3,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs, io,
-    io::Write,
-    os::unix::fs::FileExt,
     path::Path,
     time::{Duration, Instant},
 };
@@ -16,13 +13,10 @@ use tracing::{debug, error, info, warn};
 use super::{
     alert::{AlertKind, FarmAlert},
     alert_summary::AlertSummary,
+    stored_alerts::{read_stored_alerts, write_alerts},
 };
 use crate::process::time_source::TimeSource;
 
-/// Name of the file in the state folder.
-const FILE: &str = "attention.json";
-/// The length of the file is a multiple of this.
-const ROOM_BYTES: usize = 1 << 14;
 /// A failure that ends within this time needs no person.
 const ALERT_AFTER: Duration = Duration::from_secs(10);
 /// The same failure is logged again after this time.
@@ -85,7 +79,7 @@ impl AlertRegistry {
             return;
         }
         let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
-        let alert = FarmAlert { kind, machine: machine.to_owned(), detail: detail.clone(), since };
+        let alert = FarmAlert { kind, machine: machine.to_owned(), detail: detail.clone(), since, node: String::new() };
         let logged = match known {
             Some((_, logged)) if self.time.passed_since(*logged) < DETAIL_LOG_INTERVAL => *logged,
             _ => {
@@ -192,6 +186,11 @@ impl AlertRegistry {
         })
     }
 
+    /// The same, as JSON for the other nodes.
+    pub fn to_row(&self) -> String {
+        serde_json::to_string(&self.active_alerts().collect::<Vec<_>>()).unwrap_or_default()
+    }
+
     /// The lines for the hot folder of a machine.
     pub fn status_text_for(&self, machine: &str) -> String {
         let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(machine)).collect();
@@ -227,42 +226,14 @@ impl AlertRegistry {
     }
 }
 
-/// Writes the alerts into a file with some room at its end: on a full disk, of all times, the next ones are written into
-/// that room.
-fn write_alerts(state_dir: &Path, alerts: &[FarmAlert]) -> io::Result<()> {
-    let mut text = serde_json::to_string_pretty(alerts)?.into_bytes();
-    text.resize(text.len().next_multiple_of(ROOM_BYTES), b' ');
-    let written = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir).and_then(|mut file| {
-        file.write_all(&text)?;
-        Ok(file.persist(state_dir.join(FILE))?)
-    });
-    match written {
-        Err(error) if error.kind() == io::ErrorKind::StorageFull => overwrite_alerts(&state_dir.join(FILE), &text),
-        other => other.map(drop),
-    }
-}
-
-/// Overwrites the file where it is. A crash may leave it torn: it then counts as empty until the next alert.
-fn overwrite_alerts(path: &Path, text: &[u8]) -> io::Result<()> {
-    let file = fs::File::options().write(true).open(path)?;
-    let room = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
-    if text.len() > room {
-        return Err(io::ErrorKind::StorageFull.into());
-    }
-    let mut padded = text.to_vec();
-    padded.resize(room, b' ');
-    file.write_all_at(&padded, 0)
-}
-
-/// The alerts that the daemon stored last; empty if there are none or they cannot be read.
-pub fn read_stored_alerts(state_dir: &Path) -> Vec<FarmAlert> {
-    let text = fs::read_to_string(state_dir.join(FILE)).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::fs;
+
+    use super::{
+        super::stored_alerts::{FILE, ROOM_BYTES, overwrite_alerts},
+        *,
+    };
 
     #[test]
     fn what_mends_itself_needs_nobody_and_what_lasts_does() {

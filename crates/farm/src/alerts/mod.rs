@@ -5,3 +5,4 @@ pub(super) mod alert_registry;
 pub(super) mod alert_summary;
 pub(super) mod failure;
 pub(super) mod service_bridge;
+pub(super) mod stored_alerts;

@@ -26,7 +26,7 @@ pub(crate) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The status line of a farm that has halted, if one of its alerts makes it halt.
 pub fn halt_summary(alerts: &[FarmAlert]) -> Option<String> {
-    let mut of_farm = alerts.iter().filter(|alert| alert.machine.is_empty());
+    let mut of_farm = alerts.iter().filter(|alert| alert.machine.is_empty() && alert.node.is_empty());
     Some(say!("halted", fault = of_farm.find_map(|alert| alert.kind.ledger_fault())?))
 }
 

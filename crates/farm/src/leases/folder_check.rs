@@ -77,7 +77,7 @@ pub fn check_readable(state_dir: &Path, folder: &Path) -> Result<(), LeaseError>
 
 impl LeaseHolder {
     /// Whether this is the farm of the state directory, even if the farm's id was lost with it, or shares its ledger.
-    fn belongs_to_state_dir(&self, state_dir: &Path) -> bool {
+    pub(crate) fn belongs_to_state_dir(&self, state_dir: &Path) -> bool {
         let is_same_path = fs::canonicalize(state_dir).is_ok_and(|own| own == *self.state_dir());
         // A container has another host name, and may have another path.
         let is_same_place = !self.place.is_empty() && find_place(state_dir).is_ok_and(|place| place == self.place);

@@ -35,7 +35,7 @@ pub(super) fn folder_identity(folder: &Path) -> io::Result<(u64, u64)> {
 }
 
 /// Reads the marker of a folder; an unreadable text counts as a marker without a holder.
-pub(super) fn read_marker(folder: &Path) -> io::Result<LeaseMarker> {
+pub(crate) fn read_marker(folder: &Path) -> io::Result<LeaseMarker> {
     let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
     let mut text = String::new();
     match OpenOptions::new().read(true).custom_flags(flags.bits() as i32).open(folder.join(NAME)) {

@@ -6,6 +6,7 @@
 
 pub(super) mod layout_search;
 pub(super) mod nest_decision;
+pub(super) mod node_client;
 pub(super) mod node_content;
 pub(super) mod open_night;
 pub(super) mod part_mesh;

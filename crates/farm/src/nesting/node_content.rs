@@ -13,15 +13,10 @@ use anyhow::{Context, Result, bail};
 use intake::{ContentStore, PutContents};
 use ledger::{Ledger, NodeRow};
 use settings::{MachineProfile, Settings};
-use ureq::{
-    http::StatusCode,
-    tls::{RootCerts, TlsConfig},
-};
 
+use super::node_client::NodeClient;
 use crate::records::build_record::archive_folder;
 
-/// A node without an answer for this long is asked again later.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// A file of 2 GB takes less than this over a slow network.
 const TRANSFER_TIMEOUT: Duration = Duration::from_secs(600);
 
@@ -50,25 +45,14 @@ pub(crate) fn remove_unneeded(files: &ContentStore, keep: Duration, is_needed: i
     Ok(())
 }
 
-/// Another node.
-#[derive(Debug, Clone)]
-struct OtherNode {
-    name: String,
-    /// Where its pages are; "" = it has no address.
-    address: String,
-    /// Whether it runs, by its heartbeats.
-    is_alive: bool,
-}
-
 /// The other nodes of the farm, as far as originals can be asked for there.
 #[derive(Debug, Clone)]
 pub(crate) struct OtherNodes {
     /// Second copies on this node.
     copies: ContentStore,
-    nodes: Vec<OtherNode>,
+    nodes: Vec<NodeClient>,
     /// Nodes that did not answer, with the reason: they are not asked for the next file.
     silent: RefCell<BTreeMap<String, String>>,
-    token_file: Option<PathBuf>,
 }
 
 impl OtherNodes {
@@ -83,9 +67,8 @@ impl OtherNodes {
         let others = rows.into_iter().filter(|row| row.name != settings.node.name);
         Self {
             copies: second_copies(&settings.state_dir),
-            nodes: others.map(|row| OtherNode { name: row.name, address: row.address, is_alive: row.alive }).collect(),
+            nodes: others.map(|row| NodeClient::of_row(settings, row)).collect(),
             silent: RefCell::default(),
-            token_file: settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone()),
         }
     }
 
@@ -124,7 +107,7 @@ impl OtherNodes {
         let mut unknown = Vec::new();
         for node in &self.nodes {
             let known = self.silent.borrow().get(&node.name).cloned();
-            let answer = known.map_or_else(|| self.fetch_from(&node.address, hash, keep), |why| bail!("{why}"));
+            let answer = known.map_or_else(|| fetch_from(node, hash, keep), |why| bail!("{why}"));
             match answer {
                 Ok(true) => return Ok(true),
                 Ok(false) => {}
@@ -142,42 +125,20 @@ impl OtherNodes {
 
     /// Copies the file with this hash from a node into the store. `false` = it does not have it.
     ///
+    /// # Errors
     /// It does not answer.
     pub(crate) fn fetch_from_node(&self, name: &str, store: &ContentStore, hash: &str) -> Result<bool> {
-        let address = self.nodes.iter().find(|node| node.name == name).map_or("", |node| node.address.as_str());
-        let keep = |source: &mut dyn Read| Ok(store.store_received(source, hash)?);
-        self.fetch_from(address, hash, &keep).with_context(|| format!("the node {name}"))
+        let node = self.nodes.iter().find(|node| node.name == name);
+        let node = node.with_context(|| format!("the ledger knows no node {name}"))?;
+        fetch_from(node, hash, &|source| Ok(store.store_received(source, hash)?))
+            .with_context(|| format!("the node {name}"))
     }
+}
 
-    fn fetch_from(&self, address: &str, hash: &str, keep: &dyn Fn(&mut dyn Read) -> Result<()>) -> Result<bool> {
-        if address.is_empty() {
-            bail!("its configuration has no node.address");
-        }
-        let tls = TlsConfig::builder().root_certs(RootCerts::PlatformVerifier).build();
-        let agent = ureq::Agent::config_builder()
-            .timeout_connect(Some(ANSWER_TIMEOUT))
-            .timeout_recv_response(Some(ANSWER_TIMEOUT))
-            .timeout_global(Some(TRANSFER_TIMEOUT))
-            .http_status_as_error(false)
-            .max_redirects(0)
-            .tls_config(tls)
-            .user_agent(concat!("nestd/", env!("CARGO_PKG_VERSION")))
-            .build()
-            .new_agent();
-        let mut request = agent.get(format!("{address}/content/{hash}"));
-        if let Some(file) = &self.token_file {
-            request = request.header("Authorization", format!("Bearer {}", access::read_secret(file)?));
-        }
-        let answer = request.call().with_context(|| format!("{address} does not answer"))?;
-        match answer.status() {
-            StatusCode::OK => {
-                keep(&mut answer.into_body().into_reader())?;
-                Ok(true)
-            }
-            StatusCode::NOT_FOUND => Ok(false),
-            StatusCode::UNAUTHORIZED => bail!("{address} asks for another token than that of web.token_file here"),
-            status => bail!("{address} answers {status}"),
-        }
+fn fetch_from(node: &NodeClient, hash: &str, keep: &dyn Fn(&mut dyn Read) -> Result<()>) -> Result<bool> {
+    match node.get(&format!("/content/{hash}"), TRANSFER_TIMEOUT)? {
+        Some(answer) => keep(&mut answer.into_reader()).map(|()| true),
+        None => Ok(false),
     }
 }
 

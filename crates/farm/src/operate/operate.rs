@@ -4,6 +4,7 @@
 
 use std::time::Duration;
 
+use anyhow::Context;
 use build_file::check_name;
 use delivery::queue::{OpenQueue, QueueAddress};
 use ledger::{
@@ -12,6 +13,7 @@ use ledger::{
 use settings::Settings;
 
 use crate::{
+    nesting::node_client::NodeClient,
     printers::printers::fate_of_queued,
     scanning::{
         machine_fit::find_misfit,
@@ -21,6 +23,8 @@ use crate::{
 
 /// How long a queue folder may take to answer. On a share that hangs, the file may still be there.
 const LOOK_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long another node may take to look into its queues.
+const ASK_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// What was seen of the file of a build.
 struct FileLook {
@@ -96,12 +100,44 @@ async fn ensure_not_made_again(ledger: &Ledger, settings: &Settings, build: Buil
     }
 }
 
-/// What is certain of the file of a published build.
+/// What is certain of the file of a published build, as the node sees it whose queues are meant. Where that does not answer, as it is seen
+/// from here.
 async fn see_file(
     ledger: &Ledger,
     settings: &Settings,
     build: BuildRow,
     word: &OperatorWord,
+) -> Result<Option<SeenFile>, LedgerError> {
+    let is_outcome = matches!(word, OperatorWord::Outcome(..));
+    let node = match settings.profiles.get(&build.machine) {
+        Some(machine) => NodeClient::of_machine(settings, ledger, machine).await?,
+        None => None,
+    };
+    if let Some(node) = node.filter(|node| node.is_alive) {
+        let path = format!("/builds/{}/seen?outcome={is_outcome}", build.id);
+        let asked = tokio::task::spawn_blocking(move || {
+            let answer = node.get(&path, ASK_TIMEOUT)?.context("it knows no such build")?;
+            Ok::<_, anyhow::Error>(serde_json::from_reader(answer.into_reader())?)
+        });
+        match asked.await {
+            Ok(Ok(seen)) => return Ok(seen),
+            Ok(Err(failure)) => tracing::warn!("The queues of {} cannot be asked for: {failure:#}.", build.machine),
+            Err(failure) => tracing::warn!("The queues of {} cannot be asked for: {failure}.", build.machine),
+        }
+    }
+    see_own_file(ledger, settings, build, is_outcome).await
+}
+
+/// What is certain of the file of a published build, as far as it can be seen from this node. `is_outcome` = the outcome of its print is
+/// being told.
+///
+/// # Errors
+/// The ledger does not answer.
+pub async fn see_own_file(
+    ledger: &Ledger,
+    settings: &Settings,
+    build: BuildRow,
+    is_outcome: bool,
 ) -> Result<Option<SeenFile>, LedgerError> {
     let second = ledger.second_files(build.id).await?;
     let is_second = !second.is_empty();
@@ -130,7 +166,7 @@ async fn see_file(
             true
         }
         // A move ends without a file once an outcome is told.
-        QueuePlace::Withdrawn => place.move_to.is_some() && matches!(word, OperatorWord::Outcome(..)),
+        QueuePlace::Withdrawn => place.move_to.is_some() && is_outcome,
         QueuePlace::Unknown => {
             place.taken_at.is_some() || place.withdrawn_at.is_some() || build.staged.queue_id.is_none()
         }

@@ -10,9 +10,8 @@ use tokio::time::timeout;
 use tracing::{info, warn};
 
 use super::{
-    machine_setup, open, reload,
-    status::{self, STOPPED_STATUS_TIMEOUT},
-    tidy,
+    machine_setup, open, reload, status, tidy,
+    unserved::{self, STOPPED_STATUS_TIMEOUT},
 };
 use crate::{
     again::{fetch_originals, revisions, second_copies},
@@ -255,7 +254,7 @@ fn may_act(farm: &mut Farm) -> bool {
 }
 
 async fn write_stopped_status(farm: &mut Farm) {
-    status::write_stopped_status(&mut farm.desk()).await;
+    unserved::write_stopped_status(&mut farm.desk()).await;
     job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
 }
 

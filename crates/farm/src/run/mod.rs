@@ -9,3 +9,4 @@ pub(super) mod reload;
 pub(super) mod status;
 pub(super) mod status_alerts;
 pub(super) mod tidy;
+pub(super) mod unserved;

@@ -8,18 +8,20 @@ use std::{
 
 use anyhow::Result;
 use jiff::Timestamp;
-use jobs::BackgroundJob;
 use language::say;
 use ledger::{LedgerError, MachineStatus, NodeHeartbeat};
 use serde_json::json;
 
-use super::status_alerts;
+use super::{
+    status_alerts,
+    unserved::{self, WriteStatusJob, halted_status, waiting_text},
+};
 use crate::{
     again::part_questions,
     alerts::alert::AlertKind,
     core::{
         desks::{Shared, Showing},
-        farm::{Farm, TICK_INTERVAL},
+        farm::TICK_INTERVAL,
         machine_state::MachineState,
     },
     decisions::{layout::BatchLayout, night_text::night_text, queue_depth::held_text},
@@ -31,13 +33,10 @@ use crate::{
     nodes::machine_availability,
     open_build::due_dates,
     planning::DateRisk,
-    process::{systemd, tick_tasks::TimedTask, time_text::floor_to_minute},
-    receive::{control_files, scan_jobs::HotFolderScanJob},
+    process::{systemd, tick_tasks::TimedTask},
+    receive::control_files,
     records::lost_ledger,
 };
-
-/// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
-pub(super) const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Failures that did not occur again for this long, or for three scans, are over.
 const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
@@ -45,30 +44,8 @@ const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
 const MAX_QUESTIONS: u32 = 100;
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
-
 /// The same while the ledger has no news: only the time changes what is said.
 const STATUS_INTERVAL_AT_REST: Duration = Duration::from_secs(30);
-
-/// Writes into a hot folder that nestd has stopped or halted.
-#[derive(Clone)]
-pub(crate) struct WriteStatusJob {
-    machine: String,
-}
-
-impl BackgroundJob<Farm> for WriteStatusJob {
-    const KIND: &'static str = "Status";
-    const IS_LOOK: bool = true;
-    type Outcome = ();
-    type Desk<'f> = Shared<'f>;
-
-    fn subject(&self) -> String {
-        self.machine.clone()
-    }
-
-    async fn on_done(self, _shared: Self::Desk<'_>, (): ()) -> Result<()> {
-        Ok(())
-    }
-}
 
 /// Updates the status everywhere.
 pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
@@ -109,6 +86,7 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
         json["awaiting"] = materials.status_json(&row);
         machine.status = (text, json);
     }
+    unserved::tell_gone_nodes(desk, &reading.rows.observed).await?;
     status_alerts::update_ledger_alerts(&mut desk.shared, desk.machines, rows, &reading.rows.observed).await?;
     due_dates::check_due_dates(&desk.shared, desk.machines, &desk.display.dates.risks).await?;
     let line = farm_summary(desk.machines.len(), rows.iter());
@@ -183,36 +161,6 @@ pub(super) async fn abandon_replaced_ledger(shared: &mut Shared<'_>, why: &Ledge
     std::mem::forget(shared.ledger.clone());
 }
 
-/// Starts to write into each hot folder that nestd has stopped: the status there before promised builds.
-pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
-    let rows = match desk.shared.lifecycle.is_halted {
-        true => Vec::new(),
-        false => desk.shared.ledger.machine_statuses().await.unwrap_or_default(),
-    };
-    for (name, machine) in desk.machines.iter() {
-        // A job that did not end hangs in that folder, and this one would hang too.
-        if desk.jobs.is_running::<HotFolderScanJob>(name) {
-            continue;
-        }
-        let row = rows.iter().find(|row| row.machine == *name).cloned().unwrap_or_default();
-        let (text, json) = match desk.shared.lifecycle.is_halted {
-            true => halted_status(machine, &desk.shared, false),
-            false => stopped_status(machine, &desk.shared, &row),
-        };
-        let (machine_name, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
-        let mut lease = machine.leases.inbox.clone();
-        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
-            // Nothing is written into an empty mount point.
-            if lease.held_identity().is_some()
-                && lease.check_usable().is_ok()
-                && let Err(error) = intake::write_status(&inbox, &text, &json)
-            {
-                tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
-            }
-        });
-    }
-}
-
 /// Writes a heartbeat into the ledger.
 pub(crate) async fn write_heartbeat(desk: &mut Showing<'_>) -> Result<()> {
     desk.shared.ledger.write_heartbeat(&describe_node(desk)).await?;
@@ -231,6 +179,7 @@ pub(super) fn describe_node(desk: &Showing<'_>) -> NodeHeartbeat {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         started_at: desk.shared.lifecycle.started_at,
         status: desk.display.status_line.clone(),
+        alerts: desk.shared.alerts.to_row(),
         machines: machine_availability::observed_machines(desk),
         configured: desk.shared.settings.profiles.keys().cloned().collect(),
     }
@@ -288,12 +237,6 @@ fn status_text(
         lines.push(say!("status-last-build", build = last.build.to_string(), time = time, height = height));
     }
     lines.join("\n") + "\n"
-}
-
-/// The waiting copies and parts, in words.
-fn waiting_text(row: &MachineStatus) -> String {
-    let parts = say!("count-parts", count = row.waiting_parts);
-    say!("status-waiting", copies = row.waiting_copies, parts = parts)
 }
 
 /// Whether the open layout belongs to the parts that wait now.
@@ -357,44 +300,4 @@ fn status_json(
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
         })),
     })
-}
-
-/// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
-fn stopped_status(machine: &MachineState, shared: &Shared<'_>, row: &MachineStatus) -> (String, String) {
-    let (name, now) = (&machine.profile.name, Timestamp::now());
-    let time = machine.profile.time_zone.format_minute(now);
-    let text = shared.settings.language.within(|| {
-        let stopped = say!("status-stopped", machine = name, time = time);
-        let waiting = (row.waiting_parts > 0).then(|| say!("status-until-then", waiting = waiting_text(row)));
-        [Some(stopped), waiting].into_iter().flatten().map(|line| line + "\n").collect::<String>()
-    });
-    let json = json!({
-        "machine": name,
-        "running": false,
-        "written_at": floor_to_minute(now).to_string(),
-        "waiting_parts": row.waiting_parts,
-        "waiting_copies": row.waiting_copies,
-        "fires_at": null,
-        "fires_at_latest": null,
-    });
-    (text, format!("{json:#}\n"))
-}
-
-/// `STATUS.txt` and `status.json` of a farm that cannot rely on its ledger: what waits is not known.
-fn halted_status(machine: &MachineState, shared: &Shared<'_>, is_running: bool) -> (String, String) {
-    let (name, now, alerts) = (&machine.profile.name, Timestamp::now(), &*shared.alerts);
-    let time = machine.profile.time_zone.format_minute(now);
-    let text = shared.settings.language.within(|| {
-        let halted = say!("status-halted", machine = name);
-        format!("{}{halted}\n{}\n", alerts.status_text_for(name), say!("status-written", time = time))
-    });
-    let json = json!({
-        "machine": name,
-        "running": is_running,
-        "written_at": floor_to_minute(now).to_string(),
-        "attention": alerts.status_json_for(name),
-        "fires_at": null,
-        "fires_at_latest": null,
-    });
-    (text, format!("{json:#}\n"))
 }

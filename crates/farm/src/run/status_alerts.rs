@@ -49,7 +49,6 @@ pub(super) async fn update_ledger_alerts(
     observed: &[MachineRow],
 ) -> Result<()> {
     if shared.ledger.file().is_none() {
-        update_node_alerts(shared, observed).await?;
         let others = own_machines::profiles_of_others(shared.settings, observed);
         shared.lifecycle.services.adopt_machines_of_others(shared.settings, others);
     }
@@ -90,23 +89,6 @@ pub(super) async fn update_ledger_alerts(
         }
     }
     alerts.retain_machines(AlertKind::MachineGone, &gone);
-    Ok(())
-}
-
-/// Raises an alert for each other node that does not run although nobody stopped it, and has the ledger say so of its machines.
-async fn update_node_alerts(shared: &mut Shared<'_>, observed: &[MachineRow]) -> Result<()> {
-    let own = &shared.settings.node.name;
-    for node in shared.ledger.list_nodes().await?.into_iter().filter(|node| node.name != *own) {
-        let its = observed.iter().filter(|row| row.node == node.name).map(|row| row.machine.as_str());
-        let its: Vec<&str> = its.collect();
-        if node.alive || node.pid == 0 || its.is_empty() {
-            shared.alerts.clear(AlertKind::NodeGone, "", &node.name);
-            continue;
-        }
-        let detail = format!("{} on {}, with {}", node.name, node.host, its.join(", "));
-        shared.alerts.raise(AlertKind::NodeGone, "", &node.name, &detail);
-        shared.ledger.record_node_gone(&node.name).await?;
-    }
     Ok(())
 }
 

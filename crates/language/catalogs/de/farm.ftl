@@ -158,4 +158,5 @@ unseen-seen-to = : dort liegen lassen ({ $machine })
 how-many = Wie viele Stück werden gebraucht? Vorerst gilt jeweils 1.
 say-how-many = Stückzahl angeben
 machine-named = Maschine { $machine }
-files-at-other-node = Dateien für { $machine } gehen an den Knoten { $node }, der sie bedient: dort auf seinen Seiten hinzufügen.
+node-of-machine-gone = { $machine } gehört zum Knoten { $node }, der nicht läuft. Nichts wurde getan: ihn starten und dies noch einmal senden.
+node-does-not-answer = der Knoten { $node } antwortet nicht: { $why }. Vielleicht hat er dies nicht bekommen: vor dem nächsten Senden auf seinen Seiten nachsehen

@@ -23,6 +23,7 @@ status-halted = { $machine }: dieser Ordner wird nicht durchsucht, und nichts wi
 status-written = Geschrieben { $time }.
 status-waits-to-begin = { $machine }: nestd wartet auf den Start; was hier abgelegt wird, wartet.
 status-does-not-run = { $machine }: nestd läuft nicht; was hier abgelegt wird, wartet.
+status-node-gone = { $machine }: Der Knoten { $node } auf { $host } läuft seit { $time } nicht. Was hier abgelegt wird, wartet, bis er wieder läuft oder ein anderer Knoten diese Maschine übernimmt.
 attention = ACHTUNG: { $what }
 attention-more = ACHTUNG: und { $count } weitere; `nestd status` zeigt alles.
 status-stamp =

@@ -170,4 +170,5 @@ unseen-seen-to = : leave them there ({ $machine })
 how-many = How many copies are wanted? They are taken as 1.
 say-how-many = Say how many
 machine-named = machine { $machine }
-files-at-other-node = The files of { $machine } go to the node { $node }, which serves it: add them on its pages.
+node-of-machine-gone = { $machine } is served by the node { $node }, which does not run. Nothing was done: start it, and send this again.
+node-does-not-answer = the node { $node } does not answer: { $why }. It may not have got this: look at its pages before you send it again

@@ -23,6 +23,7 @@ status-halted = { $machine }: this folder is not scanned, and nothing is built, 
 status-written = Written { $time }.
 status-waits-to-begin = { $machine }: nestd waits before it begins; what is dropped here waits.
 status-does-not-run = { $machine }: nestd does not run; what is dropped here waits.
+status-node-gone = { $machine }: its node { $node } on { $host } does not run since { $time }. What is dropped here waits until it runs again, or until another node takes this machine over.
 attention = ATTENTION: { $what }
 attention-more = ATTENTION: and { $count } more; `nestd status` tells all.
 status-stamp =

@@ -170,4 +170,5 @@ unseen-seen-to =  : les y laisser ({ $machine })
 how-many = Combien d’exemplaires faut-il ? Ils comptent pour 1.
 say-how-many = Dire combien
 machine-named = machine { $machine }
-files-at-other-node = Les fichiers de { $machine } vont au nœud { $node }, qui la sert : les ajouter sur ses pages.
+node-of-machine-gone = { $machine } appartient au nœud { $node }, qui ne fonctionne pas. Rien n’a été fait : le démarrer, puis envoyer de nouveau.
+node-does-not-answer = le nœud { $node } ne répond pas : { $why }. Il n’a peut-être pas reçu ceci : regarder ses pages avant d’envoyer de nouveau

@@ -23,6 +23,7 @@ status-halted = { $machine } : ce dossier n’est pas lu, et rien n’est pré
 status-written = Écrit le { $time }.
 status-waits-to-begin = { $machine } : nestd attend avant de commencer ; ce qui est déposé ici attend.
 status-does-not-run = { $machine } : nestd ne tourne pas ; ce qui est déposé ici attend.
+status-node-gone = { $machine } : le nœud { $node } sur { $host } ne tourne pas depuis { $time }. Ce qui est déposé ici attend qu’il tourne à nouveau, ou qu’un autre nœud reprenne cette machine.
 attention = ATTENTION : { $what }
 attention-more = ATTENTION : et { $count } de plus ; `nestd status` dit tout.
 status-stamp =

@@ -123,4 +123,5 @@ unseen-seen-to = : ファイルはそこに残す({ $machine })
 how-many = 何個必要ですか? 今は 1 個として扱っています。
 say-how-many = 個数を入力
 machine-named = 装置 { $machine }
-files-at-other-node = { $machine } のファイルは担当ノード { $node } のページで追加してください。
+node-of-machine-gone = { $machine } の担当ノード { $node } は動作していません。何も行われませんでした。起動してから、もう一度送信してください。
+node-does-not-answer = ノード { $node } が応答しません: { $why }。届いていない可能性があります。再送信の前に、そのノードのページを確認してください

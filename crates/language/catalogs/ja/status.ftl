@@ -15,6 +15,7 @@ status-halted = { $machine }: 直るまで、このフォルダーは調べら�
 status-written = 書き込み: { $time }。
 status-waits-to-begin = { $machine }: nestd は開始を待っています。ここに入れたものはそのまま待ちます。
 status-does-not-run = { $machine }: nestd は動作していません。ここに入れたものはそのまま待ちます。
+status-node-gone = { $machine }: { $host } のノード { $node } は { $time } から動作していません。ここに入れたものは、ノードが再び動作するか、別のノードがこのマシンを引き継ぐまで待ちます。
 attention = 【注意】{ $what }
 attention-more = 【注意】ほか { $count } 件。すべて見るには `nestd status` を実行してください。
 status-stamp = 書き込み: { $time }。nestd の動作中は少なくとも { $minutes } 分ごとに更新されます。これより古い場合、nestd は動作していません。

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(crate) const TABLES: [CopiedTable; 23] = [
+pub(crate) const TABLES: [CopiedTable; 24] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -55,6 +55,7 @@ pub(crate) const TABLES: [CopiedTable; 23] = [
     keyed("ordered_line", None),
     keyed("person", None),
     keyed("session", None),
+    keyed("farm_secret", None),
 ];
 /// All views.
 pub(crate) const VIEWS: [&str; 5] =

@@ -29,11 +29,22 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// Records the key of a request that changes the farm by itself, and what is answered; in place of an earlier answer.
-    pub async fn record_answered_request(&self, client: &str, key: &str, answered: &AnsweredRequest) -> Result<()> {
+    /// Records the key of a request that changes the farm by itself, and what is answered, in place of the earlier answer that is known.
+    /// `false` = another node has recorded something else under it meanwhile, and carries it out.
+    pub async fn record_answered_request(
+        &self,
+        client: &str,
+        key: &str,
+        answered: &AnsweredRequest,
+        known: Option<&AnsweredRequest>,
+    ) -> Result<bool> {
         let mut change = self.begin_change().await?;
+        if change.find_request_key(client, key).await?.as_ref() != known {
+            return Ok(false);
+        }
         change.write_request_key(client, key, answered).await?;
-        change.commit().await
+        change.commit().await?;
+        Ok(true)
     }
 
     /// Forgets the key of a request that was refused.

@@ -52,6 +52,8 @@ pub struct NodeHeartbeat {
     pub started_at: Timestamp,
     /// One line on what it does.
     pub status: String,
+    /// What it asks people to see to, as JSON.
+    pub alerts: String,
     /// The machines that the daemon serves.
     pub machines: Vec<ObservedMachine>,
     /// The machines that it has files of. One that was given to it stays its own until it has taken it.
@@ -77,6 +79,9 @@ pub struct NodeRow {
     pub beat_at: UtcTimestamp,
     /// One line on what it did.
     pub status: String,
+    /// What it asked people to see to, as JSON.
+    #[serde(skip)]
+    pub alerts: String,
     /// Whether its daemon runs: its last heartbeat is younger than [`HEARTBEAT_VALID_SECS`], or its lock or lease is held. If the
     /// daemon ran on this server, its process must exist too.
     pub alive: bool,
@@ -93,6 +98,7 @@ impl FromSqlRow for NodeRow {
             started_at: row.column("started_at")?,
             beat_at: row.column("beat_at")?,
             status: row.column("status")?,
+            alerts: row.column("alerts")?,
             alive: false,
         })
     }
@@ -135,10 +141,11 @@ impl Ledger {
             all.execute(change.db()).await?;
         }
         sql::query(
-            "INSERT INTO node (name, pid, host, version, started_at, beat_at, status, address) \
-             VALUES ($1, $2, $3, $4, $5, $6, $7, $8) ON CONFLICT (name) DO UPDATE SET pid = excluded.pid, \
+            "INSERT INTO node (name, pid, host, version, started_at, beat_at, status, address, alerts) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) ON CONFLICT (name) DO UPDATE SET pid = excluded.pid, \
              host = excluded.host, version = excluded.version, started_at = excluded.started_at, \
-             beat_at = excluded.beat_at, status = excluded.status, address = excluded.address",
+             beat_at = excluded.beat_at, status = excluded.status, address = excluded.address, \
+             alerts = excluded.alerts",
         )
         .bind(&heartbeat.name)
         .bind(heartbeat.pid)
@@ -148,6 +155,7 @@ impl Ledger {
         .bind(now)
         .bind(&heartbeat.status)
         .bind(&heartbeat.address)
+        .bind(&heartbeat.alerts)
         .execute(change.db())
         .await?;
         Ok(())
@@ -167,7 +175,7 @@ impl Ledger {
     /// The nodes of this farm, by name: of a file the one that serves it, or that ended without an orderly shutdown.
     pub async fn list_nodes(&self) -> Result<Vec<NodeRow>> {
         let query = sql::query_as(
-            "SELECT name, pid, host, version, started_at, beat_at, status, address FROM node ORDER BY name",
+            "SELECT name, pid, host, version, started_at, beat_at, status, address, alerts FROM node ORDER BY name",
         );
         let mut rows: Vec<NodeRow> = query.fetch_all(self.reader()?).await?;
         // A heartbeat in the future was written before the clock was set back. The next one follows within seconds.
@@ -188,6 +196,22 @@ impl Ledger {
     pub async fn find_node(&self, name: &str) -> Result<Option<NodeRow>> {
         let is_file = self.file().is_some();
         Ok(self.list_nodes().await?.into_iter().find(|row| is_file || row.name == name))
+    }
+
+    /// The secret of this name that all nodes have in common, so that what one signs, all know; `proposed` = the one that it is from now
+    /// on, if there is none. No view shows it.
+    pub async fn farm_secret(&self, name: &str, proposed: &str) -> Result<String> {
+        let find = || sql::query_scalar("SELECT secret FROM farm_secret WHERE name = $1").bind(name);
+        if let Some(known) = find().fetch_optional(self.reader()?).await? {
+            return Ok(known);
+        }
+        let mut change = self.begin_change().await?;
+        change.tell_nobody();
+        let propose = "INSERT INTO farm_secret (name, secret) VALUES ($1, $2) ON CONFLICT (name) DO NOTHING";
+        sql::query(propose).bind(name).bind(proposed).execute(change.db()).await?;
+        let chosen = find().fetch_one(change.db()).await?;
+        change.commit().await?;
+        Ok(chosen)
     }
 
     /// What helps where a daemon runs and does not write into the ledger, as far as that can be told from here.

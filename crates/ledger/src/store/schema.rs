@@ -55,6 +55,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (48, "copy of", include_str!("../../../../migrations/0048_copy_of.sql")),
     (49, "lots", include_str!("../../../../migrations/0049_lots.sql")),
     (50, "finishing", include_str!("../../../../migrations/0050_finishing.sql")),
+    (51, "one farm", include_str!("../../../../migrations/0051_one_farm.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

@@ -120,3 +120,23 @@ async fn a_part_has_the_unit_in_which_its_line_was_judged() {
     let row = ledger.find_part(other).await.unwrap().unwrap();
     assert_eq!(row.measures.read_unit, Some(build_file::LengthUnit::Millimeter), "a dropped one that of its machine");
 }
+
+#[tokio::test]
+async fn of_two_nodes_that_begin_with_one_form_one_has_it_and_all_share_a_secret() {
+    let ledger = fresh().await;
+    let [begun, done] =
+        ["begun", "done"].map(|answer| AnsweredRequest { fingerprint: "f".into(), answer: answer.into() });
+    let record = async |new: &AnsweredRequest, known: Option<&AnsweredRequest>| {
+        ledger.record_answered_request("ann", "k", new, known).await.unwrap()
+    };
+    assert!(record(&begun, None).await);
+    assert!(!record(&begun, None).await, "another node has begun");
+    assert!(record(&done, Some(&begun)).await);
+    assert!(!record(&begun, Some(&begun)).await, "it is done");
+    assert_eq!(ledger.find_answered_request("ann", "k").await.unwrap(), Some(done));
+    let secret = ledger.farm_secret("form keys", "first").await.unwrap();
+    assert_eq!(
+        (secret.as_str(), ledger.farm_secret("form keys", "second").await.unwrap().as_str()),
+        ("first", "first")
+    );
+}

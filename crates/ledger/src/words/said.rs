@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{BuildId, ReprintTarget, ToldOutcome};
 
 /// A word of a person about builds, printers and orders.
@@ -65,7 +67,8 @@ pub struct WordAnswer {
 }
 
 /// Where the file of a build is that a word is about, as far as whoever says it could see. Where nothing is known, it may lie in a queue.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SeenFile {
     /// In no queue folder, and it comes into none.
     OutOfQueue,

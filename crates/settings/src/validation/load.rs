@@ -244,12 +244,32 @@ fn build_profile(
         _ => Table::new(),
     };
     merge_tables(&mut merged, own.to_table());
-    let text = merged.to_string();
-    let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
+    let inputs: ProfileInputs = from_table(merged.clone(), &own.file, &mut validator.problems)?;
     if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported
     }
-    Some(MachineProfile { text, ..profile_of(name, inputs, root, &farm_inputs.folders, validator) })
+    let profile = profile_of(name, inputs, root, &farm_inputs.folders, validator);
+    Some(MachineProfile { text: text_for_others(merged, &profile), ..profile })
+}
+
+/// The file of a machine for other nodes: its folders are those of its server.
+fn text_for_others(mut file: Table, profile: &MachineProfile) -> String {
+    let place = |folder: &Path| Value::String(folder.to_string_lossy().into_owned());
+    let MachineFolders { inbox, queue, error, archive } = &profile.folders;
+    let named = [("inbox", inbox), ("error", error), ("archive", archive)];
+    let mut folders: Table = named.into_iter().map(|(name, folder)| (name.to_owned(), place(folder))).collect();
+    match file.get_mut("printer") {
+        Some(Value::Array(printers)) if !printers.is_empty() => {
+            for (printer, rules) in printers.iter_mut().zip(&profile.printers) {
+                if let (Value::Table(printer), Some(folder)) = (printer, rules.queue.folder()) {
+                    printer.insert("queue".to_owned(), place(folder));
+                }
+            }
+        }
+        _ => drop(folders.insert("queue".to_owned(), place(queue))),
+    }
+    file.insert("folders".to_owned(), Value::Table(folders));
+    file.to_string()
 }
 
 fn profile_of(
@@ -279,7 +299,7 @@ pub struct OtherMachine {
 
 impl Settings {
     /// The settings with the machines of other nodes as these say them. What this version does not understand is left out. Their folders are
-    /// on other servers: what is written here for them says nothing.
+    /// those on their servers.
     pub fn with_machines_of_others(&self, machines: &[OtherMachine]) -> Self {
         let mut all = self.clone();
         for OtherMachine { name, node, text } in machines {

@@ -55,6 +55,7 @@ fn every_kind_is_reported_by_status_with_its_remedy() {
     fs::create_dir(&state).unwrap();
     for kind in AlertKind::ALL {
         let notice = FarmAlert {
+            node: String::new(),
             kind,
             machine: "test".into(),
             detail: "just\u{1b}[2J so".into(),

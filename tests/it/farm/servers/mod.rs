@@ -1,5 +1,6 @@
 //! Several daemons, and a ledger on a server.
 
+mod any_node;
 mod at_rest;
 mod change_lock;
 pub mod failover;

@@ -1,5 +1,7 @@
 //! From any node the whole farm: each shows, plans and takes orders for the machines of all, and says which node does not run.
 
+use std::fs;
+
 use ledger::{EventKind, PartState};
 use ledger_fixtures::postgres_cluster::PostgresCluster;
 use serde_json::{Value, json};
@@ -42,10 +44,9 @@ fn any_node_shows_plans_and_takes_orders_for_the_machines_of_all() {
         let told = node.farm.nestd_ok(&["status"]);
         assert!(told.contains(other), "{told}");
     }
-    // Files are dropped where the hot folder is.
-    let (status, told) = ask(&nodes[0], "GET", "/machines/machine-2/drop", "", b"");
-    assert!(status == 200 && told.as_str().unwrap().contains("machine-2"), "{told}");
-    assert!(!nodes[0].farm.root().join("inbox/machine-2").exists());
+    // What is said of its folders is true on its server.
+    let queue = machine_at(&nodes[0], "machine-2")["printers"][0]["queue"].clone();
+    assert_eq!(queue, nodes[1].farm.folder("queue").to_str().unwrap());
     // Files that were put on one node are ordered on the other, for a machine of either.
     let (first, second) = (stl(&block(20.0, 15.0, 10.0)), stl(&block(21.0, 15.0, 10.0)));
     let put = |node: &TestNode, bytes: &[u8]| {
@@ -88,8 +89,14 @@ fn a_node_that_does_not_run_is_told_by_the_others_until_it_runs_again() {
     wait_for(&nodes[0], "it knows the other", || machine_at(&nodes[0], "machine-2")["available"] == true);
     nodes[1].farm.drop_part("a.stl", &block(20.0, 15.0, 10.0));
     wait_for(&nodes[0], "its build is foretold", || machine_at(&nodes[0], "machine-2")["fires_at"].is_string());
-    nodes[1].farm.kill();
     let needs = |node: &TestNode| ask(node, "GET", "/api/v1/farm", "", b"").1["needs_a_person"].to_string();
+    // What one node asks people to see to, all show.
+    fs::write(nodes[1].farm.folder("inbox").join("broken.stl"), "solid nothing\nendsolid\n").unwrap();
+    wait_for(&nodes[0], "the other's refusal is shown", || needs(&nodes[0]).contains("Refused files lie"));
+    assert!(nodes[0].farm.nestd_ok(&["status"]).contains("machine-2: Refused files lie"));
+    let (_, page) = ask(&nodes[0], "GET", "/", "", b"");
+    assert!(page.as_str().unwrap().contains("Refused files lie"), "{page}");
+    nodes[1].farm.kill();
     let why = "its node print2 does not run";
     wait_for(&nodes[0], "it is told", || machine_at(&nodes[0], "machine-2")["trouble"] == why);
     wait_for(&nodes[0], "a person is asked", || needs(&nodes[0]).contains("node-gone"));
@@ -100,8 +107,12 @@ fn a_node_that_does_not_run_is_told_by_the_others_until_it_runs_again() {
     let kinds = [EventKind::Unavailable];
     let told = nodes[0].farm.query_ledger(async |ledger| ledger.count_events_after(0, &kinds).await.unwrap());
     assert_eq!(told, 1, "it is an event once");
+    let status = || fs::read_to_string(nodes[1].farm.folder("inbox").join("STATUS.txt")).unwrap();
+    wait_for(&nodes[0], "its hot folder says so", || status().contains("machine-2: its node print2 on "));
     nodes[1].start();
     wait_for(&nodes[0], "it is over", || {
         machine_at(&nodes[0], "machine-2")["available"] == true && !needs(&nodes[0]).contains("node-gone")
     });
+    let status = || fs::read_to_string(nodes[1].farm.folder("inbox").join("STATUS.txt")).unwrap();
+    wait_for(&nodes[0], "its hot folder promises builds again", || !status().contains("does not run"));
 }

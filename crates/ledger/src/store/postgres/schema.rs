@@ -35,7 +35,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 28] = [
+const MIGRATIONS: [ServerMigration; 29] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),
@@ -112,6 +112,10 @@ const MIGRATIONS: [ServerMigration; 28] = [
     migration(48, "copy of", include_str!("../../../../../migrations/postgres/0048_copy_of.sql")),
     migration(49, "lots", include_str!("../../../../../migrations/postgres/0049_lots.sql")),
     migration(50, "finishing", include_str!("../../../../../migrations/postgres/0050_finishing.sql")),
+    ServerMigration {
+        is_additive: true,
+        ..migration(51, "one farm", include_str!("../../../../../migrations/postgres/0051_one_farm.sql"))
+    },
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

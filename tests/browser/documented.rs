@@ -10,7 +10,7 @@ use std::{
 
 use crate::{
     clients,
-    pages::BrowserDashboard,
+    pages::{BrowserDashboard, Nodes},
     support::{QUICK, TestFarm, block, stl, wait_until_or},
 };
 
@@ -21,7 +21,15 @@ pub fn missing(program: &str) -> Option<String> {
 }
 
 pub fn the_examples_of_the_interface_for_programs_work_as_they_stand_there() {
-    let dashboard = BrowserDashboard::serve(TestFarm::new(QUICK));
+    run_examples(Nodes::One);
+}
+
+pub fn the_examples_work_whichever_of_three_nodes_answers() {
+    run_examples(Nodes::Three);
+}
+
+fn run_examples(nodes: Nodes) {
+    let dashboard = BrowserDashboard::serve_on(nodes, TestFarm::new(QUICK));
     let document = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/integrator.md")).unwrap();
     let examples: Vec<&str> = document.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     assert!(examples.len() >= 6, "{}", examples.len());

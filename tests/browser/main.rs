@@ -1,6 +1,6 @@
 //! The farm with what not every machine has: its pages in a real Chromium, its hot folder behind a real Samba server, clients that
-//! others' generators make, disks that are mounted and full, processes that are traced. And the judge of the benchmark, which is Python. A test that cannot run on this machine is
-//! reported as ignored, with the reason.
+//! others' generators make, disks that are mounted and full, processes that are traced. And the judge of the benchmark, which is Python. A
+//! test that cannot run on this machine is reported as ignored, with the reason.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
 mod break_out;
@@ -20,6 +20,7 @@ mod tasks;
 
 use std::process::ExitCode;
 
+use ledger_fixtures::postgres_cluster::find_programs;
 use libtest_mimic::{Arguments, Trial};
 use support::{
     small_disk::SmallDisk,
@@ -54,6 +55,16 @@ fn pages_in_a_browser() -> Vec<Trial> {
             missing(),
             tasks::tasks_take_few_clicks_by_mouse_touch_and_keyboard_and_a_slow_line_shows_a_picture_soon,
         ),
+        trial(
+            "tasks::tasks_are_done_whichever_of_three_nodes_answers",
+            missing().or_else(missing_postgres),
+            tasks::tasks_are_done_whichever_of_three_nodes_answers,
+        ),
+        beside_others(
+            "break_out::two_devices_break_out_a_build_whichever_of_three_nodes_answers",
+            missing().or_else(missing_postgres),
+            break_out::two_devices_break_out_a_build_whichever_of_three_nodes_answers,
+        ),
         beside_others(
             "break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both",
             missing(),
@@ -67,6 +78,10 @@ fn pages_in_a_browser() -> Vec<Trial> {
     ]
 }
 
+fn missing_postgres() -> Option<String> {
+    find_programs().is_none().then(|| "needs PostgreSQL".to_owned())
+}
+
 /// What talks to the farm as others' programs do.
 fn programs() -> Vec<Trial> {
     let mut trials = vec![
@@ -74,6 +89,11 @@ fn programs() -> Vec<Trial> {
             "documented::the_examples_of_the_interface_for_programs_work_as_they_stand_there",
             documented::missing("curl"),
             documented::the_examples_of_the_interface_for_programs_work_as_they_stand_there,
+        ),
+        beside_others(
+            "documented::the_examples_work_whichever_of_three_nodes_answers",
+            documented::missing("curl").or_else(missing_postgres),
+            documented::the_examples_work_whichever_of_three_nodes_answers,
         ),
         beside_others(
             "documented::the_documented_receiver_takes_our_messages_and_refuses_others",

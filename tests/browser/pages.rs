@@ -10,10 +10,11 @@ use std::{
 };
 
 use ledger::{PartRow, PartState};
+use ledger_fixtures::postgres_cluster::PostgresCluster;
 
 use crate::{
     quiet,
-    support::{self, TestFarm, stl, wait_until_or},
+    support::{self, TestFarm, balancer::balance, stl, wait_until_or},
 };
 
 pub const MACHINE: &str = "mjf-5200";
@@ -37,28 +38,59 @@ const LONG: (&str, &str) = (
 pub struct BrowserDashboard {
     pub farm: TestFarm,
     pub base: String,
+    /// Further nodes of the farm, and the server of its ledger.
+    _others: Option<(Vec<TestFarm>, PostgresCluster)>,
+}
+
+/// How many nodes serve a farm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nodes {
+    One,
+    /// Three, behind a load balancer that leads each connection to the next.
+    Three,
 }
 
 impl BrowserDashboard {
     pub fn start() -> Self {
+        Self::start_on(Nodes::One)
+    }
+
+    pub fn start_on(nodes: Nodes) -> Self {
         let farm = TestFarm::new(support::QUICK);
         farm.write_profile(MACHINE, PROFILE);
-        Self::serve(farm)
+        Self::serve_on(nodes, farm)
     }
 
     /// Serves a farm and its pages.
-    pub fn serve(mut farm: TestFarm) -> Self {
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let config = fs::read_to_string(farm.config()).unwrap();
-        fs::write(farm.config(), format!("{config}[web]\nlisten = \"127.0.0.1:{port}\"\n")).unwrap();
-        farm.start();
-        let dashboard = Self { farm, base: format!("http://127.0.0.1:{port}") };
-        wait_until_or(
-            "the dashboard listens",
-            20.0,
-            || dashboard.farm.log(),
-            || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok(),
-        );
+    pub fn serve(farm: TestFarm) -> Self {
+        Self::serve_on(Nodes::One, farm)
+    }
+
+    pub fn serve_on(nodes: Nodes, mut farm: TestFarm) -> Self {
+        if nodes == Nodes::One {
+            let base = start_serving(&mut farm, "");
+            return Self { farm, base, _others: None };
+        }
+        let server = PostgresCluster::start();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        let ledger = server.url(&runtime.block_on(server.make_database(None)));
+        let start = |farm: &mut TestFarm, name: &str| {
+            let node = format!("[folders]\nledger = {ledger:?}\n[node]\nname = {name:?}\naddress = \"ADDRESS\"\n");
+            start_serving(farm, &node)
+        };
+        let mut bases = vec![start(&mut farm, "print1")];
+        let others = ["print2", "print3"].map(|name| {
+            let mut other = TestFarm::new(support::QUICK);
+            fs::remove_file(other.profile(support::MACHINE)).unwrap();
+            bases.push(start(&mut other, name));
+            other
+        });
+        let dashboard = Self { farm, base: balance(&bases), _others: Some((others.into(), server)) };
+        let knows = |base: &String| {
+            let farm = Command::new("curl").args(["-s", &format!("{base}/api/v1/farm")]).output().unwrap();
+            String::from_utf8_lossy(&farm.stdout).contains("\"available\":true")
+        };
+        wait_until_or("all nodes know the machines", 60.0, || dashboard.farm.log(), || bases.iter().all(knows));
         dashboard
     }
 
@@ -120,6 +152,18 @@ impl BrowserDashboard {
         }
         samples.len()
     }
+}
+
+/// Starts a daemon with its pages, and returns where they are. `more` = further settings, in which `ADDRESS` is that place.
+fn start_serving(farm: &mut TestFarm, more: &str) -> String {
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let base = format!("http://127.0.0.1:{port}");
+    let config = fs::read_to_string(farm.config()).unwrap() + &more.replace("ADDRESS", &base);
+    fs::write(farm.config(), format!("{config}[web]\nlisten = \"127.0.0.1:{port}\"\n")).unwrap();
+    farm.start();
+    let listens = || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok();
+    wait_until_or("the dashboard listens", 20.0, || farm.log(), listens);
+    base
 }
 
 pub fn every_page_is_what_it_should_be_in_a_real_browser() {

@@ -1,6 +1,7 @@
 //! Code that several test programs share, above all a farm in a temporary folder, served by the real daemon.
 #![allow(dead_code)] // no test program uses all of it
 
+pub mod balancer;
 pub mod entries;
 pub mod farm_files;
 pub mod greedy;
@@ -79,7 +80,12 @@ impl TestFarm {
     pub fn write_profile(&self, name: &str, text: &str) {
         let rest = if text.contains("improve_secs") { "" } else { "improve_secs = 0\n" };
         let text = format!("{rest}{text}");
-        fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
+        fs::write(self.profile(name), text).unwrap();
+    }
+
+    /// The file of a machine.
+    pub fn profile(&self, name: &str) -> PathBuf {
+        self.root().join(format!("config/profiles/{name}.toml"))
     }
 
     pub fn folder(&self, kind: &str) -> PathBuf {
@@ -128,8 +134,8 @@ impl TestFarm {
         let log = fs::File::options().create(true).append(true).open(self.root().join("log")).unwrap();
         let child = command.stdout(Stdio::null()).stderr(log).spawn().unwrap();
         self.daemon = Some(child);
-        let inbox = self.folder("inbox");
-        wait_until("the daemon makes its folders", 10.0, || inbox.is_dir());
+        let (inbox, file) = (self.folder("inbox"), self.profile(&self.machine));
+        wait_until("the daemon makes its folders", 10.0, || inbox.is_dir() || !file.exists());
     }
 
     /// The process id of the daemon.

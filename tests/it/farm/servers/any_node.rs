@@ -3,10 +3,7 @@
 
 use std::{
     fs::{self, Permissions},
-    io,
-    net::{Shutdown, TcpListener, TcpStream},
     os::unix::fs::PermissionsExt,
-    sync::atomic::{AtomicUsize, Ordering},
     thread,
 };
 
@@ -16,39 +13,20 @@ use serde_json::{Value, json};
 use ureq::http::{Request, request::Builder};
 
 use super::test_node::{TestNode, new_database};
-use crate::support::{block, farm_files::assert_each_copy_once, stl, wait_until_or};
+use crate::support::{balancer::balance, block, farm_files::assert_each_copy_once, stl, wait_until_or};
 
 /// The token of all nodes.
 const TOKEN: &str = "of-all-three-nodes-0123456789";
 
-/// Leads each connection to the next node.
-struct LoadBalancer {
+/// Asks the nodes in turn.
+struct Asker {
     address: String,
 }
 
-impl LoadBalancer {
-    fn before(nodes: &[TestNode]) -> Self {
-        let places: Vec<String> = nodes.iter().map(|node| node.address.replace("http://", "")).collect();
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = format!("http://{}", listener.local_addr().unwrap());
-        let next = AtomicUsize::new(0);
-        // It ends with the tests.
-        thread::spawn(move || {
-            for client in listener.incoming().flatten() {
-                let place = &places[next.fetch_add(1, Ordering::Relaxed) % places.len()];
-                let Ok(node) = TcpStream::connect(place) else { continue };
-                for (mut from, mut to) in [
-                    (client.try_clone().unwrap(), node.try_clone().unwrap()),
-                    (node.try_clone().unwrap(), client.try_clone().unwrap()),
-                ] {
-                    thread::spawn(move || {
-                        _ = io::copy(&mut from, &mut to);
-                        _ = to.shutdown(Shutdown::Write);
-                    });
-                }
-            }
-        });
-        Self { address }
+impl Asker {
+    fn of(nodes: &[TestNode]) -> Self {
+        let nodes: Vec<String> = nodes.iter().map(|node| node.address.clone()).collect();
+        Self { address: balance(&nodes) }
     }
 
     /// Status, header `location` and body of an answer. Each request comes by a connection of its own.
@@ -124,10 +102,10 @@ fn wait_for(nodes: &[TestNode], what: &str, is_so: impl Fn() -> bool) {
 fn files_uploads_and_words_reach_the_node_that_they_are_for() {
     let server = PostgresCluster::start();
     let nodes = three_nodes(&server);
-    let balancer = LoadBalancer::before(&nodes);
+    let asker = Asker::of(&nodes);
     wait_for(&nodes, "all nodes know all machines", || {
         let knows = |_| {
-            balancer.json("/api/v1/farm")["machines"]
+            asker.json("/api/v1/farm")["machines"]
                 .as_array()
                 .is_some_and(|all| all.len() == 3 && all.iter().all(|machine| machine["available"] == true))
         };
@@ -138,7 +116,7 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
         for machine in 1..=3 {
             let name = format!("part {at}{machine}.stl");
             let bytes = stl(&block(20.0, 15.0, 10.0 + at as f64));
-            let told = balancer.drop_file(&format!("machine-{machine}"), &name, &bytes);
+            let told = asker.drop_file(&format!("machine-{machine}"), &name, &bytes);
             assert!(told.contains(&name), "{told}");
         }
     }
@@ -146,36 +124,36 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
     // An upload in pieces, each at another node, and an order of it.
     let (bytes, tus) = (stl(&block(24.0, 15.0, 10.0)), |request: Builder| request.header("tus-resumable", "1.0.0"));
     let begun = tus(Request::post("/")).header("upload-length", bytes.len().to_string());
-    let (status, place, text) = balancer.send(begun, "/api/v1/uploads", b"");
+    let (status, place, text) = asker.send(begun, "/api/v1/uploads", b"");
     assert_eq!(status, 201, "{text}");
     let place = place.trim_end_matches('0').to_owned();
     for (number, piece) in bytes.chunks(bytes.len().div_ceil(5)).enumerate() {
         let offset = number * bytes.len().div_ceil(5);
-        assert_eq!(balancer.send(tus(Request::head("/")), &place, b"").1, offset.to_string());
+        assert_eq!(asker.send(tus(Request::head("/")), &place, b"").1, offset.to_string());
         let more = tus(Request::patch("/")).header("upload-offset", offset.to_string());
         let more = more.header("content-type", "application/offset+octet-stream");
-        let (status, _, text) = balancer.send(more, &place, piece);
+        let (status, _, text) = asker.send(more, &place, piece);
         assert_eq!(status, 204, "{text}");
     }
-    let content = balancer.json(&place)["content"].clone();
+    let content = asker.json(&place)["content"].clone();
     let order = json!({ "machine": "machine-3", "order": "K-1", "lines": [{ "name": "u.stl", "content": content, "copies": 2 }] });
     for _ in 0..6 {
-        assert_eq!(balancer.api("POST", "/api/v1/orders", "k", &order).0, 202);
+        assert_eq!(asker.api("POST", "/api/v1/orders", "k", &order).0, 202);
     }
     nodes[0].farm.wait_for_parts(PartState::Waiting, 10);
     for machine in 1..=3 {
         let path = format!("/api/v1/machines/machine-{machine}/flush");
-        assert_eq!(balancer.api("POST", &path, "", &json!({})).0, 200);
+        assert_eq!(asker.api("POST", &path, "", &json!({})).0, 200);
     }
     let queued: Vec<_> = nodes.iter().flat_map(|node| node.farm.wait_for_queued(1)).collect();
     assert_each_copy_once(&queued, 20);
     // Whether a file still lies in its queue, the node says that serves it, whichever is told the outcome.
-    let builds = balancer.json("/api/v1/builds");
+    let builds = asker.json("/api/v1/builds");
     let numbers: Vec<i64> = builds.as_array().unwrap().iter().map(|row| row["build"].as_i64().unwrap()).collect();
     assert_eq!(numbers.len(), 3, "{builds}");
     let tell = |number: i64| {
         let told = json!({ "outcome": "failed" });
-        balancer.api("POST", &format!("/api/v1/builds/{number}/outcome"), "", &told)
+        asker.api("POST", &format!("/api/v1/builds/{number}/outcome"), "", &told)
     };
     for &number in &numbers {
         for _ in 0..3 {
@@ -194,12 +172,12 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
 fn each_order_is_one_and_each_press_once_whichever_nodes_get_them() {
     let server = PostgresCluster::start();
     let nodes = three_nodes(&server);
-    let balancer = LoadBalancer::before(&nodes);
+    let asker = Asker::of(&nodes);
     wait_for(&nodes, "all nodes know all machines", || {
-        (0..3).all(|_| balancer.json("/api/v1/farm")["machines"].as_array().is_some_and(|all| all.len() == 3))
+        (0..3).all(|_| asker.json("/api/v1/farm")["machines"].as_array().is_some_and(|all| all.len() == 3))
     });
     let bytes = stl(&block(20.0, 15.0, 10.0));
-    let (status, _, text) = balancer.send(Request::post("/"), "/api/v1/content", &bytes);
+    let (status, _, text) = asker.send(Request::post("/"), "/api/v1/content", &bytes);
     assert_eq!(status, 201, "{text}");
     let content = serde_json::from_str::<Value>(&text).unwrap()["content"].clone();
     // 200 requests with 20 keys from two clients at once.
@@ -212,7 +190,7 @@ fn each_order_is_one_and_each_press_once_whichever_nodes_get_them() {
                     let lines = json!([{ "name": format!("p{key}.stl"), "content": content, "copies": 1 }]);
                     let order = json!({ "machine": machine, "order": format!("K-{key}"), "lines": lines });
                     loop {
-                        let (status, told) = balancer.api("POST", "/api/v1/orders", &format!("key {key}"), &order);
+                        let (status, told) = asker.api("POST", "/api/v1/orders", &format!("key {key}"), &order);
                         // The same key is being carried out for the other client.
                         if status != 409 && status != 429 {
                             assert_eq!(status, 202, "{told}");
@@ -225,8 +203,8 @@ fn each_order_is_one_and_each_press_once_whichever_nodes_get_them() {
     });
     nodes[0].farm.wait_for_parts(PartState::Waiting, 20);
     // One press of a button that arrives at three nodes at once: every form of the part's page is taken once.
-    let part = balancer.json("/api/v1/orders/K-0")["lines"][0]["part"].as_i64().unwrap();
-    let page = balancer.get(&format!("/parts/{part}"));
+    let part = asker.json("/api/v1/orders/K-0")["lines"][0]["part"].as_i64().unwrap();
+    let page = asker.get(&format!("/parts/{part}"));
     let key = page.split("name=\"key\" value=\"").nth(1).unwrap().split('"').next().unwrap();
     let form = format!("key={key}&kind=cancel&part={part}");
     thread::scope(|scope| {
@@ -234,7 +212,7 @@ fn each_order_is_one_and_each_press_once_whichever_nodes_get_them() {
             .map(|_| {
                 scope.spawn(|| {
                     let request = Request::post("/").header("content-type", "application/x-www-form-urlencoded");
-                    balancer.send(request, "/commands", form.as_bytes())
+                    asker.send(request, "/commands", form.as_bytes())
                 })
             })
             .collect();

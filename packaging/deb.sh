@@ -29,7 +29,7 @@ put 0644 config/server/nestd.toml $doc/examples/nestd.toml
 put 0644 config/nestd.toml $doc/nestd.toml
 for machine in config/profiles/*.toml; do put 0644 "$machine" "$doc/examples/profiles/${machine##*/}"; done
 # Placed as in the repository, so that their links work, except those to how nestd is made and measured.
-for text in README.md systemd/README.md systemd/webhook.conf docs/*.md docs/*.png docs/screens/* docs/alerts.yml docs/grafana.json; do
+for text in README.md systemd/README.md systemd/*.conf docs/*.md docs/*.png docs/screens/* docs/alerts.yml docs/grafana.json; do
     put 0644 "$text" "$doc/$text"
 done
 put 0644 packaging/copyright $doc/copyright

@@ -1,7 +1,7 @@
 //! Which requests the dashboard answers.
 
 use access::Role;
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use farm::ServicePhase;
 
 use super::*;
@@ -86,26 +86,35 @@ async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
 
 #[tokio::test]
 async fn another_node_asks_in_the_name_of_a_person_and_nobody_else_can() {
-    let token = "a-token-of-some-length";
-    let dashboard = TestDashboard::new(|web| web.clients.token = Some(token.to_owned())).await;
-    let ann = SignedIn { name: "Änn".to_owned(), way: SignInWay::Password, is_shared: false };
-    let header = RequestClient::of_person(ann, Role::Read).to_header().unwrap();
-    let ask = async |given: &str, form: bool| {
-        let request = Request::builder().method(if form { "POST" } else { "GET" }).uri("/commands");
-        let request = request.header("host", "farm").header("authorization", format!("Bearer {given}"));
-        let request = request.header(ON_BEHALF, &header).header("content-type", "application/x-www-form-urlencoded");
-        let body = dashboard.with_key("key=key&kind=flush&machine=cube");
-        dashboard.send(request.body(Body::from(body)).unwrap()).await
+    let (secret, token) = ("the-secret-of-the-nodes", "a-token-of-some-length");
+    let dashboard = TestDashboard::new(|web| {
+        (web.clients.node_secret, web.clients.token) = (secret.to_owned(), Some(token.to_owned()));
+    })
+    .await;
+    let person = |role: Role| {
+        let ann = SignedIn { name: "Änn".to_owned(), way: SignInWay::Password, is_shared: false };
+        RequestClient::of_person(ann, role).to_header("Änn@dashboard").unwrap()
     };
-    // She may look only, whatever the node may.
-    let refused = ask(token, true).await;
-    assert!(refused.status == StatusCode::FORBIDDEN && refused.text.contains("read"), "{}", refused.text);
-    assert_eq!(ask("another-token-of-some-length", false).await.status, StatusCode::UNAUTHORIZED);
-    let client = dashboard.web.clients.client_of_token(&HeaderMap::from_iter([
-        (header::AUTHORIZATION, HeaderValue::from_str(&format!("Bearer {token}")).unwrap()),
-        (ON_BEHALF, header.clone()),
-    ]));
-    assert_eq!(client.ok().unwrap().key_name(), "Änn@dashboard");
+    let ask = async |(name, value): (&str, &str), path: &str, named: HeaderValue| {
+        let request = Request::get(path).header("host", "farm").header(name, value).header(ON_BEHALF, named);
+        dashboard.send(request.body(Body::empty()).unwrap()).await
+    };
+    assert_eq!(ask(("nestd-node", secret), "/", person(Role::Read)).await.status, StatusCode::OK);
+    assert_eq!(ask(("nestd-node", "another"), "/", person(Role::Read)).await.status, StatusCode::UNAUTHORIZED);
+    // Not even a node is an admin, and who has the token of the farm is nobody else by it.
+    let bearer = format!("Bearer {token}");
+    for sender in [("nestd-node", secret), ("authorization", bearer.as_str())] {
+        let refused = ask(sender, "/people", person(Role::Admin)).await;
+        assert_eq!(refused.status, StatusCode::FORBIDDEN, "{}", refused.text);
+    }
+    let unknown = HeaderValue::from_static("bm90aGluZw==");
+    assert_eq!(ask(("nestd-node", secret), "/", unknown).await.status, StatusCode::BAD_REQUEST);
+    let headers = HeaderMap::from_iter([
+        (HeaderName::from_static("nestd-node"), HeaderValue::from_static(secret)),
+        (ON_BEHALF, person(Role::Order)),
+    ]);
+    let client = dashboard.web.clients.identify_node(&headers).ok().flatten().unwrap();
+    assert_eq!((client.key_name(), client.passed_on_for), ("Änn@dashboard".into(), Some("Änn@dashboard".into())));
 }
 
 #[tokio::test]

@@ -104,6 +104,7 @@ impl TestDashboard {
             metrics: Default::default(),
             render_slot: Arc::new(Semaphore::new(1)),
             upload_slots: Arc::new(Semaphore::new(1)),
+            pass_slots: Arc::new(Semaphore::new(1)),
             quote_slots: Arc::new(Semaphore::new(2)),
             quote_meshes,
             changes: watch::Sender::new(0),

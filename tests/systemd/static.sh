@@ -12,12 +12,14 @@ sed 's|^ExecStart=/usr/bin/nestd|ExecStart=/bin/true|' "$unit" > "$work/nestd.se
 # systemd-analyze exits with 0 on unknown directives, but prints a warning.
 said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }
-# The same with the drop-in for a webhook.
-mkdir "$work/nestd.service.d"
-cp "$(dirname "$unit")/webhook.conf" "$work/nestd.service.d/"
-said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
-[ -z "$said" ] || { echo "$said"; exit 1; }
-rm -r "$work/nestd.service.d"
+# The same with each drop-in.
+for dropin in "$(dirname "$unit")"/*.conf; do
+    mkdir "$work/nestd.service.d"
+    cp "$dropin" "$work/nestd.service.d/"
+    said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$dropin: $said"; exit 1; }
+    [ -z "$said" ] || { echo "$dropin: $said"; exit 1; }
+    rm -r "$work/nestd.service.d"
+done
 # The same with the dashboard's socket.
 cp "$(dirname "$unit")/nestd-web.socket" "$work/"
 said=$(systemd-analyze verify --man=no "$work/nestd-web.socket" "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }

@@ -65,7 +65,7 @@ pub use leases::folder_check::{check_readable, watch_other_holders};
 pub use leases::folder_lease::LeaseError;
 pub use leases::known_folders::is_known_folder;
 pub use leases::own_machines::{machines_of_other_nodes, with_other_nodes};
-pub use nesting::node_client::NodeClient;
+pub use nesting::node_client::{NODE_HEADER, NodeClient, node_secret, was_not_sent};
 pub use nesting::node_content::{fetch_put_content, find_kept_content};
 pub use nesting::part_mesh::load_part_mesh;
 pub use nodes::adopt::adopt_claims;

@@ -17,7 +17,7 @@ use super::{
     connection_limits::{OF_SOCKET, RequestInProgress},
     error::HandlerError,
 };
-use crate::web::clients::client::{KnownBy, RequestClient, bearer_token};
+use crate::web::clients::client::{KnownBy, ON_BEHALF, RequestClient, bearer_token};
 
 /// How long it is taken as known whether there are people.
 const PEOPLE_SEEN_FOR: Duration = Duration::from_secs(1);
@@ -27,6 +27,8 @@ const PEOPLE_SEEN_FOR: Duration = Duration::from_secs(1);
 pub(crate) struct ClientGate {
     /// The one token of `web.token_file`, which may everything.
     pub(crate) token: Option<String>,
+    /// The secret by which the nodes of the farm know each other; "" = there are no others.
+    pub(crate) node_secret: String,
     /// The file of the tokens with names and roles.
     pub(crate) tokens_file: Option<PathBuf>,
     /// What requests may that come without a token and from nobody who is signed in; `None` = nothing.
@@ -71,26 +73,41 @@ impl ClientGate {
         }
         match (headers.contains_key(header::AUTHORIZATION), self.without_token) {
             (false, Some(role)) => Ok(RequestClient { role, ..RequestClient::NAMELESS }),
-            _ => self.client_of_token(headers),
+            _ => self.client_of_token(bearer_token(headers).unwrap_or_default()),
         }
     }
 
-    /// Who has the token of a request. The nodes of the farm have its own token, and may name in whose name they ask.
+    /// Another node of this farm, or the client in whose name it asks; `None` = it is none.
+    ///
+    /// # Errors
+    /// `Refused` where this version does not understand in whose name it asks.
+    pub(crate) fn identify_node(&self, headers: &HeaderMap) -> Result<Option<RequestClient>, HandlerError> {
+        let sent = headers.get(farm::NODE_HEADER).and_then(|secret| secret.to_str().ok()).unwrap_or_default();
+        // Hashes are compared, so that the time says nothing of the secret.
+        if self.node_secret.is_empty() || hash_token(&self.node_secret) != hash_token(sent) {
+            return Ok(None);
+        }
+        let Some(named) = headers.get(ON_BEHALF) else {
+            return Ok(Some(RequestClient { known_by: KnownBy::Token(None), ..RequestClient::NAMELESS }));
+        };
+        let text = "this version does not understand in whose name the other node asks: bring all nodes to one version";
+        RequestClient::passed_on(named).map(Some).ok_or_else(|| refused(StatusCode::BAD_REQUEST, text))
+    }
+
+    /// Who has a token.
     ///
     /// # Errors
     /// `Refused` where the farm does not know it.
-    pub(crate) fn client_of_token(&self, headers: &HeaderMap) -> Result<RequestClient, HandlerError> {
+    pub(crate) fn client_of_token(&self, token: &str) -> Result<RequestClient, HandlerError> {
         let unknown = || refused(StatusCode::UNAUTHORIZED, "this farm asks for a bearer token");
-        let token = bearer_token(headers).unwrap_or_default();
-        // Hashes are compared, so that the time says nothing of the token.
-        if self.token.as_ref().is_some_and(|known| hash_token(known) == hash_token(token)) {
-            let nameless = || RequestClient { known_by: KnownBy::Token(None), ..RequestClient::NAMELESS };
-            return Ok(RequestClient::passed_on(headers).unwrap_or_else(nameless));
-        }
-        self.find_named(token)?.ok_or_else(unknown)
+        self.find_client(token)?.ok_or_else(unknown)
     }
 
-    fn find_named(&self, token: &str) -> Result<Option<RequestClient>, HandlerError> {
+    fn find_client(&self, token: &str) -> Result<Option<RequestClient>, HandlerError> {
+        // Hashes are compared, so that the time says nothing of the token.
+        if self.token.as_ref().is_some_and(|known| hash_token(known) == hash_token(token)) {
+            return Ok(Some(RequestClient { known_by: KnownBy::Token(None), ..RequestClient::NAMELESS }));
+        }
         let Some(file) = &self.tokens_file else { return Ok(None) };
         let found = self.watch.lock().unwrap_or_else(PoisonError::into_inner).find_token(file, token);
         let found = found.map_err(|error| refused(StatusCode::SERVICE_UNAVAILABLE, &error.to_string()))?;

@@ -27,7 +27,9 @@ pub(crate) async fn compress_pages(request: Request, next: Next) -> Response {
         return response;
     }
     let (mut head, body) = response.into_parts();
-    let plain = to_bytes(body, usize::MAX).await.unwrap_or_default();
+    let Ok(plain) = to_bytes(body, usize::MAX).await else {
+        return (StatusCode::BAD_GATEWAY, "the page was cut on its way from another node\n").into_response();
+    };
     if plain.is_empty() {
         return Response::from_parts(head, Body::empty());
     }

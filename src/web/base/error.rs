@@ -122,10 +122,15 @@ pub(crate) struct ProblemDetails {
     refused: Vec<String>,
 }
 
+/// An answer of another node, which is in its format already.
+#[derive(Debug, Clone)]
+pub(crate) struct AnsweredElsewhere;
+
 /// Puts an error response into the format of its address: problem+json below `/api/`, else a page.
 pub(crate) fn format_error_response(mut response: Response, path: &str) -> Response {
     let status = response.status();
-    if !status.is_client_error() && !status.is_server_error() {
+    let is_error = status.is_client_error() || status.is_server_error();
+    if !is_error || response.extensions().get::<AnsweredElsewhere>().is_some() {
         return response;
     }
     let why = response.extensions().get::<ErrorMessage>().cloned();

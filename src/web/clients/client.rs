@@ -11,7 +11,7 @@ use axum::{
 use base64::Engine;
 use serde::{Deserialize, Serialize};
 
-/// The header with the client in whose name another node of the farm asks. Whatever has it is answered here.
+/// The header with the client in whose name another node of the farm asks. It counts only beside the secret of the nodes.
 pub(crate) const ON_BEHALF: HeaderName = HeaderName::from_static("nestd-on-behalf-of");
 
 tokio::task_local! {
@@ -56,14 +56,13 @@ pub(crate) struct RequestClient {
     pub(crate) role: Role,
     /// Under which name its limits are counted: that of its token or person, or its address.
     pub(crate) counted_as: String,
-    /// Whether another node of the farm passes the request on.
-    #[serde(skip)]
-    pub(crate) is_passed_on: bool,
+    /// The user as events name him, where another node of the farm passes the request on.
+    pub(crate) passed_on_for: Option<String>,
 }
 
 impl RequestClient {
     pub(crate) const NAMELESS: Self =
-        Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new(), is_passed_on: false };
+        Self { known_by: KnownBy::Nothing, role: Role::Operate, counted_as: String::new(), passed_on_for: None };
 
     /// Who need not say who he is.
     pub(crate) fn nobody() -> Self {
@@ -110,16 +109,24 @@ impl RequestClient {
         }
     }
 
-    /// The header in which a node names this client to another one.
-    pub(crate) fn to_header(&self) -> Option<HeaderValue> {
-        let text = base64::engine::general_purpose::STANDARD.encode(serde_json::to_vec(self).ok()?);
+    /// Whether another node of the farm passes the request on.
+    pub(crate) fn is_passed_on(&self) -> bool {
+        self.passed_on_for.is_some()
+    }
+
+    /// The header in which a node names this client, and the user as events name him, to another one.
+    pub(crate) fn to_header(&self, user: &str) -> Option<HeaderValue> {
+        let named = Self { passed_on_for: Some(user.to_owned()), ..self.clone() };
+        let text = base64::engine::general_purpose::STANDARD.encode(serde_json::to_vec(&named).ok()?);
         HeaderValue::from_str(&text).ok()
     }
 
-    /// The client that another node names, in whose name it asks. It counts only beside the token of the farm.
-    pub(crate) fn passed_on(headers: &HeaderMap) -> Option<Self> {
-        let text = base64::engine::general_purpose::STANDARD.decode(headers.get(ON_BEHALF)?).ok()?;
-        Some(Self { is_passed_on: true, ..serde_json::from_slice(&text).ok()? })
+    /// The client that another node names, in whose name it asks; `None` = this version does not understand it. What admins do is passed
+    /// on to nobody.
+    pub(crate) fn passed_on(header: &HeaderValue) -> Option<Self> {
+        let text = base64::engine::general_purpose::STANDARD.decode(header).ok()?;
+        let named: Self = serde_json::from_slice(&text).ok()?;
+        Some(Self { role: named.role.min(Role::Operate), ..named }).filter(Self::is_passed_on)
     }
 
     /// Does some work on behalf of this client.

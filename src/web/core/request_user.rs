@@ -32,11 +32,18 @@ impl FromRequestParts<Arc<DashboardState>> for RequestUser {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, web: &Arc<DashboardState>) -> Result<Self, Infallible> {
-        let client = parts.extensions.get::<RequestClient>().map_or(&KnownBy::Nothing, |client| &client.known_by);
-        let address = peer_address(&parts.extensions);
-        let by_proxy = web.proxy.as_ref().map(|proxy| proxy.user_named(address, &parts.headers));
-        Ok(Self(user_of_request(&parts.headers, by_proxy, client)))
+        Ok(Self(user_of_parts(web, parts)))
     }
+}
+
+/// The user as events name him; of a request that another node passes on, as that found him.
+pub(crate) fn user_of_parts(web: &DashboardState, parts: &Parts) -> String {
+    let client = parts.extensions.get::<RequestClient>();
+    if let Some(user) = client.and_then(|client| client.passed_on_for.clone()) {
+        return user;
+    }
+    let by_proxy = web.proxy.as_ref().map(|proxy| proxy.user_named(peer_address(&parts.extensions), &parts.headers));
+    user_of_request(&parts.headers, by_proxy, client.map_or(&KnownBy::Nothing, |client| &client.known_by))
 }
 
 /// `by_proxy` = whom the proxy names, where there is one.

@@ -62,7 +62,7 @@ pub(crate) struct AccountFields {
     again: String,
 }
 
-/// Refuses what comes from no page of this daemon.
+/// Refuses what comes from no page of this farm.
 pub(super) fn check_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
     let refused = || HandlerError::Refused(StatusCode::FORBIDDEN, say!("form-not-of-farm"));
     web.form_keys.is_own(key).then_some(()).ok_or_else(refused)

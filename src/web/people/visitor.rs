@@ -49,11 +49,14 @@ pub(crate) async fn identify(
     request: &axum::http::request::Parts,
 ) -> HandlerResult<RequestClient> {
     let headers = &request.headers;
+    if let Some(client) = web.clients.identify_node(headers)? {
+        return Ok(client);
+    }
     if !asks_for_people(web).await? {
         return web.clients.identify_client(headers);
     }
-    if bearer_token(headers).is_some() {
-        return web.clients.client_of_token(headers);
+    if let Some(token) = bearer_token(headers) {
+        return web.clients.client_of_token(token);
     }
     let by_proxy = web.proxy.as_ref().and_then(|proxy| proxy.user_named(peer_address(&request.extensions), headers));
     if let Some(name) = by_proxy {

@@ -128,7 +128,7 @@ async fn check_request(web: &DashboardState, parts: &Parts) -> Result<RequestCli
         "/healthz" => return Ok(RequestClient::nobody()),
         _ => identify_client(web, parts, needed.is_none()).await?,
     };
-    let has_token = matches!(client.known_by, KnownBy::Token(_)) || client.is_passed_on;
+    let has_token = matches!(client.known_by, KnownBy::Token(_)) || client.is_passed_on();
     if !has_token && !is_known_host(web, &parts.headers) {
         return refused(StatusCode::MISDIRECTED_REQUEST, say!("guard-host"));
     }

@@ -100,7 +100,7 @@ pub(crate) const PAGES: &[PageRoute] = &[
         OnlyOfMachine,
         order("/machines/{machine}/files", |method| on(method, drop::post_files).layer(DefaultBodyLimit::disable())),
     ),
-    operate("/machines/{machine}/dismiss", |method| on(method, needs::post_dismiss)),
+    at(OnlyOfMachine, operate("/machines/{machine}/dismiss", |method| on(method, needs::post_dismiss))),
     operate("/machines/{machine}/load", |method| on(method, machine_forms::post_load)),
     operate("/machines/{machine}/printer", |method| on(method, machine_forms::post_printer)),
     look("/history", |method| on(method, history::show_history)),

@@ -132,12 +132,14 @@ async fn settled_answer(
     client: &str,
     number: &str,
 ) -> HandlerResult<Option<(AnsweredRequest, FormAnswer)>> {
+    let asked = std::time::Instant::now();
     loop {
         let known = web.ledger.find_answered_request(client, number).await?;
         let known = known.and_then(|known| FormAnswer::parse(&known).map(|answer| (known, answer)));
+        // The clock of another server may be wrong by some.
         let is_at_it = |answer: &FormAnswer| answer.is_open && answer.at.duration_until(Timestamp::now()) < AT_WORK;
         match &known {
-            Some((_, answer)) if web.ledger.file().is_none() && is_at_it(answer) => {
+            Some((_, answer)) if web.ledger.file().is_none() && is_at_it(answer) && asked.elapsed() < TURN_TIMEOUT => {
                 tokio::time::sleep(TURN_INTERVAL).await;
             }
             _ => return Ok(known),
@@ -163,7 +165,7 @@ async fn record_and_answer(
     web: &DashboardState,
     client: &str,
     number: &str,
-    (fingerprint, known): (String, Option<AnsweredRequest>),
+    (fingerprint, mut known): (String, Option<AnsweredRequest>),
     work: impl Future<Output = Response>,
 ) -> HandlerResult<Response> {
     let answered = |answer: &FormAnswer| {
@@ -171,11 +173,12 @@ async fn record_and_answer(
         HandlerResult::Ok(AnsweredRequest { fingerprint: fingerprint.clone(), answer })
     };
     let begun = answered(&FormAnswer::not_known())?;
-    if !web.ledger.record_answered_request(client, number, &begun, known.as_ref()).await? {
-        // Another node has begun with it just now.
-        let known = settled_answer(web, client, number).await?;
-        let (known, answer) = known.context("a form was forgotten while it was carried out")?;
-        return answer_again(&known, &answer, &fingerprint, number);
+    while !web.ledger.record_answered_request(client, number, &begun, known.as_ref()).await? {
+        // Another node has begun with it just now; what that refuses is as if it was never sent.
+        match settled_answer(web, client, number).await? {
+            Some((known, answer)) if !answer.is_refused => return answer_again(&known, &answer, &fingerprint, number),
+            refused => known = refused.map(|(known, _)| known),
+        }
     }
     let response = work.await;
     let Some(answer) = response.extensions().get::<FormAnswer>() else {

@@ -49,11 +49,12 @@ pub async fn serve_dashboard(
     farm: ServiceBridge,
     judged: JudgedFiles,
 ) -> Result<()> {
-    let clients = read_clients(&web)?;
+    let mut clients = read_clients(&web)?;
     let current = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
     let (path, quote_meshes) = (current.ledger.clone(), QuoteMeshes::of_farm(&current));
     let opened = Ledger::open_existing_for(&path, LedgerUser::Pages).await;
     let ledger = opened.context("opening the ledger for the dashboard")?;
+    clients.node_secret = farm::node_secret(&ledger).await.context("the secret of the nodes")?;
     // Requests that are still in progress hold the ledger as well.
     let _closed = LedgerCloseGuard(ledger.clone());
     let listener = DashboardListener::bind_socket(&web.listen).await?;
@@ -92,6 +93,7 @@ pub async fn serve_dashboard(
         metrics: MetricsExporter::default(),
         render_slot: Arc::new(Semaphore::new(1)),
         upload_slots: Arc::new(Semaphore::new(drop::MAX_UPLOADS)),
+        pass_slots: Arc::new(Semaphore::new(pass_on::MAX_PASSED_ON)),
         quote_slots: Arc::new(Semaphore::new(quote::MAX_QUOTES)),
         quote_meshes,
         changes: changes.clone(),
@@ -118,6 +120,7 @@ fn read_clients(web: &WebSettings) -> Result<ClientGate> {
     }
     Ok(ClientGate {
         token: web.token_file.as_deref().map(access::read_secret).transpose()?,
+        node_secret: String::new(),
         tokens_file: web.tokens_file.clone(),
         without_token: web.without_token,
         sign_in: web.sign_in,

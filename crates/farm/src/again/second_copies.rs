@@ -17,7 +17,10 @@ use crate::{
         farm::Farm,
         state::SecondCopyLook,
     },
-    nesting::node_content::{OtherNodes, remove_unneeded, second_copies},
+    nesting::{
+        node_client::node_secret,
+        node_content::{OtherNodes, remove_unneeded, second_copies},
+    },
 };
 
 /// What fails, and is tried again later.
@@ -73,7 +76,7 @@ pub(crate) async fn keep_second_copies(desk: &mut Serving<'_>) -> Result<()> {
     }
     let rows = desk.shared.ledger.list_nodes().await?;
     let node = node_before(&desk.shared.settings.node.name, &rows).unwrap_or_default();
-    let nodes = OtherNodes::from_rows(desk.shared.settings, rows);
+    let nodes = OtherNodes::from_rows(desk.shared.settings, rows, &node_secret(desk.shared.ledger).await?);
     let newest = desk.shared.ledger.newest_part().await?;
     let is_all = look.node != node || look.all_at.is_none_or(|at| now.saturating_duration_since(at) >= LOOK_AT_ALL);
     let after = look.newest.filter(|_| !is_all).unwrap_or(PartId(0));

@@ -13,8 +13,11 @@ pub struct AlertSummary {
     /// Kind of the alert.
     #[schemars(with = "String")]
     kind: AlertKind,
-    /// Machine; empty = the whole farm.
+    /// Machine; empty = the whole farm, or the other node.
     machine: String,
+    /// The other node that asks for it; empty = the one that was asked.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    node: String,
     /// What is wrong.
     sentence: String,
     /// What to do.
@@ -29,6 +32,7 @@ impl From<&FarmAlert> for AlertSummary {
         Self {
             kind: alert.kind,
             machine: alert.machine.clone(),
+            node: alert.node.clone(),
             sentence: alert.alert_text().to_string(),
             remedy: alert.kind.remedy(),
             since: alert.since.to_string(),

@@ -49,8 +49,9 @@ pub fn read_stored_alerts(state_dir: &Path) -> Vec<FarmAlert> {
 pub fn alerts_of_farm<'n>(settings: &Settings, nodes: impl IntoIterator<Item = &'n NodeRow>) -> Vec<FarmAlert> {
     let mut alerts = read_stored_alerts(&settings.state_dir);
     for node in nodes.into_iter().filter(|node| node.alive && node.name != settings.node.name) {
-        let its: Vec<FarmAlert> = serde_json::from_str(&node.alerts).unwrap_or_default();
-        for alert in its {
+        // One of a kind that only a newer version knows is left out.
+        let its: Vec<serde_json::Value> = serde_json::from_str(&node.alerts).unwrap_or_default();
+        for alert in its.into_iter().filter_map(|alert| serde_json::from_value::<FarmAlert>(alert).ok()) {
             let is_told = |told: &FarmAlert| {
                 (told.kind, &told.machine, &told.detail) == (alert.kind, &alert.machine, &alert.detail)
             };

@@ -1,5 +1,5 @@
 //! Another node of the farm, as it is asked over HTTP: for the files that lie there, for what it sees in its queue folders, and for
-//! whatever a page or program wants of its machines. All nodes have the same token.
+//! whatever a page or program wants of its machines. Nodes know each other by a secret in their ledger.
 
 use std::{path::PathBuf, time::Duration};
 
@@ -7,13 +7,33 @@ use anyhow::{Context, Result, bail};
 use ledger::{Ledger, LedgerError, NodeRow};
 use settings::{MachineProfile, Settings};
 use ureq::{
-    AsSendBody, Body,
+    AsSendBody, Body, Timeout,
     http::{HeaderValue, Request, Response, StatusCode, header},
     tls::{RootCerts, TlsConfig},
 };
 
 /// A node without an answer for this long is asked again later.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
+/// A node that has a request may work on it for this time before it answers.
+const WORK_TIMEOUT: Duration = Duration::from_secs(120);
+/// A link over which nothing comes, or goes, for this time is cut.
+const SILENCE_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// The secret by which nodes of a farm know each other, in the ledger.
+const SECRET: &str = "nodes";
+/// The header with that secret.
+pub const NODE_HEADER: &str = "nestd-node";
+
+/// The secret by which the nodes of this farm know each other; "" = the ledger is in a file, and there are no others.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn node_secret(ledger: &Ledger) -> Result<String, LedgerError> {
+    match ledger.file() {
+        Some(_) => Ok(String::new()),
+        None => ledger.farm_secret(SECRET, &blake3::Hash::from_bytes(rand::random()).to_hex()).await,
+    }
+}
 
 /// Another node.
 #[derive(Debug, Clone)]
@@ -21,17 +41,19 @@ pub struct NodeClient {
     /// Its name.
     pub name: String,
     /// Where its pages are; "" = its settings have no `node.address`.
-    address: String,
+    pub address: String,
     /// Whether it runs, by its heartbeats.
     pub is_alive: bool,
+    secret: String,
+    /// Of the farm, for nodes of older versions.
     token_file: Option<PathBuf>,
 }
 
 impl NodeClient {
-    /// The node of a row of the ledger.
-    pub(crate) fn of_row(settings: &Settings, row: NodeRow) -> Self {
+    /// The node of a row of the ledger. `secret` = [`node_secret`].
+    pub(crate) fn of_row(settings: &Settings, row: NodeRow, secret: &str) -> Self {
         let token_file = settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone());
-        Self { name: row.name, address: row.address, is_alive: row.alive, token_file }
+        Self { name: row.name, address: row.address, is_alive: row.alive, secret: secret.to_owned(), token_file }
     }
 
     /// The node that serves a machine; `None` = this one, or one that the ledger does not know.
@@ -46,8 +68,8 @@ impl NodeClient {
         if machine.of_node.is_empty() {
             return Ok(None);
         }
-        let row = ledger.find_node(&machine.of_node).await?;
-        Ok(row.map(|row| Self::of_row(settings, row)))
+        let (row, secret) = (ledger.find_node(&machine.of_node).await?, node_secret(ledger).await?);
+        Ok(row.map(|row| Self::of_row(settings, row, &secret)))
     }
 
     /// The other nodes that run.
@@ -55,11 +77,9 @@ impl NodeClient {
     /// # Errors
     /// The ledger cannot be read.
     pub async fn others(settings: &Settings, ledger: &Ledger) -> Result<Vec<Self>, LedgerError> {
-        if ledger.file().is_some() {
-            return Ok(Vec::new());
-        }
+        let secret = node_secret(ledger).await?;
         let rows = ledger.list_nodes().await?.into_iter().filter(|row| row.alive && row.name != settings.node.name);
-        Ok(rows.map(|row| Self::of_row(settings, row)).collect())
+        Ok(rows.map(|row| Self::of_row(settings, row, &secret)).collect())
     }
 
     /// What it has at an address, such as `/content/HASH`, in at most this time; `None` = it has none.
@@ -71,29 +91,37 @@ impl NodeClient {
         match answer.status() {
             StatusCode::OK => Ok(Some(answer.into_body())),
             StatusCode::NOT_FOUND => Ok(None),
+            StatusCode::UNAUTHORIZED => {
+                bail!("{} asks for another token than that of web.token_file here", self.address)
+            }
             status => bail!("{} answers {status}", self.address),
         }
     }
 
-    /// Sends a request whose address is a path, as the farm's own, and waits for the head of its answer. `within` limits both ways together;
-    /// `None` = as long as bytes come.
+    /// Sends a request whose address is a path, as a node of the farm, and waits for the head of its answer. `within` limits both ways
+    /// together; `None` = as long as something comes each half minute.
     ///
     /// # Errors
-    /// It cannot be reached, does not answer, or has another token.
+    /// It cannot be reached, does not answer, or refuses this node.
     pub fn send(&self, mut request: Request<impl AsSendBody>, within: Option<Duration>) -> Result<Response<Body>> {
         if self.address.is_empty() {
             bail!("its settings have no node.address");
         }
         let path = request.uri().path_and_query().map_or("/", |path| path.as_str());
         *request.uri_mut() = format!("{}{path}", self.address).parse().context("its node.address is no address")?;
-        if let Some(file) = &self.token_file {
-            let token = HeaderValue::from_str(&format!("Bearer {}", access::read_secret(file)?))?;
-            request.headers_mut().insert(header::AUTHORIZATION, token);
+        let headers = request.headers_mut();
+        headers.insert(NODE_HEADER, HeaderValue::from_str(&self.secret)?);
+        // Nodes of this version ask for no token of each other: a file that cannot be read is none.
+        if let Some(Ok(token)) = self.token_file.as_deref().map(access::read_secret) {
+            headers.insert(header::AUTHORIZATION, HeaderValue::from_str(&format!("Bearer {token}"))?);
         }
         let tls = TlsConfig::builder().root_certs(RootCerts::PlatformVerifier).build();
         let agent = ureq::Agent::config_builder()
             .timeout_connect(Some(ANSWER_TIMEOUT))
-            .timeout_recv_response(within.map(|within| within.min(ANSWER_TIMEOUT)))
+            .timeout_await_100(Some(ANSWER_TIMEOUT))
+            .timeout_per_write(Some(SILENCE_TIMEOUT))
+            .timeout_per_read(Some(SILENCE_TIMEOUT))
+            .timeout_recv_response(Some(within.map_or(WORK_TIMEOUT, |within| within.min(ANSWER_TIMEOUT))))
             .timeout_global(within)
             .http_status_as_error(false)
             .max_redirects(0)
@@ -101,10 +129,17 @@ impl NodeClient {
             .user_agent(concat!("nestd/", env!("CARGO_PKG_VERSION")))
             .build()
             .new_agent();
-        let answer = agent.run(request).with_context(|| format!("{} does not answer", self.address))?;
-        if answer.status() == StatusCode::UNAUTHORIZED {
-            bail!("{} asks for another token: give all nodes the same web.token_file", self.address);
-        }
-        Ok(answer)
+        agent.run(request).with_context(|| format!("{} does not answer", self.address))
+    }
+}
+
+/// Whether a request failed before any of it was sent.
+pub fn was_not_sent(failure: &anyhow::Error) -> bool {
+    let refused = |error: &std::io::Error| error.kind() == std::io::ErrorKind::ConnectionRefused;
+    match failure.downcast_ref::<ureq::Error>() {
+        Some(ureq::Error::HostNotFound | ureq::Error::ConnectionFailed) => true,
+        Some(ureq::Error::Timeout(Timeout::Connect | Timeout::Resolve)) => true,
+        Some(ureq::Error::Io(error)) => refused(error),
+        _ => false,
     }
 }

@@ -14,7 +14,7 @@ use intake::{ContentStore, PutContents};
 use ledger::{Ledger, NodeRow};
 use settings::{MachineProfile, Settings};
 
-use super::node_client::NodeClient;
+use super::node_client::{NodeClient, node_secret};
 use crate::records::build_record::archive_folder;
 
 /// A file of 2 GB takes less than this over a slow network.
@@ -59,15 +59,15 @@ impl OtherNodes {
     /// Those that the ledger knows.
     pub(crate) async fn of_ledger(settings: &Settings, ledger: &Ledger) -> Result<Self> {
         let rows = if ledger.file().is_some() { Vec::new() } else { ledger.list_nodes().await? };
-        Ok(Self::from_rows(settings, rows))
+        Ok(Self::from_rows(settings, rows, &node_secret(ledger).await?))
     }
 
     /// Those of these nodes that are others.
-    pub(crate) fn from_rows(settings: &Settings, rows: Vec<NodeRow>) -> Self {
+    pub(crate) fn from_rows(settings: &Settings, rows: Vec<NodeRow>, secret: &str) -> Self {
         let others = rows.into_iter().filter(|row| row.name != settings.node.name);
         Self {
             copies: second_copies(&settings.state_dir),
-            nodes: others.map(|row| NodeClient::of_row(settings, row)).collect(),
+            nodes: others.map(|row| NodeClient::of_row(settings, row, secret)).collect(),
             silent: RefCell::default(),
         }
     }

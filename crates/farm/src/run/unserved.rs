@@ -4,7 +4,7 @@
 use std::{collections::BTreeMap, time::Duration};
 
 use anyhow::Result;
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use jobs::BackgroundJob;
 use language::say;
 use ledger::{MachineRow, MachineStatus, NodeRow};
@@ -19,6 +19,7 @@ use crate::{
         machine_state::MachineState,
     },
     leases::{
+        lease_holder::LeaseHolder,
         lease_marker::{LeaseMarker, read_marker},
         own_machines::profiles_of_others,
     },
@@ -28,6 +29,9 @@ use crate::{
 
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
 pub(super) const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// A daemon and the marker of its folder tell its start no further apart.
+const SAME_START: SignedDuration = SignedDuration::from_secs(60);
 
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
@@ -155,6 +159,7 @@ fn write_into_folders(desk: &mut Showing<'_>, node: &NodeRow, observed: &[Machin
         all.profiles.iter().filter(|(_, profile)| profile.of_node == node.name).collect();
     for (name, profile) in its {
         let (inbox, state_dir) = (profile.folders.inbox.clone(), settings.state_dir.clone());
+        let (pid, started_at) = (node.pid, node.started_at.0);
         let since = profile.time_zone.format_minute(node.beat_at.0);
         let text = settings
             .language
@@ -163,16 +168,18 @@ fn write_into_folders(desk: &mut Showing<'_>, node: &NodeRow, observed: &[Machin
             "machine": name,
             "running": false,
             "node": node.name,
-            "written_at": node.beat_at,
+            "last_seen_at": node.beat_at,
             "fires_at": null,
             "fires_at_latest": null,
         });
         desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
-            // At the same path, another server may have something else.
-            let is_of_farm =
-                matches!(read_marker(&inbox), Ok(LeaseMarker::HeldBy(holder)) if holder.belongs_to_state_dir(&state_dir));
-            if is_of_farm
-                && let Err(error) = intake::write_status(&inbox, &format!("{text}\n"), &format!("{json:#}\n"))
+            // At the same path, another server may have something else, and this one a folder of its own.
+            let is_of_node = |holder: &LeaseHolder| {
+                let later = holder.since.duration_until(started_at).abs();
+                holder.belongs_to_state_dir(&state_dir) && holder.pid == pid && later < SAME_START
+            };
+            let is_of_farm = matches!(read_marker(&inbox), Ok(LeaseMarker::HeldBy(holder)) if is_of_node(&holder));
+            if is_of_farm && let Err(error) = intake::write_status(&inbox, &format!("{text}\n"), &format!("{json:#}\n"))
             {
                 tracing::debug!("STATUS.txt could not be written into {}: {error}.", inbox.display());
             }

@@ -159,4 +159,6 @@ how-many = Wie viele Stück werden gebraucht? Vorerst gilt jeweils 1.
 say-how-many = Stückzahl angeben
 machine-named = Maschine { $machine }
 node-of-machine-gone = { $machine } gehört zum Knoten { $node }, der nicht läuft. Nichts wurde getan: ihn starten und dies noch einmal senden.
-node-does-not-answer = der Knoten { $node } antwortet nicht: { $why }. Vielleicht hat er dies nicht bekommen: vor dem nächsten Senden auf seinen Seiten nachsehen
+node-does-not-answer = der Knoten { $node } hat nicht geantwortet: { $why }. Noch einmal senden, wenn er antwortet: was er schon getan hat, tut er nicht zweimal
+machine-just-moves = { $machine } wechselt gerade zu einem anderen Knoten: gleich noch einmal senden
+nodes-are-busy = gerade warten viele Anfragen auf andere Knoten: gleich noch einmal versuchen

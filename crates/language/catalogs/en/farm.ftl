@@ -171,4 +171,6 @@ how-many = How many copies are wanted? They are taken as 1.
 say-how-many = Say how many
 machine-named = machine { $machine }
 node-of-machine-gone = { $machine } is served by the node { $node }, which does not run. Nothing was done: start it, and send this again.
-node-does-not-answer = the node { $node } does not answer: { $why }. It may not have got this: look at its pages before you send it again
+node-does-not-answer = the node { $node } has not answered: { $why }. Send this again when it answers: what it did already, it does not do twice
+machine-just-moves = { $machine } is being given to another node: send this again in a moment
+nodes-are-busy = many requests wait for other nodes just now: try again in a moment

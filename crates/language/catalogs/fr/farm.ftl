@@ -171,4 +171,6 @@ how-many = Combien d’exemplaires faut-il ? Ils comptent pour 1.
 say-how-many = Dire combien
 machine-named = machine { $machine }
 node-of-machine-gone = { $machine } appartient au nœud { $node }, qui ne fonctionne pas. Rien n’a été fait : le démarrer, puis envoyer de nouveau.
-node-does-not-answer = le nœud { $node } ne répond pas : { $why }. Il n’a peut-être pas reçu ceci : regarder ses pages avant d’envoyer de nouveau
+node-does-not-answer = le nœud { $node } n’a pas répondu : { $why }. Envoyer de nouveau quand il répond : ce qu’il a déjà fait n’est pas fait deux fois
+machine-just-moves = { $machine } passe en ce moment à un autre nœud : envoyer de nouveau dans un instant
+nodes-are-busy = beaucoup de demandes attendent d’autres nœuds : réessayer dans un instant

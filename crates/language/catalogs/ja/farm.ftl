@@ -124,4 +124,6 @@ how-many = 何個必要ですか? 今は 1 個として扱っています。
 say-how-many = 個数を入力
 machine-named = 装置 { $machine }
 node-of-machine-gone = { $machine } の担当ノード { $node } は動作していません。何も行われませんでした。起動してから、もう一度送信してください。
-node-does-not-answer = ノード { $node } が応答しません: { $why }。届いていない可能性があります。再送信の前に、そのノードのページを確認してください
+node-does-not-answer = ノード { $node } が応答しませんでした: { $why }。応答するようになったら、もう一度送信してください。すでに行われたことが二度行われることはありません
+machine-just-moves = { $machine } は別のノードへ移動中です。しばらくしてから、もう一度送信してください
+nodes-are-busy = 多くの要求が他のノードを待っています。しばらくしてから、もう一度お試しください

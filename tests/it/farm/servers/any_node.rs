@@ -4,16 +4,19 @@
 use std::{
     fs::{self, Permissions},
     os::unix::fs::PermissionsExt,
+    process::Command,
     thread,
+    time::{Duration, Instant},
 };
 
 use ledger::PartState;
 use ledger_fixtures::postgres_cluster::PostgresCluster;
+use rustix::process::Signal;
 use serde_json::{Value, json};
 use ureq::http::{Request, request::Builder};
 
 use super::test_node::{TestNode, new_database};
-use crate::support::{balancer::balance, block, farm_files::assert_each_copy_once, stl, wait_until_or};
+use crate::support::{balancer::balance, block, farm_files::assert_each_copy_once, signal, stl, wait_until_or};
 
 /// The token of all nodes.
 const TOKEN: &str = "of-all-three-nodes-0123456789";
@@ -135,6 +138,13 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
         let (status, _, text) = asker.send(more, &place, piece);
         assert_eq!(status, 204, "{text}");
     }
+    // What the node of the upload refuses is told in its words.
+    for _ in 0..3 {
+        let wrong = tus(Request::patch("/")).header("upload-offset", "7");
+        let wrong = wrong.header("content-type", "application/offset+octet-stream");
+        let (status, _, text) = asker.send(wrong, &place, b"x");
+        assert!(status == 409 && text.contains("bytes of it have arrived"), "{status} {text}");
+    }
     let content = asker.json(&place)["content"].clone();
     let order = json!({ "machine": "machine-3", "order": "K-1", "lines": [{ "name": "u.stl", "content": content, "copies": 2 }] });
     for _ in 0..6 {
@@ -161,6 +171,34 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
             assert!(status == 409 && told.to_string().contains("lies untouched in the queue"), "{status} {told}");
         }
     }
+    // A page that is asked for with a body, which no page has.
+    let curl = |node: &TestNode, path: &str, more: &[&str]| {
+        let mut curl = Command::new("curl");
+        curl.args(["-s", "-o", "/dev/null", "-w", "%{http_code}", "-H", &format!("authorization: Bearer {TOKEN}")]);
+        curl.args(more).arg(format!("{}{path}", node.address));
+        curl
+    };
+    for &number in &numbers {
+        let told = curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "20", "-X", "GET", "--data", "x"]);
+        assert_eq!(String::from_utf8_lossy(&{ told }.output().unwrap().stdout), "200");
+    }
+    // A node that stands still holds up nobody who asks another one for something else.
+    signal(nodes[2].farm.pid(), Signal::STOP);
+    let waiting: Vec<_> = numbers
+        .iter()
+        .cycle()
+        .take(60)
+        .map(|number| curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "60"]).spawn().unwrap())
+        .collect();
+    let began = Instant::now();
+    for _ in 0..5 {
+        assert_eq!(String::from_utf8_lossy(&curl(&nodes[0], "/", &["-m", "20"]).output().unwrap().stdout), "200");
+        let told = curl(&nodes[0], "/api/v1/content", &["-m", "20", "--data-binary", "some bytes"]).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&told.stdout), "201");
+    }
+    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
+    signal(nodes[2].farm.pid(), Signal::CONT);
+    waiting.into_iter().for_each(|mut one| assert!(one.wait().unwrap().code().is_some()));
     queued.iter().for_each(|file| fs::remove_file(file).unwrap());
     for &number in &numbers {
         let (status, told) = tell(number);

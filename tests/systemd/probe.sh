@@ -120,6 +120,55 @@ check "it stops within 10 s (took $took s)" test $took -le 10
 ended_well() { journalctl -u nestd --no-pager -o cat --since "$stopped_at" | tee /dev/stderr | grep -q 'Deactivated successfully'; }
 check "it ended by itself, with success" ended_well
 check "nestd check finds no problem afterwards" as_nestd check
+# From one server to several, as docs/servers.md says. The second node is a process beside the unit.
+postgres=$(find /usr/lib/postgresql -maxdepth 2 -name bin 2>/dev/null | tail -1)
+if [ -n "$postgres" ]; then
+    install -d -o postgres /tmp/pg
+    as_postgres() { runuser -u postgres -- "$@"; }
+    database() {
+        as_postgres "$postgres/initdb" -D /tmp/pg/data --auth-local=trust --auth-host=scram-sha-256 &&
+            as_postgres "$postgres/pg_ctl" -D /tmp/pg/data -l /tmp/pg/log -o "-p 5499 -h 127.0.0.1 -k /tmp/pg" -w start &&
+            as_postgres psql -h /tmp/pg -p 5499 -d postgres -c "CREATE USER nestd PASSWORD 'of-the-ledger-0123456789'" -c "CREATE DATABASE nestd OWNER nestd"
+    }
+    check "a database is made" database
+    secret() { install -m 0640 -g nestd /dev/null "/etc/nestd/$1" && echo "$2" > "/etc/nestd/$1"; }
+    secret ledger-password of-the-ledger-0123456789
+    secret token a-token-of-all-nodes-0123456789
+    ledger=postgres://nestd@127.0.0.1:5499/nestd
+    check "the ledger is copied" as_nestd ledger copy /var/lib/nestd/nestd.db "$ledger" --password-file /etc/nestd/ledger-password
+    node() { # FILE NAME PORT: the settings of a node
+        sed -i "s|^\\[folders\\]|[folders]\\nledger = \"$ledger\"\\nledger_password_file = \"/etc/nestd/ledger-password\"|" "$1"
+        printf '[node]\nname = "%s"\naddress = "http://127.0.0.1:%s"\n[web]\nlisten = "127.0.0.1:%s"\ntoken_file = "/etc/nestd/token"\n' "$2" "$3" "$3" >> "$1"
+    }
+    install -d -o nestd -g nestd /tmp/second /tmp/second/profiles
+    sed 's|/srv/nestd|/tmp/second|; s|/var/lib/nestd|/tmp/second/state|' /etc/nestd/nestd.toml > /tmp/second/nestd.toml
+    node /etc/nestd/nestd.toml print1 7878
+    node /tmp/second/nestd.toml print2 7879
+    install -D -m 0644 /usr/share/doc/nestd/systemd/servers.conf /etc/systemd/system/nestd.service.d/servers.conf
+    systemctl daemon-reload
+    check "nestd check finds no problem with the database" as_nestd check
+    check "it starts on the database" timeout 60 systemctl start nestd
+    tells() { python3 -c 'import sys, urllib.request as u; r = u.Request("http://127.0.0.1:%s%s" % (sys.argv[1], sys.argv[2]), headers={"Authorization": "Bearer a-token-of-all-nodes-0123456789"}); sys.exit(sys.argv[3] not in u.urlopen(r, timeout=10).read().decode())' "$@"; }
+    check "its history is there" tells 7878 /history paper-200
+    # A machine moves to another server: its file goes there, and both reload.
+    mv /etc/nestd/profiles/second-200.toml /tmp/second/profiles/
+    systemctl reload nestd
+    runuser -u nestd -- nestd run -c /tmp/second/nestd.toml > /tmp/second/log 2>&1 &
+    check "a second node has the machine" within 90 test -d /tmp/second/inbox/second-200
+    two_nodes() { [ "$(as_nestd nodes --json | grep -c '"alive": true')" = 2 ]; }
+    check "nestd nodes lists both" within 30 two_nodes
+    cube /tmp/second/inbox/second-200/there.stl && chmod 0644 /tmp/second/inbox/second-200/there.stl
+    check "a part that is dropped on the second is seen on the pages of the first" within 60 tells 7878 /parts there.stl
+    check "flush is taken by the first for the second" within 20 flushed second-200
+    there() { [ "$(find /tmp/second/queue/second-200 -name '[!.]*.build.3mf' | wc -l)" = 1 ]; }
+    check "the build is in the queue of the second" within 60 there
+    number=$(find /tmp/second/queue/second-200 -name '[!.]*.build.3mf' | sed 's/.*_0*\([0-9]*\)\.build\.3mf/\1/')
+    check "its report is had from the first" tells 7878 "/builds/$number/report.html" there
+    cat /tmp/second/log >> "$RESULTS/checks"
+    kill %1
+    wait
+    check "it stops on the database" timeout 20 systemctl stop nestd
+fi
 check "nothing was killed by the system-call filter" sh -c "! journalctl --no-pager | grep -qi 'SIGSYS\|seccomp'"
 
 journalctl --no-pager -o short-precise -u nestd > "$RESULTS/journal" 2>&1

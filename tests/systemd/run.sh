@@ -11,7 +11,7 @@ set -euo pipefail
 BINARY=$(realpath "${1:?usage: tests/systemd/run.sh BINARY [RESULTS]}")
 REPO=$(realpath "$(dirname "$0")/../..")
 RESULTS=${2:-$(mktemp -d)}
-BOOT_SECS=240
+BOOT_SECS=330
 
 skip() { echo "skipped: $*"; exit 77; }
 [ "$(id -u)" = 0 ] || skip "needs root"
@@ -44,6 +44,7 @@ install -D -m 0644 "$REPO/systemd/nestd.service" "$ROOT/usr/lib/systemd/system/n
 install -D -m 0644 "$REPO/systemd/nestd.sysusers" "$ROOT/usr/lib/sysusers.d/nestd.conf"
 install -D -m 0644 "$REPO/systemd/nestd.tmpfiles" "$ROOT/usr/lib/tmpfiles.d/nestd.conf"
 install -D -m 0644 "$REPO/docs/administrator.md" "$ROOT/usr/share/doc/nestd/administrator.md"
+install -D -m 0644 "$REPO/systemd/servers.conf" "$ROOT/usr/share/doc/nestd/systemd/servers.conf"
 install -d "$ROOT/etc/nestd/profiles"
 install -m 0644 "$REPO/config/profiles/paper-200.toml" "$ROOT/etc/nestd/profiles/"
 
@@ -73,7 +74,7 @@ After=basic.target systemd-journald.service
 Type=oneshot
 ExecStart=/usr/local/bin/nestd-probe /results
 ExecStopPost=/bin/systemctl --no-block poweroff --force
-TimeoutStartSec=200
+TimeoutStartSec=290
 UNIT
 
 timeout --kill-after=10 "$BOOT_SECS" systemd-nspawn --quiet --directory="$ROOT" --register=no --keep-unit --console=pipe \

@@ -35,6 +35,7 @@ wait_for() { # WHAT COMMAND...
 }
 
 sh "$REPO/packaging/container.sh" "$BINARY" "$WORK" >/dev/null
+began=$SECONDS
 podman "${STORE[@]}" load --quiet --input "$WORK"/nestd_*.oci.tar >/dev/null
 if ! podman "${STORE[@]}" run --rm "${LIMITS[@]}" localhost/nestd --version >/dev/null 2>"$WORK/why"; then
     # What the runtime lacks on this machine is no fault of the image.
@@ -64,6 +65,7 @@ mv "$WORK/farm/inbox/hp/.part_x3.stl" "$WORK/farm/inbox/hp/part_x3.stl"
 wait_for "the part waits" sh -c "podman ${STORE[*]} exec nestd nestd status --parts | grep -q 'part_x3.stl'"
 inside flush hp >/dev/null || fail "flush"
 wait_for "the build is in the queue" sh -c "ls $WORK/farm/queue/hp/*.build.3mf"
+queued=$((SECONDS - began))
 [ "$(stat -c %u:%g "$WORK"/farm/queue/hp/*.build.3mf)" = 7878:7878 ] || fail "the build file is another account's"
 [ -s "$WORK/state/nestd.db" ] || [ -n "$(ls "$WORK/state"/*.db 2>/dev/null)" ] || fail "the ledger is not in its volume"
 podman "${STORE[@]}" stop --time 15 nestd >/dev/null
@@ -78,4 +80,4 @@ if [ -n "$quadlet" ]; then
 else
     echo "no quadlet here: systemd/nestd.container was not tried"
 fi
-echo "image of $(du -m "$WORK"/nestd_*.oci.tar | cut -f1) MB, first start, part, build, stop, restart: all checks hold"
+echo "image of $(du -m "$WORK"/nestd_*.oci.tar | cut -f1) MB; $queued s from its file to a part in the queue; first start, part, build, stop, restart: all checks hold"

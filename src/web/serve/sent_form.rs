@@ -177,7 +177,7 @@ async fn record_and_answer(
         // Another node has begun with it just now; what that refuses is as if it was never sent.
         match settled_answer(web, client, number).await? {
             Some((known, answer)) if !answer.is_refused => return answer_again(&known, &answer, &fingerprint, number),
-            refused => known = refused.map(|(known, _)| known),
+            _ => known = web.ledger.find_answered_request(client, number).await?,
         }
     }
     let response = work.await;

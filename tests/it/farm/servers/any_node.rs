@@ -101,6 +101,63 @@ fn wait_for(nodes: &[TestNode], what: &str, is_so: impl Fn() -> bool) {
     wait_until_or(what, 60.0, || nodes.iter().map(|node| node.farm.log()).collect(), is_so);
 }
 
+/// Uploads a file piece by piece, each at the next node; its content, as an order names it.
+fn upload_in_pieces(asker: &Asker, bytes: &[u8]) -> Value {
+    let tus = |request: Builder| request.header("tus-resumable", "1.0.0");
+    let begun = tus(Request::post("/")).header("upload-length", bytes.len().to_string());
+    let (status, place, text) = asker.send(begun, "/api/v1/uploads", b"");
+    assert_eq!(status, 201, "{text}");
+    let place = place.strip_suffix('0').unwrap().to_owned();
+    for (number, piece) in bytes.chunks(bytes.len().div_ceil(5)).enumerate() {
+        let offset = number * bytes.len().div_ceil(5);
+        assert_eq!(asker.send(tus(Request::head("/")), &place, b"").1, offset.to_string());
+        let more = tus(Request::patch("/")).header("upload-offset", offset.to_string());
+        let more = more.header("content-type", "application/offset+octet-stream");
+        let (status, _, text) = asker.send(more, &place, piece);
+        assert_eq!(status, 204, "{text}");
+    }
+    // What the node of the upload refuses is told in its words.
+    for _ in 0..3 {
+        let wrong = tus(Request::patch("/")).header("upload-offset", "7");
+        let wrong = wrong.header("content-type", "application/offset+octet-stream");
+        let (status, _, text) = asker.send(wrong, &place, b"x");
+        assert!(status == 409 && text.contains("bytes of it have arrived"), "{status} {text}");
+    }
+    asker.json(&place)["content"].clone()
+}
+
+/// Asks the first node for builds of all, also as no browser does, and while the last one stands still.
+fn hold_up(nodes: &[TestNode], numbers: &[i64]) {
+    // A page that is asked for with a body, which no page has.
+    let curl = |node: &TestNode, path: &str, more: &[&str]| {
+        let mut curl = Command::new("curl");
+        curl.args(["-s", "-o", "/dev/null", "-w", "%{http_code}", "-H", &format!("authorization: Bearer {TOKEN}")]);
+        curl.args(more).arg(format!("{}{path}", node.address));
+        curl
+    };
+    for number in numbers {
+        let told = curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "20", "-X", "GET", "--data", "x"]);
+        assert_eq!(String::from_utf8_lossy(&{ told }.output().unwrap().stdout), "200");
+    }
+    // A node that stands still holds up nobody who asks another one for something else.
+    signal(nodes[2].farm.pid(), Signal::STOP);
+    let waiting: Vec<_> = numbers
+        .iter()
+        .cycle()
+        .take(60)
+        .map(|number| curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "60"]).spawn().unwrap())
+        .collect();
+    let began = Instant::now();
+    for _ in 0..5 {
+        assert_eq!(String::from_utf8_lossy(&curl(&nodes[0], "/", &["-m", "20"]).output().unwrap().stdout), "200");
+        let told = curl(&nodes[0], "/api/v1/content", &["-m", "20", "--data-binary", "some bytes"]).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&told.stdout), "201");
+    }
+    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
+    signal(nodes[2].farm.pid(), Signal::CONT);
+    waiting.into_iter().for_each(|mut one| assert!(one.wait().unwrap().code().is_some()));
+}
+
 #[test]
 fn files_uploads_and_words_reach_the_node_that_they_are_for() {
     let server = PostgresCluster::start();
@@ -125,27 +182,7 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
     }
     nodes[0].farm.wait_for_parts(PartState::Waiting, 9);
     // An upload in pieces, each at another node, and an order of it.
-    let (bytes, tus) = (stl(&block(24.0, 15.0, 10.0)), |request: Builder| request.header("tus-resumable", "1.0.0"));
-    let begun = tus(Request::post("/")).header("upload-length", bytes.len().to_string());
-    let (status, place, text) = asker.send(begun, "/api/v1/uploads", b"");
-    assert_eq!(status, 201, "{text}");
-    let place = place.trim_end_matches('0').to_owned();
-    for (number, piece) in bytes.chunks(bytes.len().div_ceil(5)).enumerate() {
-        let offset = number * bytes.len().div_ceil(5);
-        assert_eq!(asker.send(tus(Request::head("/")), &place, b"").1, offset.to_string());
-        let more = tus(Request::patch("/")).header("upload-offset", offset.to_string());
-        let more = more.header("content-type", "application/offset+octet-stream");
-        let (status, _, text) = asker.send(more, &place, piece);
-        assert_eq!(status, 204, "{text}");
-    }
-    // What the node of the upload refuses is told in its words.
-    for _ in 0..3 {
-        let wrong = tus(Request::patch("/")).header("upload-offset", "7");
-        let wrong = wrong.header("content-type", "application/offset+octet-stream");
-        let (status, _, text) = asker.send(wrong, &place, b"x");
-        assert!(status == 409 && text.contains("bytes of it have arrived"), "{status} {text}");
-    }
-    let content = asker.json(&place)["content"].clone();
+    let content = upload_in_pieces(&asker, &stl(&block(24.0, 15.0, 10.0)));
     let order = json!({ "machine": "machine-3", "order": "K-1", "lines": [{ "name": "u.stl", "content": content, "copies": 2 }] });
     for _ in 0..6 {
         assert_eq!(asker.api("POST", "/api/v1/orders", "k", &order).0, 202);
@@ -171,34 +208,7 @@ fn files_uploads_and_words_reach_the_node_that_they_are_for() {
             assert!(status == 409 && told.to_string().contains("lies untouched in the queue"), "{status} {told}");
         }
     }
-    // A page that is asked for with a body, which no page has.
-    let curl = |node: &TestNode, path: &str, more: &[&str]| {
-        let mut curl = Command::new("curl");
-        curl.args(["-s", "-o", "/dev/null", "-w", "%{http_code}", "-H", &format!("authorization: Bearer {TOKEN}")]);
-        curl.args(more).arg(format!("{}{path}", node.address));
-        curl
-    };
-    for &number in &numbers {
-        let told = curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "20", "-X", "GET", "--data", "x"]);
-        assert_eq!(String::from_utf8_lossy(&{ told }.output().unwrap().stdout), "200");
-    }
-    // A node that stands still holds up nobody who asks another one for something else.
-    signal(nodes[2].farm.pid(), Signal::STOP);
-    let waiting: Vec<_> = numbers
-        .iter()
-        .cycle()
-        .take(60)
-        .map(|number| curl(&nodes[0], &format!("/builds/{number}/break-out"), &["-m", "60"]).spawn().unwrap())
-        .collect();
-    let began = Instant::now();
-    for _ in 0..5 {
-        assert_eq!(String::from_utf8_lossy(&curl(&nodes[0], "/", &["-m", "20"]).output().unwrap().stdout), "200");
-        let told = curl(&nodes[0], "/api/v1/content", &["-m", "20", "--data-binary", "some bytes"]).output().unwrap();
-        assert_eq!(String::from_utf8_lossy(&told.stdout), "201");
-    }
-    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
-    signal(nodes[2].farm.pid(), Signal::CONT);
-    waiting.into_iter().for_each(|mut one| assert!(one.wait().unwrap().code().is_some()));
+    hold_up(&nodes, &numbers);
     queued.iter().for_each(|file| fs::remove_file(file).unwrap());
     for &number in &numbers {
         let (status, told) = tell(number);

@@ -139,7 +139,7 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
                 machine.forecast = MachineForecast::new(of_ledger, profile, fact, now);
             }
         }
-        status.attention = alerts_of_farm(settings, &ledger.list_nodes().await?);
+        status.attention = alerts_of_farm(settings, status.nodes.iter().map(|listed| &listed.node));
         status.dates_at_risk = dates_at_risk(reading.plans(ledger).await?);
         Ok(status)
     })

@@ -10,10 +10,10 @@ use axum::{
     http::{HeaderMap, HeaderValue, header},
     response::{IntoResponse, Response},
 };
-use tokio_stream::wrappers::ReceiverStream;
-
 use ledger::SeenFile;
 use serde::Deserialize;
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
 
 use super::{cached_render::find_build, state::DashboardState};
 use crate::web::base::{
@@ -24,7 +24,7 @@ use crate::web::base::{
 /// Bytes that are read at once.
 const CHUNK_BYTES: usize = 1 << 18;
 /// Chunks that wait for a slow receiver.
-const CHUNKS_AHEAD: usize = 4;
+pub(crate) const CHUNKS_AHEAD: usize = 4;
 
 /// The file whose BLAKE3 this is, from the store or an archive of this node.
 pub(crate) async fn get_content(
@@ -59,26 +59,24 @@ pub(crate) fn stream_file(path: &FilePath, mut headers: HeaderMap) -> HandlerRes
     let opened = std::fs::File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     let (bytes, file) = opened.with_context(|| format!("opening {}", path.display()))?;
     headers.insert(header::CONTENT_LENGTH, bytes.into());
-    Ok((headers, stream_body(file)).into_response())
+    let (send, chunks) = mpsc::channel(CHUNKS_AHEAD);
+    tokio::task::spawn_blocking(move || send_pieces(file, &send));
+    Ok((headers, Body::from_stream(ReceiverStream::new(chunks))).into_response())
 }
 
-/// What is read, piece by piece.
-pub(crate) fn stream_body(mut source: impl Read + Send + 'static) -> Body {
-    let (send, chunks) = tokio::sync::mpsc::channel::<std::io::Result<Bytes>>(CHUNKS_AHEAD);
-    tokio::task::spawn_blocking(move || {
-        loop {
-            let mut chunk = vec![0; CHUNK_BYTES];
-            let read = source.read(&mut chunk);
-            let is_last = !matches!(read, Ok(1..));
-            let chunk = read.map(|count| {
-                chunk.truncate(count);
-                Bytes::from(chunk)
-            });
-            // The receiver may have gone.
-            if send.blocking_send(chunk).is_err() || is_last {
-                return;
-            }
+/// Sends what is read, piece by piece, as long as somebody receives it. It blocks its thread.
+pub(crate) fn send_pieces(mut source: impl Read, send: &mpsc::Sender<std::io::Result<Bytes>>) {
+    loop {
+        let mut chunk = vec![0; CHUNK_BYTES];
+        let read = source.read(&mut chunk);
+        let is_last = !matches!(read, Ok(1..));
+        let chunk = read.map(|count| {
+            chunk.truncate(count);
+            Bytes::from(chunk)
+        });
+        // The receiver may have gone.
+        if send.blocking_send(chunk).is_err() || is_last {
+            return;
         }
-    });
-    Body::from_stream(ReceiverStream::new(chunks))
+    }
 }

@@ -82,17 +82,12 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
         }
     };
     let resources = settings.profiles.iter().zip(reading.facts()).map(machine).collect();
-    let nodes = web.ledger.list_nodes().await?;
-    let needs_a_person = alerts_of_farm(&settings, &nodes).iter().map(AlertSummary::from).collect();
+    let nodes = list_farm_nodes(&web.ledger).await?;
+    let alerts = alerts_of_farm(&settings, nodes.iter().map(|listed| &listed.node));
+    let needs_a_person = alerts.iter().map(AlertSummary::from).collect();
     let at_risk = dates_at_risk(reading.plans(&web.ledger).await?);
     let daemon = web.ledger.find_node(&settings.node.name).await?;
-    Ok(Json(FarmResponse {
-        daemon,
-        nodes: list_farm_nodes(&web.ledger).await?,
-        needs_a_person,
-        machines: resources,
-        dates_at_risk: at_risk,
-    }))
+    Ok(Json(FarmResponse { daemon, nodes, needs_a_person, machines: resources, dates_at_risk: at_risk }))
 }
 
 /// The history, filtered as the page is.

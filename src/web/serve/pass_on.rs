@@ -30,7 +30,11 @@ use super::page_routes::{AnsweringNode, find_page};
 use crate::web::{
     base::error::{AnsweredElsewhere, HandlerError, HandlerResult},
     clients::client::{ON_BEHALF, RequestClient},
-    core::{request_user::user_of_parts, state::DashboardState},
+    core::{
+        content::{CHUNKS_AHEAD, send_pieces},
+        request_user::user_of_parts,
+        state::DashboardState,
+    },
     doors::{
         request_stage::MAX_BODY_BYTES,
         upload_door::{find_upload_here, upload_of_path},
@@ -39,10 +43,6 @@ use crate::web::{
 
 /// Requests that other nodes answer at the same time.
 pub(super) const MAX_PASSED_ON: usize = 32;
-/// Pieces of a request or an answer that wait for a slow receiver.
-const CHUNKS_AHEAD: usize = 4;
-/// Bytes of an answer that are read at once.
-const CHUNK_BYTES: usize = 1 << 16;
 /// How long another node may take to say whether it has an upload.
 const ASK_TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -248,7 +248,7 @@ async fn send_to(
                 let (head, body) = sent.into_parts();
                 let (send, chunks) = mpsc::channel(CHUNKS_AHEAD);
                 if answer.send(Ok((head, chunks))).is_ok() {
-                    pass_back(body.into_reader(), &send);
+                    send_pieces(body.into_reader(), &send);
                 }
             }
         }
@@ -265,22 +265,6 @@ async fn send_to(
     }
     response.extensions_mut().insert(AnsweredElsewhere);
     Ok(response)
-}
-
-/// Passes an answer back, as long as somebody receives it.
-fn pass_back(mut source: impl Read, send: &mpsc::Sender<io::Result<Bytes>>) {
-    loop {
-        let mut chunk = vec![0; CHUNK_BYTES];
-        let read = source.read(&mut chunk);
-        let is_last = !matches!(read, Ok(1..));
-        let chunk = read.map(|count| {
-            chunk.truncate(count);
-            Bytes::from(chunk)
-        });
-        if send.blocking_send(chunk).is_err() || is_last {
-            return;
-        }
-    }
 }
 
 /// The body of a request, for a thread that may wait for it. An empty piece is its end.

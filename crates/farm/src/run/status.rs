@@ -121,13 +121,8 @@ pub(super) async fn publish_alerts(desk: &mut Showing<'_>) {
     }
     desk.display.updated_at = Some(desk.shared.now());
     for (name, machine) in desk.machines.iter() {
-        let (machine_name, inbox, (text, json)) =
-            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, &desk.shared, true));
-        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
-            if let Err(error) = intake::write_status(&inbox, &text, &json) {
-                tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
-            }
-        });
+        let status = halted_status(machine, &desk.shared, true);
+        WriteStatusJob::start_in(desk.jobs, name, &machine.profile.folders.inbox, status, || true);
     }
 }
 

@@ -1,15 +1,14 @@
 //! What hot folders say where nobody works: nestd was stopped, the farm is halted, or the node of the machine does not run and another one
 //! reaches its folder. The status there before promised builds.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{path::Path, time::Duration};
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
-use jobs::BackgroundJob;
+use jobs::{BackgroundJob, JobRunner};
 use language::say;
 use ledger::{MachineRow, MachineStatus, NodeRow};
 use serde_json::json;
-use settings::MachineProfile;
 
 use crate::{
     alerts::alert::AlertKind,
@@ -19,7 +18,6 @@ use crate::{
         machine_state::MachineState,
     },
     leases::{
-        lease_holder::LeaseHolder,
         lease_marker::{LeaseMarker, read_marker},
         own_machines::profiles_of_others,
     },
@@ -36,7 +34,7 @@ const SAME_START: SignedDuration = SignedDuration::from_secs(60);
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
 pub(crate) struct WriteStatusJob {
-    pub(super) machine: String,
+    machine: String,
 }
 
 impl BackgroundJob<Farm> for WriteStatusJob {
@@ -54,6 +52,26 @@ impl BackgroundJob<Farm> for WriteStatusJob {
     }
 }
 
+impl WriteStatusJob {
+    /// Starts to write `STATUS.txt` and `status.json` of a machine, if whoever writes may do so when it comes to that.
+    pub(super) fn start_in(
+        jobs: &mut JobRunner<Farm>,
+        machine: &str,
+        inbox: &Path,
+        (text, json): (String, String),
+        may_write: impl FnOnce() -> bool + Send + 'static,
+    ) {
+        let (name, inbox) = (machine.to_owned(), inbox.to_owned());
+        jobs.start(Self { machine: name.clone() }, move || {
+            if may_write()
+                && let Err(error) = intake::write_status(&inbox, &text, &json)
+            {
+                tracing::debug!(machine = name, "STATUS.txt could not be written: {error}.");
+            }
+        });
+    }
+}
+
 /// Starts to write into each hot folder that nestd has stopped: the status there before promised builds.
 pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
     let rows = match desk.shared.lifecycle.is_halted {
@@ -66,21 +84,14 @@ pub(super) async fn write_stopped_status(desk: &mut Showing<'_>) {
             continue;
         }
         let row = rows.iter().find(|row| row.machine == *name).cloned().unwrap_or_default();
-        let (text, json) = match desk.shared.lifecycle.is_halted {
+        let status = match desk.shared.lifecycle.is_halted {
             true => halted_status(machine, &desk.shared, false),
             false => stopped_status(machine, &desk.shared, &row),
         };
-        let (machine_name, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
         let mut lease = machine.leases.inbox.clone();
-        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
-            // Nothing is written into an empty mount point.
-            if lease.held_identity().is_some()
-                && lease.check_usable().is_ok()
-                && let Err(error) = intake::write_status(&inbox, &text, &json)
-            {
-                tracing::debug!(machine = machine_name, "STATUS.txt could not be written: {error}.");
-            }
-        });
+        // Nothing is written into an empty mount point.
+        let may_write = move || lease.held_identity().is_some() && lease.check_usable().is_ok();
+        WriteStatusJob::start_in(desk.jobs, name, &machine.profile.folders.inbox, status, may_write);
     }
 }
 
@@ -155,11 +166,7 @@ pub(super) async fn tell_gone_nodes(desk: &mut Showing<'_>, observed: &[MachineR
 fn write_into_folders(desk: &mut Showing<'_>, node: &NodeRow, observed: &[MachineRow]) {
     let settings = desk.shared.settings;
     let all = settings.clone().with_machines_of_others(&profiles_of_others(settings, observed));
-    let its: BTreeMap<&String, &MachineProfile> =
-        all.profiles.iter().filter(|(_, profile)| profile.of_node == node.name).collect();
-    for (name, profile) in its {
-        let (inbox, state_dir) = (profile.folders.inbox.clone(), settings.state_dir.clone());
-        let (pid, started_at) = (node.pid, node.started_at.0);
+    for (name, profile) in all.profiles.iter().filter(|(_, profile)| profile.of_node == node.name) {
         let since = profile.time_zone.format_minute(node.beat_at.0);
         let text = settings
             .language
@@ -172,17 +179,16 @@ fn write_into_folders(desk: &mut Showing<'_>, node: &NodeRow, observed: &[Machin
             "fires_at": null,
             "fires_at_latest": null,
         });
-        desk.jobs.start(WriteStatusJob { machine: name.clone() }, move || {
-            // At the same path, another server may have something else, and this one a folder of its own.
-            let is_of_node = |holder: &LeaseHolder| {
-                let later = holder.since.duration_until(started_at).abs();
-                holder.belongs_to_state_dir(&state_dir) && holder.pid == pid && later < SAME_START
-            };
-            let is_of_farm = matches!(read_marker(&inbox), Ok(LeaseMarker::HeldBy(holder)) if is_of_node(&holder));
-            if is_of_farm && let Err(error) = intake::write_status(&inbox, &format!("{text}\n"), &format!("{json:#}\n"))
-            {
-                tracing::debug!("STATUS.txt could not be written into {}: {error}.", inbox.display());
-            }
-        });
+        let (inbox, state_dir) = (profile.folders.inbox.clone(), settings.state_dir.clone());
+        let (pid, started_at) = (node.pid, node.started_at.0);
+        // At the same path, another server may have something else, and this one a folder of its own.
+        let is_of_node = move || {
+            matches!(read_marker(&inbox), Ok(LeaseMarker::HeldBy(holder))
+                if holder.belongs_to_state_dir(&state_dir)
+                    && holder.pid == pid
+                    && holder.since.duration_until(started_at).abs() < SAME_START)
+        };
+        let status = (format!("{text}\n"), format!("{json:#}\n"));
+        WriteStatusJob::start_in(desk.jobs, name, &profile.folders.inbox, status, is_of_node);
     }
 }

@@ -105,6 +105,7 @@ impl TestDashboard {
             render_slot: Arc::new(Semaphore::new(1)),
             upload_slots: Arc::new(Semaphore::new(1)),
             pass_slots: Arc::new(Semaphore::new(1)),
+            listen_slots: Arc::new(Semaphore::new(1)),
             quote_slots: Arc::new(Semaphore::new(2)),
             quote_meshes,
             changes: watch::Sender::new(0),

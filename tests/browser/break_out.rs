@@ -6,7 +6,7 @@ use glam::DVec3;
 use ledger::PartState;
 
 use crate::{
-    pages::{BrowserDashboard, MACHINE, browser, tools},
+    pages::{BrowserDashboard, MACHINE, Nodes, browser, tools},
     support::stl,
 };
 
@@ -19,8 +19,16 @@ const PARTS: (usize, usize) = (12, 20);
 const PRESSES: usize = 200;
 
 pub fn two_devices_break_out_a_build_and_no_copy_is_shown_to_both() {
+    break_out(Nodes::One);
+}
+
+pub fn two_devices_break_out_a_build_whichever_of_three_nodes_answers() {
+    break_out(Nodes::Three);
+}
+
+fn break_out(nodes: Nodes) {
     let chromium = browser();
-    let dashboard = BrowserDashboard::start();
+    let dashboard = BrowserDashboard::start_on(nodes);
     dashboard.farm.write_profile(MACHINE, PROFILE);
     dashboard.farm.reload();
     let (kinds, each) = PARTS;

@@ -61,6 +61,11 @@ fn pages_in_a_browser() -> Vec<Trial> {
             tasks::tasks_are_done_whichever_of_three_nodes_answers,
         ),
         beside_others(
+            "break_out::two_devices_break_out_a_build_whichever_of_three_nodes_answers",
+            missing().or_else(missing_postgres),
+            break_out::two_devices_break_out_a_build_whichever_of_three_nodes_answers,
+        ),
+        beside_others(
             "break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both",
             missing(),
             break_out::two_devices_break_out_a_build_and_no_copy_is_shown_to_both,

@@ -8,7 +8,9 @@ const texts = JSON.parse(document.querySelector("#texts")?.textContent ?? "{}");
 const lang = document.documentElement.lang === "en" ? "en-GB" : document.documentElement.lang;
 
 const OPEN = CSS.supports("selector(:popover-open)") ? "details[open] form, :popover-open form" : "details[open] form";
-const isTyping = () => main.querySelector(OPEN) || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
+// A button that is replaced between press and release gets no click.
+let pressed = false;
+const isInUse = () => pressed || main.querySelector(OPEN) || [...main.querySelectorAll("input[type=file]")].some((input) => input.files.length > 0) || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
   && !document.activeElement.closest("#view");
 
 function say(id, text, link) {
@@ -66,7 +68,7 @@ async function fetched() {
   const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
   if (!fresh) throw new Error("another page came, perhaps that of a login");
   const content = contentOf(fresh);
-  if (content === shown || isTyping()) { dirty ||= isTyping(); return; }
+  if (content === shown || isInUse()) { dirty ||= isInUse(); return; }
   const before = shown ?? contentOf(main);
   shown = content;
   if (shown === before) return;
@@ -82,7 +84,7 @@ async function refresh() {
   dirty = true;
   if (busy) return;
   busy = true;
-  while (dirty && !document.hidden && !isTyping()) {
+  while (dirty && !document.hidden && !isInUse()) {
     dirty = false;
     try { await fetched(); connected(); } catch { disconnected(); }
   }
@@ -95,7 +97,8 @@ function listen() {
   events = null;
   // A browser allows few connections to a host: a hidden page closes its own.
   if (document.hidden) return;
-  events = new EventSource("/live");
+  // Where a build is broken out, the node that keeps the screens apart tells what changes.
+  events = new EventSource(`${/^\/builds\/\d+(?=\/break-out)/.exec(location.pathname)?.[0] ?? ""}/live`);
   events.addEventListener("changed", (event) => { zone = event.data; refresh(); });
   events.addEventListener("error", () => {
     disconnected();
@@ -131,6 +134,9 @@ toast().catch(() => { /* The page shows what was done. */ });
 if (main && !document.querySelector("#problem, #answer, #sign-in")) {
   main.addEventListener("toggle", () => { if (dirty) refresh(); }, true); // of folds and sheets
   main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
+  const release = () => setTimeout(() => { pressed = false; if (dirty) refresh(); }); // after the click
+  addEventListener("pointerdown", () => { pressed = true; }, true);
+  for (const end of ["pointerup", "pointercancel", "dragend"]) addEventListener(end, release, true);
   document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });
   addEventListener("online", listen);
   setInterval(refresh, EVERY_MS);

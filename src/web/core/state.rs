@@ -61,6 +61,8 @@ pub(crate) struct DashboardState {
     pub(crate) upload_slots: Arc<Semaphore>,
     /// Who holds one of these has another node answer.
     pub(crate) pass_slots: Arc<Semaphore>,
+    /// Who holds one of these hears changes of another node.
+    pub(crate) listen_slots: Arc<Semaphore>,
     /// Who holds one of these makes a quote.
     pub(crate) quote_slots: Arc<Semaphore>,
     /// The meshes of the machine that was quoted for last.

@@ -20,6 +20,12 @@ use crate::web::{
 /// Most pages that listen at once. Each of them keeps a connection open, and other requests need connections as well.
 pub(crate) const MAX_LISTENERS: usize = 48;
 
+/// Whether an address is that of a change stream: `/live`, or that of a build, `/builds/N/live`, which the node of its machine answers, as it
+/// does for its break-out. There it is known which copies the screens show.
+pub(crate) fn is_stream_of_changes(path: &str) -> bool {
+    path.ends_with("/live")
+}
+
 /// Time between two reads of the ledger while a page listens.
 const POLL_INTERVAL: Duration = Duration::from_secs(1);
 

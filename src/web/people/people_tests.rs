@@ -74,7 +74,7 @@ impl TestDashboard {
             if token.is_empty() { request } else { request.header("cookie", format!("nestd_session={token}")) };
         let mut request = request.body(Body::from(self.with_key(body))).unwrap();
         request.extensions_mut().insert(ConnectInfo(RequestInProgress::of_client(from)));
-        let is_endless = request.uri().path() == "/live";
+        let is_endless = request.uri().path().ends_with("/live");
         let answer = build_router(self.web.clone()).oneshot(request).await.unwrap();
         let (status, headers) = (answer.status(), answer.headers().clone());
         let bytes =

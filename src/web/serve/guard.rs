@@ -27,6 +27,7 @@ use crate::web::{
     },
     clients::client::{KnownBy, RequestClient},
     core::state::DashboardState,
+    pages::live::is_stream_of_changes,
     people::{
         sign_in::{self, SignInForm},
         visitor,
@@ -88,7 +89,8 @@ fn needs_ledger(path: &str) -> bool {
 /// Who has to sign in is shown the form for that, in place of the page; programs and forms are told.
 async fn ask_to_sign_in(web: &DashboardState, parts: &Parts, text: String) -> Response {
     let told = |text| HandlerError::Refused(StatusCode::UNAUTHORIZED, text).into_response();
-    let is_page = parts.method.is_safe() && !is_of_programs(parts.uri.path()) && parts.uri.path() != "/live";
+    let is_page =
+        parts.method.is_safe() && !is_of_programs(parts.uri.path()) && !is_stream_of_changes(parts.uri.path());
     if !is_page || !visitor::asks_for_people(web).await.unwrap_or(false) {
         return told(text);
     }

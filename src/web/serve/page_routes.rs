@@ -84,6 +84,7 @@ pub(crate) const PAGES: &[PageRoute] = &[
     look("/builds/{build}/pick", |method| on(method, pick_page::show_pick_map)),
     at(OfMachine, look("/builds/{build}/break-out", |method| on(method, break_out::show_step))),
     at(OfMachine, operate("/builds/{build}/break-out", |method| on(method, break_out::post_mark))),
+    at(OfMachine, look("/builds/{build}/live", |method| on(method, live::stream_changes))),
     at(OnlyOfMachine, look("/builds/{build}/file", |method| on(method, downloads::get_build_file))),
     at(OfMachine, look("/builds/{build}/report.html", |method| on(method, downloads::get_report))),
     look("/builds/{build}/pick.csv", |method| on(method, downloads::get_pick_csv)),

@@ -22,7 +22,7 @@ use farm::NodeClient;
 use language::say;
 use ledger::BuildId;
 use settings::MachineProfile;
-use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 use tokio_stream::{StreamExt, wrappers::ReceiverStream};
 use ureq::SendBody;
 
@@ -39,6 +39,7 @@ use crate::web::{
         request_stage::MAX_BODY_BYTES,
         upload_door::{find_upload_here, upload_of_path},
     },
+    pages::live::is_stream_of_changes,
 };
 
 /// Requests that other nodes answer at the same time.
@@ -214,15 +215,15 @@ fn on_thread<T: Send + 'static>(
     web: &DashboardState,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> HandlerResult<oneshot::Receiver<T>> {
-    on_thread_with(web, |done, _place| _ = done.send(work()))
+    on_thread_with(&web.pass_slots, |done, _place| _ = done.send(work()))
 }
 
 fn on_thread_with<T: Send + 'static>(
-    web: &DashboardState,
+    slots: &Arc<Semaphore>,
     work: impl FnOnce(oneshot::Sender<T>, OwnedSemaphorePermit) + Send + 'static,
 ) -> HandlerResult<oneshot::Receiver<T>> {
     let busy = |_| HandlerError::TooMany(1, say!("nodes-are-busy"));
-    let place = web.pass_slots.clone().try_acquire_owned().map_err(busy)?;
+    let place = slots.clone().try_acquire_owned().map_err(busy)?;
     let (done, waits) = oneshot::channel();
     let thread = std::thread::Builder::new().name("nestd-pass-on".to_owned());
     thread.spawn(move || work(done, place)).context("starting a thread")?;
@@ -237,7 +238,9 @@ async fn send_to(
     source: Option<ReceivedBody>,
 ) -> Result<Response, PassFailure> {
     let name = node.name.clone();
-    let answered = on_thread_with(web, move |answer, _place| {
+    // A page listens for as long as it is open: no other request waits for that.
+    let slots = if is_stream_of_changes(passed.uri().path()) { &web.listen_slots } else { &web.pass_slots };
+    let answered = on_thread_with(slots, move |answer, _place| {
         let sent = match source {
             None => node.send(passed, None),
             Some(source) => node.send(passed.map(|()| SendBody::from_owned_reader(source)), None),

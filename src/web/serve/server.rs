@@ -94,6 +94,7 @@ pub async fn serve_dashboard(
         render_slot: Arc::new(Semaphore::new(1)),
         upload_slots: Arc::new(Semaphore::new(drop::MAX_UPLOADS)),
         pass_slots: Arc::new(Semaphore::new(pass_on::MAX_PASSED_ON)),
+        listen_slots: Arc::new(Semaphore::new(live::MAX_LISTENERS)),
         quote_slots: Arc::new(Semaphore::new(quote::MAX_QUOTES)),
         quote_meshes,
         changes: changes.clone(),

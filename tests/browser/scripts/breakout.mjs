@@ -61,6 +61,18 @@ for (let turn = 0; turn < 5; turn += 1) {
 assert.ok(waits.toSorted((a, b) => a - b)[2] < 1000, `the other's press was seen after ${waits} ms`);
 console.log(`ok: the other's press is seen within ${waits} ms`);
 
+// What the other does while a finger is down does not take the button away from under it.
+const held = await number(ben), hold = await button(ben, /^Out/).boundingBox();
+await ben.mouse.move(hold.x + hold.width / 2, hold.y + hold.height / 2);
+await ben.mouse.down();
+await press(ann, ben, 0);
+await ann.getByText(line()).waitFor({ timeout: 10000 });
+await ben.waitForTimeout(1500);
+await Promise.all([ben.waitForURL((url) => url.searchParams.get("after") === String(held), { timeout: 10000 }), ben.mouse.up()]);
+said.good += 1;
+for (const page of [ann, ben]) await page.getByText(line()).waitFor({ timeout: 10000 });
+console.log("ok: a press counts though the page changes while the finger is down");
+
 // A copy that is tapped in the plan is shown, and said to be chosen.
 await ben.locator(".step-sights a.covers").last().click();
 await ben.getByText(`Chosen: number ${await number(ben)},`).waitFor();

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU64;
 
 use anyhow::Result;
-use farm::{FarmReading, MachineFact, MachinePlan, MachineWord, PrinterWord};
+use farm::{DateRisk, FarmReading, MachineFact, MachineWord, PrinterWord};
 use jiff::Timestamp;
 use ledger::{Ledger, MachineRow, MachineStatus, NodeRow, UtcTimestamp};
 use prometheus_client::{
@@ -40,7 +40,7 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     snapshot.register_machines();
     register_printers(registry, ledger, settings).await?;
     register_facts(registry, &reading.facts());
-    register_dates(registry, &reading.plans(ledger).await?);
+    register_dates(registry, settings.profiles.keys(), &reading.dates_at_risk(ledger).await?);
     register_daemon(registry, daemon.as_ref(), is_up);
     register_nodes(registry, &nodes);
     register_disk_space(registry, settings);
@@ -198,12 +198,13 @@ fn register_facts(registry: &mut Registry, facts: &[MachineFact]) {
 }
 
 /// Registers how many due dates each machine would miss, and how many are at risk.
-fn register_dates(registry: &mut Registry, plans: &[MachinePlan]) {
+fn register_dates<'m>(registry: &mut Registry, machines: impl Iterator<Item = &'m String>, risks: &[DateRisk]) {
     let (late, at_risk) = (Family::<LabelPairs, FloatGauge>::default(), Family::<LabelPairs, FloatGauge>::default());
-    for plan in plans {
-        let labels = vec![("machine", plan.machine.clone())];
-        late.get_or_create(&labels).set(plan.risks.iter().filter(|risk| risk.is_late).count() as f64);
-        at_risk.get_or_create(&labels).set(plan.risks.len() as f64);
+    for machine in machines {
+        let (labels, risks) =
+            (vec![("machine", machine.clone())], risks.iter().filter(|risk| risk.machine == *machine));
+        late.get_or_create(&labels).set(risks.clone().filter(|risk| risk.is_late).count() as f64);
+        at_risk.get_or_create(&labels).set(risks.count() as f64);
     }
     registry.register("dates_late", "Due dates of orders, or of parts without one, that are missed or will be", late);
     registry.register(

@@ -23,7 +23,7 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 pub use date_outlook::{DatesKept, RiskCause};
-use ledger::Ledger;
+use ledger::{Ledger, MachineStatus};
 pub use machine_plan::{DateRisk, MachinePlan, PlanStage, PlannedBuild, PlannedPart};
 pub use occupation::{FarmRows, Occupation, awaits_release, read_occupation};
 pub use order_quote::{DueAnswer, OrderQuote, QUOTE_SEARCH_TIME, QuoteQuestion, quote_order};
@@ -38,7 +38,8 @@ use settings::MachineProfile;
 /// The ledger cannot be read.
 pub async fn read_plan(ledger: &Ledger, profile: &MachineProfile, now: Timestamp) -> Result<plan_reading::PlanReading> {
     let (rows, occupation) = (FarmRows::read(ledger).await?, read_occupation(ledger, profile, now).await?);
-    plan_reading::read_plan(ledger, profile, &rows, &occupation, now).await
+    let waiting = ledger.waiting_copies(&profile.name).await?;
+    plan_reading::read_plan(ledger, profile, (&rows, &occupation), waiting, now).await
 }
 
 /// The plan of a machine: its builds under way and to come, if nothing more arrives. `rows` and `occupation` were read just now.
@@ -51,6 +52,27 @@ pub async fn plan_machine(
     (rows, occupation): (&FarmRows, &Occupation),
     now: Timestamp,
 ) -> Result<MachinePlan> {
-    let reading = plan_reading::read_plan(ledger, profile, rows, occupation, now).await?;
+    let waiting = ledger.waiting_copies(&profile.name).await?;
+    let reading = plan_reading::read_plan(ledger, profile, (rows, occupation), waiting, now).await?;
     Ok(machine_plan::make_plan(profile, &reading, now))
+}
+
+/// The due dates of a machine that are at risk, as its plan has them, the earliest first. Where nothing that waits has a date, it is not
+/// read: what waits follows what has fired, and moves no date of that.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn risks_of_machine(
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    (rows, occupation): (&FarmRows, &Occupation),
+    now: Timestamp,
+) -> Result<Vec<DateRisk>> {
+    let waiting = match MachineStatus::of_machine(&rows.statuses, &profile.name).due_at {
+        Some(_) => ledger.waiting_copies(&profile.name).await?,
+        None => Vec::new(),
+    };
+    let reading = plan_reading::read_plan(ledger, profile, (rows, occupation), waiting, now).await?;
+    let coming = build_plan::plan_builds(profile, &reading.facts, now);
+    Ok(machine_plan::find_risks(profile, &reading, &coming, now))
 }

@@ -2,8 +2,7 @@
 
 use anyhow::Result;
 use farm::{
-    AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, alerts_of_farm, dates_at_risk,
-    machine_fact,
+    AlertKind, AlertSummary, DateRisk, FarmAlert, FarmReading, MachineFact, PrinterFact, alerts_of_farm, machine_fact,
 };
 use jiff::Timestamp;
 use ledger::{Ledger, MachineStatus, NodeRow, PartRow, PartState};
@@ -140,7 +139,7 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
             }
         }
         status.attention = alerts_of_farm(settings, status.nodes.iter().map(|listed| &listed.node));
-        status.dates_at_risk = dates_at_risk(reading.plans(ledger).await?);
+        status.dates_at_risk = reading.dates_at_risk(ledger).await?;
         Ok(status)
     })
 }

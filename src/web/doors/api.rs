@@ -9,7 +9,7 @@ use axum::{
 };
 use farm::{
     AlertSummary, DateRisk, DatedBuild, FarmReading, MachineFact, MachinePlan, alerts_of_farm, build_fact, copy_counts,
-    dates_at_risk, load_placed_parts, read_plans,
+    load_placed_parts, read_plans,
 };
 use jiff::Timestamp;
 use ledger::{BuildState, EventRow, HeightSummary, Ledger, MachineStatus, NodeRow, PartId, UtcTimestamp};
@@ -85,7 +85,7 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
     let nodes = list_farm_nodes(&web.ledger).await?;
     let alerts = alerts_of_farm(&settings, nodes.iter().map(|listed| &listed.node));
     let needs_a_person = alerts.iter().map(AlertSummary::from).collect();
-    let at_risk = dates_at_risk(reading.plans(&web.ledger).await?);
+    let at_risk = reading.dates_at_risk(&web.ledger).await?;
     let daemon = web.ledger.find_node(&settings.node.name).await?;
     Ok(Json(FarmResponse { daemon, nodes, needs_a_person, machines: resources, dates_at_risk: at_risk }))
 }

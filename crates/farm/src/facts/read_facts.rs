@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     decisions::printer_choice::build_spans,
-    planning::{DateRisk, FarmRows, MachinePlan, Occupation, plan_machine, read_occupation},
+    planning::{DateRisk, FarmRows, MachinePlan, Occupation, plan_machine, read_occupation, risks_of_machine},
 };
 
 /// What is known of machines at a time, read once: whoever looks at facts and plans of them sees the same.
@@ -74,6 +74,18 @@ impl<'p> FarmReading<'p> {
         }
         Ok(plans)
     }
+
+    /// What is late in the farm, or at risk to be, by due date.
+    ///
+    /// # Errors
+    /// The ledger cannot be read.
+    pub async fn dates_at_risk(&self, ledger: &Ledger) -> Result<Vec<DateRisk>> {
+        let mut risks = Vec::new();
+        for (profile, occupation) in &self.machines {
+            risks.extend(risks_of_machine(ledger, profile, (&self.rows, occupation), self.now).await?);
+        }
+        Ok(sorted_by_date(risks))
+    }
 }
 
 /// The plans of these machines, in their order, where nothing else is asked.
@@ -90,7 +102,10 @@ pub async fn read_plans<'p>(
 
 /// What is late in the farm, or at risk to be, by due date.
 pub fn dates_at_risk(plans: Vec<MachinePlan>) -> Vec<DateRisk> {
-    let mut risks: Vec<DateRisk> = plans.into_iter().flat_map(|plan| plan.risks).collect();
+    sorted_by_date(plans.into_iter().flat_map(|plan| plan.risks).collect())
+}
+
+fn sorted_by_date(mut risks: Vec<DateRisk>) -> Vec<DateRisk> {
     risks.sort_by(|one, other| (one.due_at, &one.order).cmp(&(other.due_at, &other.order)));
     risks
 }

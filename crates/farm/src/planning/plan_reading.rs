@@ -56,15 +56,15 @@ pub struct PlanReading {
     pub experience: Vec<PublishedExperience>,
 }
 
-/// Reads what is known of a machine.
+/// Reads what is known of a machine where these copies wait, in order of precedence.
 ///
 /// # Errors
 /// The ledger cannot be read.
 pub async fn read_plan(
     ledger: &Ledger,
     profile: &MachineProfile,
-    rows: &FarmRows,
-    occupation: &Occupation,
+    (rows, occupation): (&FarmRows, &Occupation),
+    waiting: Vec<WaitingPart>,
     now: Timestamp,
 ) -> Result<PlanReading> {
     let experience = ledger.published_experience(&profile.name, packing_experience::LEARN_FROM).await?;
@@ -74,7 +74,6 @@ pub async fn read_plan(
         Some(open) => ledger.find_build(open.build).await?,
         None => None,
     };
-    let waiting = ledger.waiting_copies(&profile.name).await?;
     let (placed, layout) = standing_layout(open.as_ref(), &waiting);
     let standing: HashSet<CopyId> = placed.iter().map(|placed| placed.copy).collect();
     let spans = build_spans(profile, occupying, times, now);

@@ -25,11 +25,7 @@ use crate::{
         machine_state::MachineState,
     },
     decisions::{layout::BatchLayout, night_text::night_text, queue_depth::held_text},
-    facts::{
-        machine_fact::MachineFact,
-        material_fact::MaterialReading,
-        read_facts::{FarmReading, dates_at_risk},
-    },
+    facts::{machine_fact::MachineFact, material_fact::MaterialReading, read_facts::FarmReading},
     nodes::machine_availability,
     open_build::due_dates,
     planning::DateRisk,
@@ -67,8 +63,8 @@ pub(super) async fn update_status(desk: &mut Showing<'_>) -> Result<()> {
     let event = desk.shared.ledger.last_event_id().await?;
     if desk.display.dates.is_due(event, desk.shared.now()) {
         let began = Instant::now();
-        let plans = reading.plans(desk.shared.ledger).await?;
-        desk.display.dates.take_in(dates_at_risk(plans), event, desk.shared.now(), began.elapsed());
+        let risks = reading.dates_at_risk(desk.shared.ledger).await?;
+        desk.display.dates.take_in(risks, event, desk.shared.now(), began.elapsed());
     }
     let risks = &desk.display.dates.risks;
     // Programs read English, people their own language.

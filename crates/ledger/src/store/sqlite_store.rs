@@ -26,7 +26,7 @@ use crate::{
 const READERS: u32 = 4;
 /// Memory in which a connection may keep pages, KiB. SQLite's own 2 MiB hold some thousand parts, and with more of them each query reads its
 /// pages from the file again.
-const CACHE_KIB: u32 = 16 << 10;
+const CACHE_KIB: u32 = 64 << 10;
 /// Switching a new file to WAL mode cannot wait for a lock, so opening is retried this many times ...
 const OPEN_ATTEMPTS: u32 = 100;
 /// ... with this pause.

@@ -6,9 +6,9 @@ use intake::Ticket;
 use ledger::{CommandKind, PartState};
 
 use crate::{
-    DueAnswer, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
+    DueAnswer, FarmReading, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
     driven_tests::{HandDrivenFarm, MACHINE, block, hand_driven_farm::farm_files::list_build_files, stl},
-    quote_order, read_plan, read_plans, read_quoted_files,
+    quote_order, read_plan, read_quoted_files,
 };
 
 /// Searches are quick, nothing turns, and a build of 20 mm is printed in two hours.
@@ -17,7 +17,12 @@ const PROFILE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_s
 
 fn plan(farm: &HandDrivenFarm) -> MachinePlan {
     let (profile, now) = (farm.profiles()[MACHINE].clone(), farm.date());
-    farm.ask(async |ledger| read_plans(ledger, [&profile], now).await.unwrap().remove(0))
+    farm.ask(async |ledger| {
+        let reading = FarmReading::read(ledger, [&profile], now).await.unwrap();
+        let plan = reading.plans(ledger).await.unwrap().remove(0);
+        assert_eq!(reading.dates_at_risk(ledger).await.unwrap(), plan.risks, "who asks for the dates alone is told the same");
+        plan
+    })
 }
 
 fn due_in(farm: &HandDrivenFarm, hours: i64) -> String {
@@ -56,6 +61,9 @@ fn a_plan_says_when_the_open_build_fires_where_it_is_printed_and_what_would_be_l
     farm.jump(std::time::Duration::from_secs(180));
     farm.wait_for_parts(PartState::Built, 2);
     assert_eq!(list_build_files(&farm.folder_of("queue", "right")).len(), 1);
+    farm.drop_part("undated.stl", &block(20.0, 20.0, 21.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert_eq!(plan(&farm).risks.len(), 1, "the date of a build under way, while nothing that waits has one");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 #![doc = include_str!("../README.md")]
-// Bytes <-> meshes: STL, 3MF, OBJ and PLY in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
+// Bytes <-> meshes: STL, 3MF, OBJ, PLY and CAMSPEC in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
 
 mod build;
 mod common;

@@ -2,7 +2,7 @@
 //!
 //! Each change of state is one function: a short `BEGIN IMMEDIATE` transaction that checks the transition against the
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. No other crate contains
-//! SQL.
+//! SQL, save tests and benches; the schema is in `migrations/` and `migrations/postgres/`.
 
 pub use base::close_order_error::CloseOrderError;
 pub use base::error::LedgerError;

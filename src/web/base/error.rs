@@ -87,7 +87,7 @@ impl IntoResponse for HandlerError {
     }
 }
 
-/// The error text of a response, kept so that [`in_form`] can put it into another format.
+/// The error text of a response, kept so that [`format_error_response`] can put it into another format.
 #[derive(Debug, Clone)]
 struct ErrorMessage {
     text: String,

@@ -6,7 +6,7 @@ use solids::MeshError;
 use thiserror::Error;
 
 use super::{
-    file_name::{MESH_FORMATS, mesh_formats},
+    file_name::{MESH_FORMATS, cad_formats},
     limits::ReadLimits,
 };
 
@@ -79,7 +79,7 @@ impl FileReadError {
             Self::Truncated(_) => {
                 "Copy the whole file once more; where the original is cut off too, export it from the CAD program again."
             }
-            Self::Invalid { .. } => concat!("Export it again from the CAD program, as binary ", mesh_formats!(), "."),
+            Self::Invalid { .. } => concat!("Export it again from the CAD program, as binary ", cad_formats!(), "."),
             Self::TooLarge { key, .. } => {
                 return format!(
                     "Make it smaller, or drop it in several files; or raise limits.{key} in the configuration, reload nestd \
@@ -92,7 +92,7 @@ impl FileReadError {
             Self::NoSolid { source: MeshError::NoVolume, .. } => {
                 "A surface without thickness cannot be printed: give it a thickness in the CAD program and export it again."
             }
-            Self::NoSolid { .. } => concat!("Export it again from the CAD program, as binary ", mesh_formats!(), "."),
+            Self::NoSolid { .. } => concat!("Export it again from the CAD program, as binary ", cad_formats!(), "."),
         };
         text.to_owned()
     }

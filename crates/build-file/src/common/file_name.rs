@@ -8,12 +8,12 @@ pub const MESH_ENDINGS: [&str; 4] = ["stl", "3mf", "obj", "ply"];
 pub(crate) const CAMSPEC_ENDING: &str = "camspec";
 
 /// What people are told to export from a CAD program.
-macro_rules! mesh_formats {
+macro_rules! cad_formats {
     () => {
         "STL or 3MF"
     };
 }
-pub(crate) use mesh_formats;
+pub(crate) use cad_formats;
 /// What people are told to drop: the formats of [`MESH_ENDINGS`] in words.
 pub const MESH_FORMATS: &str = "STL, 3MF, OBJ or PLY";
 

@@ -3,7 +3,7 @@
 use crate::{
     common::{
         decimal::parse_decimal,
-        file_name::{CAMSPEC_ENDING, mesh_formats},
+        file_name::{CAMSPEC_ENDING, cad_formats},
     },
     stl::stl_read::{binary_len, claimed_count},
 };
@@ -36,16 +36,16 @@ pub(crate) struct ForeignFormat {
 }
 
 /// Remedy for a solid or mesh in another format.
-const EXPORT_REMEDY: &str = concat!("Export the part from the CAD program as ", mesh_formats!(), ", and drop that.");
+const EXPORT_REMEDY: &str = concat!("Export the part from the CAD program as ", cad_formats!(), ", and drop that.");
 /// Remedy for packed files.
-const UNPACK_REMEDY: &str = concat!("Unpack it, and drop the ", mesh_formats!(), " files that are in it.");
+const UNPACK_REMEDY: &str = concat!("Unpack it, and drop the ", cad_formats!(), " files that are in it.");
 /// Remedy for text with 16 bits per character.
 const PLAIN_TEXT_REMEDY: &str = "Save it as plain text (ASCII or UTF-8), or export the part as binary STL.";
 /// Remedy for files without a shape.
-const NO_SHAPE_REMEDY: &str = concat!("It holds no shape to print: drop the part as ", mesh_formats!(), ".");
+const NO_SHAPE_REMEDY: &str = concat!("It holds no shape to print: drop the part as ", cad_formats!(), ".");
 /// Remedy for unknown files.
 const UNKNOWN_REMEDY: &str =
-    concat!("Drop ", mesh_formats!(), " files with the right extension; export other formats from the CAD program.");
+    concat!("Drop ", cad_formats!(), " files with the right extension; export other formats from the CAD program.");
 
 /// Detects the format from the head (up to [`HEAD_BYTES`]), the size and the dropped name.
 pub(super) fn detect_format(head: &[u8], len: u64, name: &str) -> FileFormat {

@@ -9,7 +9,9 @@
 //! holds, so that one rename and one hash say what became of it.
 //!
 //! Another kind of queue is a file beside `queue_folder` with its `impl PrinterQueue`, a variant of [`QueueAddress`], and an option of `[[printer]]`
-//! that makes one. It keeps what is staged and what was taken back on this machine, where it is read back and proved.
+//! that makes one. It keeps what is staged and what was taken back on this machine, where it is read back and proved. What matches the variant says
+//! what else must know it (`address`, `open`); a visible file is taken to have a local path (`QueueAddress::visible_file`), and the folder's place
+//! is known to `settings/validation`, the invariants of the farm and `nestd check`.
 
 mod address;
 mod error;

@@ -4,7 +4,7 @@
 //! printers, `Watching` the watch on the hot folders, `Showing` the status that people see, `SettingUp` the machines as they are
 //! configured, `Storing` the store and what it forgets, `Receiving` parts until they wait or are refused, `Searching` open builds
 //! that wait, `Building` fired builds until they lie in a queue, `Batching` what is received together with what is fired. Each has
-//! `Shared`: settings to read, the ledger to work in, alerts to raise, and the clock. The end of a job names its desk too. A step that cannot
+//! `Shared`: settings to read, the ledger to work in, the daemon's life, alerts to raise, and the loop's schedule with its clock. The end of a job names its desk too. A step that cannot
 //! rely on its ledger asks for a halt (`Shared::halt`), and the loop halts the farm as soon as that step has ended.
 
 pub(super) mod clock_changes;

@@ -3,10 +3,10 @@
 //! | | arrival | waiting | final | quote |
 //! |---|---|---|---|---|
 //! | begins when | other copies wait than were tried | nothing is wanted of the open build | a build has fired | somebody asks |
-//! | time | `arrival_secs`, at least 0.02 s a copy | CPU time of a round that doubles | `final_secs`, half of it at each attempt after a crash, without what was searched before a stop | a share of the time in which an answer is due |
+//! | time | `arrival_secs`, at least 0.02 s a copy | CPU time of a round that doubles | `final_secs`, half of it at each attempt after a crash or a failure, without what was searched before a stop | a share of the time in which an answer is due |
 //! | threads | one search's share of the farm's | the same, while nobody else needs it | the same | one, beside all others |
 //! | priority | low | lowest | normal | low |
-//! | begins from | the lower of the open build's layout and the kept one | the open build's layout and the kept pool | the layout that the build fired with | the open build's layout, which stays |
+//! | begins from | the lower of the open build's layout and the kept one | the open build's layout and the kept pool | the layout that the build fired with, or its poses | the open build's layout, which stays |
 //! | stops before | other copies wait | anything else is wanted | - | - |
 //! | what it finds | is the open build's layout (`open_build/batch`) | is taken if it is lower, with the pool (`open_build/night_search`) | is written and proved (`open_build/nest`) | is a height (`planning/quote_insertion`) |
 //! | after a restart | begins from the layout in the ledger | goes on with its round and pool in the ledger | goes on from its layout in the ledger | - |

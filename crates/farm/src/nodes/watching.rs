@@ -88,6 +88,7 @@ pub(crate) fn start_watcher(desk: &mut Watching<'_>) {
             }
             return Ok(());
         }
+        // It is no end of a job, so it gets the farm, and takes a desk at once.
         let something_happened = || LoopEvent::<Farm>::new(|farm| scan_jobs::schedule_scan(&mut farm.desk()));
         let watcher = InboxWatcher::start(inboxes.clone(), move || drop(events.send(something_happened())))?;
         *watched = Some(WatchedInboxes { watcher, inboxes });

@@ -97,7 +97,7 @@ impl ImproveLayoutJob {
 /// While parts wait, the passing of time alone may change what the printers can do: this is looked at so often.
 const LOOK_WHILE_WAITING: Duration = Duration::from_secs(30);
 
-/// Same as [`update_open_build`], but skipped while the rest after a slow run is not over, and where without news of the ledger there is
+/// [`update_open_build`], and then a look whether a published build is better taken back; skipped while the rest after a slow run is not over, and where without news of the ledger there is
 /// nothing to do.
 pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str, has_news: bool) -> Result<()> {
     let (began, now) = (Instant::now(), desk.shared.now());
@@ -192,7 +192,7 @@ async fn empty_open_build(desk: &mut Batching<'_>, name: &str) -> Result<()> {
 }
 
 /// Whether the open build fires at once because it holds the copies of a build that nestd withdrew: as soon as their originals are
-/// there. Nothing is taken over where none of them waits any more.
+/// there. Nothing is taken over where nothing waits any more.
 async fn takes_over_withdrawn(desk: &Batching<'_>, name: &str, is_nothing_waiting: bool) -> Result<bool> {
     let Some(build) = desk.shared.ledger.withdrawn_for_open(name).await? else { return Ok(false) };
     let awaits_originals = desk.shared.ledger.awaits_originals_of(build).await?;

@@ -168,7 +168,7 @@ async fn start_final_search(
     let search = LayoutSearch::begin(SearchPolicy::Final { secs, seed });
     let start = match build.kept.layout.as_deref() {
         Some(layout) => placed_from_json(layout),
-        // The build was proved before, but its file was damaged.
+        // The build was proved before, but must be made again.
         None => placed_from_rows(&ledger.placements_of_build(build.id).await?, profile.origin_mm()),
     };
     let stands: HashSet<CopyId> = start.iter().map(|placed| placed.copy).collect();

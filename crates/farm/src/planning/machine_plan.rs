@@ -131,7 +131,7 @@ pub struct DateRisk {
     /// The time that the cause goes until, where it has one.
     #[serde(skip)]
     pub until: Option<Timestamp>,
-    /// The same in words, as the end of a sentence.
+    /// The cause in words, as the end of a sentence.
     pub reason: String,
 }
 

@@ -208,7 +208,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
     }
 }
 
-/// Runs every step that queries the ledger.
+/// Runs the steps that look for work in the whole ledger.
 async fn run_ledger_steps(farm: &mut Farm) {
     farm.display.is_behind = true;
     farm.machines.values_mut().for_each(|machine| machine.queued = None);

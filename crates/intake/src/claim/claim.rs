@@ -2,7 +2,7 @@
 //!
 //! A claim is a self-describing folder `.claimed/<id>/`. It holds `[order/..]name` and beside it the tickets of the
 //! part and what the order list says about it. It is assembled as `.claimed/.new-<id>/` and then renamed once, so a
-//! claim either exists completely or not at all. [`claims`] gives back the files of an assembly that a crash
+//! claim either exists completely or not at all. [`recover_claims`](crate::recover_claims) gives back the files of an assembly that a crash
 //! interrupted.
 
 use std::{

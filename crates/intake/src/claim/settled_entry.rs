@@ -67,7 +67,7 @@ pub enum SettledEntry {
         /// Its command.
         kind: ControlKind,
     },
-    /// Not a part: to be moved to the error folder by [`refuse_path`](crate::refuse_entry).
+    /// Not a part: to be moved to the error folder by [`refuse_entry`](crate::refuse_entry).
     Refuse {
         /// The entry.
         seen: InboxEntry,

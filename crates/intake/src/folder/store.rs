@@ -76,7 +76,7 @@ impl StoreError {
     pub fn is_lost(&self) -> bool {
         match self {
             Self::Damaged(_) => true,
-            // The error of `open_regular` for a folder or link in place of the file.
+            // The error of `open_regular_file` for a folder or link in place of the file.
             Self::Io { what: "open" | "read", source, .. } => {
                 matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput)
             }
@@ -193,8 +193,8 @@ impl ContentStore {
             false => false,
             true => match self.verify_hash(&stored.hash) {
                 Ok(()) => true,
-                // The same bytes are being stored now, so moving the damaged file aside loses nothing. A file that only
-                // cannot be read at the moment stays.
+                // The same bytes are being stored now, so moving the damaged or unreadable file aside loses nothing.
+                // Where the store as a whole is out of reach, it stays.
                 Err(error) if error.is_lost() || error.is_unreadable() => {
                     self.move_damaged_aside(&stored.hash)?;
                     false
@@ -234,7 +234,7 @@ impl ContentStore {
         &self.dir
     }
 
-    /// Moves a stored file that does not match its hash to the folder `damaged` beside the store. Nothing is deleted.
+    /// Moves a stored file that does not match its hash, or cannot be read, to the folder `damaged` beside the store. Nothing is deleted.
     /// Returns the new path; `None` = there was no file.
     pub fn move_damaged_aside(&self, hash: &str) -> Result<Option<PathBuf>, StoreError> {
         let path = self.file_path(hash)?;
@@ -244,7 +244,11 @@ impl ContentStore {
         let damaged = self.dir.with_file_name(DAMAGED_DIR);
         disk::create_dirs(&damaged).map_err(io_error("create", &damaged))?;
         let aside = disk::move_to_free_name(&path, &damaged, hash.as_ref()).map_err(io_error("set aside", &path))?;
-        warn!("{} is damaged: its bytes do not match its hash. It was moved to {}.", path.display(), aside.display());
+        warn!(
+            "{} is damaged: its bytes do not match its hash, or cannot be read. It was moved to {}.",
+            path.display(),
+            aside.display()
+        );
         Ok(Some(aside))
     }
 

@@ -1,5 +1,9 @@
 //! The two state machines of the farm. Each state is an enum, changed by one function. The `CHECK` constraints of the
 //! schema list the same words; a test compares both.
+//!
+//! A new state is a variant and its moves here, an [`EventKind`](crate::EventKind), a migration of the `CHECK`, its words in the catalogs of
+//! `language`, and its place in the diagram of ARCHITECTURE.md. The compiler finds each `match`; what names states in SQL does not
+//! tell: look for `state IN`, `state =` and `matches!`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

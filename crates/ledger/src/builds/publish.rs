@@ -40,8 +40,8 @@ impl Ledger {
         change.commit().await
     }
 
-    /// verified -> nesting: the staged file is not the proved one any more, so the build file is written again from the
-    /// stored poses of its copies. Nobody has seen what it becomes: a yes that was said does not count for it.
+    /// verified -> nesting: its file or its machine is not what it was, or its printer is down, so the build is nested again, beginning from
+    /// the stored poses of its copies. Nobody has seen what it becomes: a yes that was said does not count for it.
     pub async fn reopen_verified_build(&self, build: BuildId, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Nesting, why).await?;

@@ -5,6 +5,7 @@ use crate::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, MEND_BY_SETTING, NewPartRow, NewTicketRow, PartId, PartRow,
     PartState, RecordedAs, RecordedPart, RefusalCause, RequestedTerms, SolidFacts, UtcTimestamp,
     base::{error::Result, sql},
+    rows::part_row::term_columns,
     store::change::LedgerChange,
 };
 
@@ -280,12 +281,14 @@ async fn find_or_insert_solid(
         return Ok((part.state == PartState::Claimed).then_some(part));
     }
     let now = change.now;
-    let id = sql::query_scalar(
-        "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, \
-         customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at, read_unit, mend_allowed_by) \
-         SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', \
-         customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2, read_unit, mend_allowed_by FROM part WHERE id = $3 RETURNING id",
-    )
+    let id = sql::query_scalar(concat!(
+        "INSERT INTO part (claim, object_index, machine, name, order_name, content_hash, bytes, state, warnings, ",
+        term_columns!(),
+        ", reads, claimed_at, state_at, read_unit, mend_allowed_by) \
+             SELECT claim, $1, machine, name, order_name, content_hash, bytes, 'claimed', '', ",
+        term_columns!(),
+        ", reads, claimed_at, $2, read_unit, mend_allowed_by FROM part WHERE id = $3 RETURNING id"
+    ))
     .bind(solid.object_index)
     .bind(now)
     .bind(file.id)

@@ -4,6 +4,7 @@
 use crate::{
     EventKind, Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause,
     base::{error::Result, sql},
+    rows::part_row::term_columns,
     store::change::LedgerChange,
 };
 
@@ -154,11 +155,13 @@ impl LedgerChange {
                  (SELECT customer, email, material, material_key, finish, due_at, due_text, note FROM part WHERE id = $1) \
                  WHERE id = $2 AND state = 'claimed'",
             ),
-            TakenOver::Terms | TakenOver::All => Some(
-                "UPDATE part SET (customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
-                 (SELECT customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note FROM part WHERE id = $1) \
-                 WHERE id = $2 AND state = 'claimed'",
-            ),
+            TakenOver::Terms | TakenOver::All => Some(concat!(
+                "UPDATE part SET (",
+                term_columns!(),
+                ") = (SELECT ",
+                term_columns!(),
+                " FROM part WHERE id = $1) WHERE id = $2 AND state = 'claimed'",
+            )),
         };
         if let Some(take) = take {
             sql::query(take).bind(old).bind(new).execute(self.db()).await?;

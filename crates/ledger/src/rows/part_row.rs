@@ -1,4 +1,7 @@
 //! The row of a part, and the data recorded for a new one.
+//!
+//! A new column of it is added in `migrations/` and `migrations/postgres/` (named in `store/schema` and `store/postgres/schema`), here, and, if
+//! it is asked with a part, in `parts/claim`, `parts/edit`, `keep/decisions` (a ticket that is read again) and `keep/record_rows` (the archive).
 
 use build_file::LengthUnit;
 use jiff::Timestamp;
@@ -53,6 +56,14 @@ pub struct DroppedFile {
     /// The claim of what was taken of this file before its writer went on.
     pub rewrites: Option<String>,
 }
+
+/// The columns of what was asked with a part, as one solid of a file takes them from another, and a revision from the part that it replaces.
+macro_rules! term_columns {
+    () => {
+        "customer, email, material, material_key, finish, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note"
+    };
+}
+pub(crate) use term_columns;
 
 /// Requested terms for a claimed file, other than the copies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

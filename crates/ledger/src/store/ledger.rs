@@ -51,6 +51,7 @@ enum ServerUse<'a> {
 impl Ledger {
     /// Opens the ledger at `at`. Creates the file and its folder if there is none, and migrates the schema.
     ///
+    /// # Errors
     /// A network file system, a schema newer than this binary, or an error of the database.
     pub async fn open(at: impl Into<LedgerAddress>) -> Result<Self> {
         match at.into() {
@@ -62,6 +63,7 @@ impl Ledger {
     /// Opens the ledger file like [`Ledger::open`], but only if it is intact.
     ///
     /// # Errors
+    /// # Errors
     /// As [`Ledger::open`], and `Damaged`.
     pub async fn open_checked(path: &Path) -> Result<Self> {
         Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_checked(path).await?)))
@@ -70,6 +72,7 @@ impl Ledger {
     /// Opens the ledger for a daemon that serves it: a file only if it is intact, and a database on a server only if no other process has
     /// the same right.
     ///
+    /// # Errors
     /// # Errors
     /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
     pub async fn open_to_serve(at: impl Into<LedgerAddress>, node: &ServingNode) -> Result<Self> {
@@ -83,6 +86,7 @@ impl Ledger {
 
     /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
     ///
+    /// # Errors
     /// # Errors
     /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
     pub async fn open_existing(at: impl Into<LedgerAddress>) -> Result<Self> {
@@ -175,7 +179,8 @@ impl Ledger {
 
     /// Fails unless the daemon that opened this may act on what the ledger says.
     ///
-    /// `Unreachable`, `RepairDue`, `TakenOver` or `Behind`.
+    /// # Errors
+    /// `Locked`, `Unreachable`, `RepairDue`, `TakenOver` or `Behind`.
     pub fn ensure_served(&self) -> Result<()> {
         match self.service_state() {
             ServiceState::Held => Ok(()),
@@ -270,8 +275,9 @@ impl Ledger {
         }
     }
 
-    /// Checks an open ledger for damage, as [`Ledger::open_checked`] does. Reads the whole file.
+    /// Checks an open ledger for damage, as [`Ledger::open_checked`] does: reads the whole file. A server checks its own.
     ///
+    /// # Errors
     /// `Damaged` if it is damaged.
     pub async fn check_integrity(&self) -> Result<()> {
         match &self.store {
@@ -324,7 +330,7 @@ impl Ledger {
     }
 
     /// Closes all connections in an orderly way and, for a file, writes the checksum, so the next start can verify every
-    /// byte. Returns `false` if no checksum was written, for instance because other processes use the ledger; the next
+    /// byte; a server needs none. Returns `false` if no checksum was written, for instance because other processes use the ledger; the next
     /// start then checks the whole ledger instead.
     pub async fn close_with_checksum(&self) -> Result<bool> {
         match &self.store {
@@ -351,6 +357,7 @@ impl Ledger {
 
     /// Checks that the open files are still the ones at the ledger's path. Takes microseconds.
     ///
+    /// # Errors
     /// `Replaced` if somebody removed or replaced one.
     pub fn ensure_files_in_place(&self) -> Result<()> {
         self.sqlite().map_or(Ok(()), SqliteStore::ensure_files_in_place)
@@ -358,6 +365,7 @@ impl Ledger {
 
     /// Same as [`Ledger::ensure_files_in_place`], and that nothing was lost of what they held.
     ///
+    /// # Errors
     /// `Replaced` or `Overwritten`.
     pub async fn ensure_in_place(&self) -> Result<()> {
         match self.sqlite() {

@@ -1,6 +1,6 @@
 //! What a person says of builds, printers and orders: how a print ended, that it is printed again, that its cake is broken out, that a
 //! build may be published, that a printer is down, that an order is closed. This is the one place where such a word is judged against the ledger; `farm/operate/operate`
-//! looks into the queue folders first. None of these words needs a daemon that runs.
+//! looks into the queue folders first. None of these words needs a daemon to be said; one that is noted is carried out by the daemon.
 //!
 //! Copies that a word makes bad are printed again, so nobody may print them from the old file any more. As long as that file may lie
 //! in a queue folder, the word is refused. Where the person insists, it is noted in the build's row, the file is taken back as
@@ -69,7 +69,7 @@ impl WordEffect {
 }
 
 impl BuildWord {
-    /// Whether the print is over by this word.
+    /// Whether the build was printed, by this word.
     fn says_printed(&self) -> bool {
         matches!(self, Self::BreakOut) || matches!(self, Self::Outcome(told) if told.outcome == PrintOutcome::Complete)
     }

@@ -104,7 +104,8 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The store holds this content again, so its parts on this node's machines continue.
+    /// The search for this content is over: the store holds it, or it is not needed, or was not found. Its parts on this node's machines
+    /// continue.
     pub async fn mark_fetched(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let mark = sql::query(

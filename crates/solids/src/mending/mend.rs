@@ -139,8 +139,11 @@ impl Mesh {
                 return Err(why);
             }
             let mut repair = Repair::new(self, vertices, triangles);
-            (repair.measures.joined, repair.measures.deviation_mm) = (joined, WELD_MM);
-            repair.mend().map_err(|_| why)
+            repair.measures.joined = joined;
+            let mut mended = repair.mend().map_err(|_| why)?;
+            // What fills its holes is measured from their rims, which have moved.
+            mended.measures.deviation_mm += WELD_MM;
+            Ok(mended)
         })
     }
 }

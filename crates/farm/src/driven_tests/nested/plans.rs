@@ -20,7 +20,11 @@ fn plan(farm: &HandDrivenFarm) -> MachinePlan {
     farm.ask(async |ledger| {
         let reading = FarmReading::read(ledger, [&profile], now).await.unwrap();
         let plan = reading.plans(ledger).await.unwrap().remove(0);
-        assert_eq!(reading.dates_at_risk(ledger).await.unwrap(), plan.risks, "who asks for the dates alone is told the same");
+        assert_eq!(
+            reading.dates_at_risk(ledger).await.unwrap(),
+            plan.risks,
+            "who asks for the dates alone is told the same"
+        );
         plan
     })
 }

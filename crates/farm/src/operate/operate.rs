@@ -15,6 +15,7 @@ use settings::Settings;
 use crate::{
     nesting::node_client::NodeClient,
     printers::printers::fate_of_queued,
+    records::said_words::note_word,
     scanning::{
         machine_fit::find_misfit,
         queue_contents::{BuildFiles, ContentReader, SoughtFile, VisibleFile, is_at, is_proved},
@@ -62,7 +63,8 @@ pub async fn operate(
 ) -> Result<WordAnswer, LedgerError> {
     let word = &with_known_material(settings, word)?;
     let mut seen = SeenFiles::new();
-    for build in ledger.builds_meant(word).await? {
+    let meant = ledger.builds_meant(word).await?;
+    for build in meant.clone() {
         let (id, file) = (build.id, see_file(ledger, settings, build, word).await?);
         seen.extend(file.map(|file| (id, file)));
     }
@@ -70,6 +72,12 @@ pub async fn operate(
         ensure_not_made_again(ledger, settings, *build).await?;
     }
     let mut answer = ledger.carry_out(word, by, &seen, anyway).await?;
+    // It is said, whether or not its note is kept.
+    match tokio::time::timeout(LOOK_TIMEOUT, note_word(settings, ledger, (word, by), &meant)).await {
+        Ok(Ok(())) => {}
+        Ok(Err(failure)) => tracing::warn!("What was said is in the ledger, and not in the archive: {failure:#}."),
+        Err(_) => tracing::warn!("What was said is in the ledger, and not in the archive, which does not answer."),
+    }
     if let OperatorWord::PrinterDown { machine: profile, printer, .. } = word
         && let Some(profile) = settings.profiles.get(profile)
     {

@@ -15,3 +15,4 @@ pub(super) mod newer_decisions;
 pub(super) mod order_notes;
 pub(super) mod reconcile;
 pub(super) mod reconcile_report;
+pub(super) mod said_words;

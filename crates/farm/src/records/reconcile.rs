@@ -20,6 +20,7 @@ use super::{
     newer_decisions::{NewerDecisions, how_to_take_back, wanted_then},
     order_notes,
     reconcile_report::{DECIDED_SINCE, DeferredFolderStep, ErrorFolderIndex, ReconcileReport, copy_to_error_folder},
+    said_words,
 };
 use settings::{MachineProfile, Settings};
 
@@ -60,7 +61,7 @@ pub async fn reconcile_ledger(
     known: &FolderExpectations,
 ) -> Result<ReconcileReport> {
     known.check_all_available(settings)?;
-    let mut found = ReconcileReport::default();
+    let (mut found, last_event_at) = (ReconcileReport::default(), ledger.last_event_at().await?);
     let mut unclear = HashSet::new();
     let mut unknown = Vec::new();
     for profile in settings.profiles.values() {
@@ -114,6 +115,7 @@ pub async fn reconcile_ledger(
         again.recover_file(one).await?;
     }
     order_notes::take_in_orders(ledger, &settings.state_dir, &mut found).await?;
+    said_words::name_words_since(settings, last_event_at, &mut found)?;
     if found != ReconcileReport::default() {
         ledger.leave_gap_in_numbers(NUMBER_GAP).await?;
     }

@@ -122,3 +122,30 @@ fn a_claim_without_a_row_is_reported_once_it_is_old_and_no_daemon_runs() {
     assert!(!reported.status.success() && text(&reported).contains("20260101T000000Z-1-left"), "{}", text(&reported));
     assert!(text(&reported).contains("start the daemon"), "{}", text(&reported));
 }
+
+#[test]
+fn what_was_said_of_a_print_since_the_backup_is_named_with_the_command_that_says_it_again() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("a_x3.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 1);
+    fs::remove_file(farm.wait_for_queued(1).remove(0)).unwrap();
+    farm.nestd_ok(&["outcome", "1", "printing"]);
+    let backup = farm.root().join("ledger.backup");
+    farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
+    let again = ["outcome", "1", "complete", "--bad", "1=2"];
+    farm.nestd_ok(&again);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+    let restored = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert!(restored.contains("said `nestd outcome 1 complete --bad 1=2`. Say it again"), "{restored}");
+    assert!(!restored.contains("outcome 1 printing"), "the backup knows that: {restored}");
+    assert_eq!(farm.parts(PartState::Waiting).len(), 0, "{restored}");
+    farm.nestd_ok(&again);
+    assert_eq!(farm.parts(PartState::Waiting)[0].owed.copies, 3);
+    fs::remove_file(&backup).unwrap();
+    farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
+    let restored = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert!(!restored.contains("nestd outcome"), "it is known now: {restored}");
+}

@@ -8,6 +8,7 @@ pub(super) mod build_file;
 mod build_metadata;
 pub(super) mod build_read;
 pub(super) mod build_write;
+mod mesh_lists;
 pub(super) mod model_write;
 mod new_build;
 mod package_entry;

@@ -99,7 +99,7 @@ pub(super) fn with_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     then(file.path())
 }
 
-const CHOICES: [(DeliveryKind, Arrangement); 4] = [
+pub(super) const CHOICES: [(DeliveryKind, Arrangement); 4] = [
     (DeliveryKind::Shared, Arrangement::Items),
     (DeliveryKind::Expanded, Arrangement::Items),
     (DeliveryKind::Shared, Arrangement::Locked),

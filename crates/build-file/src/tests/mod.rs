@@ -11,6 +11,8 @@ pub(super) mod item_contact_tests;
 #[cfg(test)]
 pub(super) mod polygon_tests;
 #[cfg(test)]
+mod second_reader_tests;
+#[cfg(test)]
 pub(super) mod slicer_project_tests;
 #[cfg(test)]
 pub(super) mod test_package;

@@ -1,4 +1,5 @@
-//! Tests that the second reader of a build notices whatever another reader might read wrongly.
+//! Tests that lists of vertices and triangles are read in whatever form they are, and that the second reader of a build notices what the first
+//! one might read wrongly.
 
 use std::{
     io::{Cursor, Read, Write},
@@ -6,7 +7,7 @@ use std::{
 };
 
 use glam::DVec3;
-use solids::Mesh;
+use solids::{Mesh, Pose};
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::build_tests::{CHOICES, bytes, sample, with_file};
@@ -27,6 +28,70 @@ fn with_model(package: &[u8], change: impl Fn(&str) -> String) -> Vec<u8> {
         changed.write_all(&bytes).unwrap();
     }
     changed.finish().unwrap().into_inner()
+}
+
+/// A build of one part of many triangles.
+fn boulder_build() -> BuildFile {
+    let mut build = BuildFile::new(DVec3::splat(200.0), 1.0);
+    let boulder = build.add_object("boulder", Arc::new(sample_parts::boulder(100.0, 40)));
+    build.add_item(boulder, 0, Pose::new(glam::DQuat::IDENTITY, DVec3::splat(60.0)));
+    build
+}
+
+#[test]
+fn long_lists_in_mixed_forms_are_read_whole() {
+    let limits = ReadLimits::for_testing();
+    let written = bytes(&boulder_build());
+    let placed = with_file(&written, |file| read_build(file, &limits)).unwrap();
+    assert!(placed[0].mesh.triangles().len() > 10_000);
+    let in_form = |(number, line): (usize, &str)| match (
+        number % 11,
+        line.strip_suffix("/>").filter(|_| line.contains(" v1=") || line.contains(" x=")),
+    ) {
+        (3, Some(start)) if line.starts_with("<vertex ") => format!("{start}></vertex>"),
+        (4, Some(_)) => format!("<!-- <vertex x=\"1\" y=\"1\" z=\"1\"/> -->{line}\n"),
+        (5, Some(_)) => line.replace('"', "'"),
+        (6, Some(_)) => format!("{line} text <?nothing?>"),
+        (7, Some(start)) => format!("{start} a=\"0\"/>"),
+        (8, Some(_)) => format!("&amp;{line}&amp;"),
+        (9, Some(_)) => format!("   {line}\r\n"),
+        _ => format!("{line}\n"),
+    };
+    let mixed = with_model(&written, |text| text.lines().enumerate().map(in_form).collect());
+    let read = with_file(&mixed, |file| read_build(file, &limits)).unwrap();
+    assert_eq!(read[0].mesh.vertices(), placed[0].mesh.vertices());
+    assert_eq!(read[0].mesh.triangles(), placed[0].mesh.triangles());
+}
+
+#[test]
+fn a_fault_deep_in_a_long_list_is_an_error() {
+    let limits = ReadLimits::for_testing();
+    let written = bytes(&boulder_build());
+    let change_last = |element: &str, from: &str, to: &str| {
+        with_model(&written, |text| {
+            let (before, last) = text.split_at(text.rfind(element).unwrap());
+            format!("{before}{}", last.replacen(from, to, 1))
+        })
+    };
+    for (element, from, to) in [
+        ("<vertex ", "x=\"", "x=\"1,"),
+        ("<vertex ", " z=", " w="),
+        ("<vertex ", "/>", ">"),
+        ("<triangle ", "v2=\"", "v2=\"-"),
+        ("<triangle ", "v2=\"", "v2=\"1.5"),
+        ("<triangle ", "v2=\"", "v2=\"9999"),
+        ("<triangle ", "v3=", "v2="),
+        ("<triangle ", "/>", ""),
+    ] {
+        let read = with_file(&change_last(element, from, to), |file| read_build(file, &limits));
+        assert!(matches!(read, Err(FileReadError::Invalid { .. })), "{element} {to}: {read:?}");
+    }
+    let few = ReadLimits { max_triangles: placed_triangles(&written) - 1, ..ReadLimits::for_testing() };
+    assert!(matches!(with_file(&written, |file| read_build(file, &few)), Err(FileReadError::TooLarge { .. })));
+}
+
+fn placed_triangles(written: &[u8]) -> u64 {
+    with_file(written, |file| read_build(file, &ReadLimits::for_testing())).unwrap()[0].mesh.triangles().len() as u64
 }
 
 #[test]

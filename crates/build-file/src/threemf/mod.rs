@@ -9,6 +9,7 @@ pub(super) mod model;
 pub(super) mod model_head;
 pub(super) mod model_parse;
 pub(super) mod package;
+mod plain_lists;
 pub(super) mod slicer_project;
 pub(super) mod threemf_read;
 pub(super) mod unpack_guard;

@@ -10,6 +10,7 @@ use super::{
         ObjectReference,
     },
     model_head::{ModelXmlReader, open_model, parse_metadata},
+    plain_lists::{plain_triangle, plain_vertex},
     slicer_project::is_helper_mesh,
     xml::DocumentStep,
     xml_names::{CORE, ElementTag, NESTD, PRODUCTION, SLICE, XmlNamespace},
@@ -208,6 +209,11 @@ fn parse_vertices<R: BufRead>(
     into: &mut Vec<DVec3>,
 ) -> Result<(), FileReadError> {
     loop {
+        xml.take_plain_elements(plain_vertex, |corner| {
+            budget.take_amount(CountedElement::Vertices, 1)?;
+            into.push(corner);
+            Ok(())
+        })?;
         match xml.next_step()? {
             DocumentStep::Open(ElementTag::Vertex) => {
                 budget.take_amount(CountedElement::Vertices, 1)?;
@@ -231,6 +237,11 @@ fn parse_triangles<R: BufRead>(
     into: &mut Vec<[u32; 3]>,
 ) -> Result<(), FileReadError> {
     loop {
+        xml.take_plain_elements(plain_triangle, |corners| {
+            budget.take_amount(CountedElement::Triangles, 1)?;
+            into.push(corners);
+            Ok(())
+        })?;
         match xml.next_step()? {
             DocumentStep::Open(ElementTag::Triangle) => {
                 budget.take_amount(CountedElement::Triangles, 1)?;

@@ -10,6 +10,7 @@ use quick_xml::{
 };
 
 use super::{
+    plain_lists::PlainElement,
     unpack_guard::UnpackGuard,
     xml_names::{ElementTag, XmlNamespace},
 };
@@ -50,6 +51,8 @@ pub(crate) struct XmlReader<R> {
     attributes: Vec<XmlAttribute>,
     /// The open element is empty, so the next step closes it.
     empty: bool,
+    /// The last event was a tag, so that the parser expects text or another tag.
+    is_after_tag: bool,
     path: String,
     seen_root: bool,
 }
@@ -109,6 +112,7 @@ impl<R: BufRead> XmlReader<UnpackGuard<R>> {
             text: String::new(),
             attributes: Vec::new(),
             empty: false,
+            is_after_tag: false,
             path: path.to_owned(),
             seen_root: false,
         }
@@ -127,6 +131,31 @@ impl<R: BufRead> XmlReader<UnpackGuard<R>> {
         self.names.open.len()
     }
 
+    /// Takes elements of the core that follow, as long as `element` finds one at the beginning of the text that is already unpacked. They
+    /// must be empty and in the default namespace. What `element` does not find, and what it is not asked for, is in the next steps.
+    pub(super) fn take_plain_elements<T>(
+        &mut self,
+        element: PlainElement<T>,
+        mut hand_on: impl FnMut(T) -> Result<(), FileReadError>,
+    ) -> Result<(), FileReadError> {
+        if self.empty || !self.is_after_tag || self.names.default != XmlNamespace::Core || self.depth() >= MAX_DEPTH {
+            return Ok(());
+        }
+        self.reader.get_mut().start_token();
+        let text = match self.reader.get_mut().fill_buf() {
+            Ok(text) => text,
+            Err(error) => return Err(self.read_failure(error.into())),
+        };
+        let mut rest = text;
+        while let Some((found, following)) = element(rest) {
+            hand_on(found)?;
+            rest = following;
+        }
+        let taken = text.len() - rest.len();
+        self.reader.get_mut().consume(taken);
+        Ok(())
+    }
+
     /// The next relevant event; comments and processing instructions are skipped.
     pub(super) fn next_step(&mut self) -> Result<DocumentStep, FileReadError> {
         if std::mem::take(&mut self.empty) {
@@ -139,6 +168,7 @@ impl<R: BufRead> XmlReader<UnpackGuard<R>> {
                 Ok(event) => event,
                 Err(error) => return Err(self.read_failure(error)),
             };
+            self.is_after_tag = matches!(event, Event::Start(_) | Event::Empty(_) | Event::End(_));
             let step = match event {
                 Event::Start(ref start) | Event::Empty(ref start) => {
                     self.empty = matches!(event, Event::Empty(_));

@@ -10,7 +10,10 @@ use solids::{Mesh, Pose};
 use super::build_metadata::{format_pose, metadata_of};
 use crate::{
     Arrangement, BuildFile, BuildFileItem, DeliveryKind, OrderWords,
-    common::uuid::derive_uuid,
+    common::{
+        decimal::{push_decimal, push_index},
+        uuid::derive_uuid,
+    },
     is_invisible,
     threemf::xml_names::{CORE, NESTD, PRODUCTION},
 };
@@ -148,13 +151,25 @@ fn write_mesh_object(build: &BuildFile, id: usize, item: &BuildFileItem, out: &m
 fn write_mesh(mesh: &Mesh, place: Option<Pose>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<mesh>\n<vertices>")?;
     let placed = |corner: &DVec3| place.map_or(*corner, |pose| pose.transform_point(*corner));
-    for DVec3 { x, y, z } in mesh.vertices().iter().map(placed) {
-        // `{}` prints the shortest digits that read back as the same number.
-        writeln!(out, r#"<vertex x="{x}" y="{y}" z="{z}"/>"#)?;
+    let mut line = Vec::new();
+    for corner in mesh.vertices().iter().map(placed) {
+        line.clear();
+        for (name, coordinate) in [r#"<vertex x=""#, r#"" y=""#, r#"" z=""#].into_iter().zip(corner.to_array()) {
+            line.extend_from_slice(name.as_bytes());
+            push_decimal(&mut line, coordinate);
+        }
+        line.extend_from_slice(b"\"/>\n");
+        out.write_all(&line)?;
     }
     writeln!(out, "</vertices>\n<triangles>")?;
-    for [a, b, c] in mesh.triangles() {
-        writeln!(out, r#"<triangle v1="{a}" v2="{b}" v3="{c}"/>"#)?;
+    for corners in mesh.triangles() {
+        line.clear();
+        for (name, corner) in [r#"<triangle v1=""#, r#"" v2=""#, r#"" v3=""#].into_iter().zip(corners) {
+            line.extend_from_slice(name.as_bytes());
+            push_index(&mut line, *corner);
+        }
+        line.extend_from_slice(b"\"/>\n");
+        out.write_all(&line)?;
     }
     writeln!(out, "</triangles>\n</mesh>")
 }

@@ -150,7 +150,7 @@ async fn what_was_done_is_answered_in_words_also_while_the_daemon_still_writes_t
             }
         };
         // As the farm does: the change first, with its command done, and then the words.
-        let edit = command.read_argument().edit.unwrap();
+        let edit = command.read_argument().unwrap().edit.unwrap();
         let part = command.part_id.unwrap();
         let edited = ledger.for_command(command.id).edit_part(part, &edit, &command.asked_by).await.unwrap();
         tokio::time::sleep(std::time::Duration::from_millis(300)).await;

@@ -112,7 +112,7 @@ async fn an_order_is_for_a_customer_who_can_be_changed_also_when_all_of_it_is_bu
     let commands = dashboard.ledger.pending_commands().await.unwrap();
     let (customer, email) = (Some("Brandt & Co".to_owned()), Some("anna@brandt.example".to_owned()));
     let asked: Vec<_> =
-        commands.iter().map(|command| (command.part_id, command.read_argument().edit.unwrap())).collect();
+        commands.iter().map(|command| (command.part_id, command.read_argument().unwrap().edit.unwrap())).collect();
     let address = ledger::PartEdit { customer, email, ..Default::default() };
     assert_eq!(asked[0], (Some(PartId(1)), address.clone()));
     assert_eq!(asked[1].1, ledger::PartEdit { priority: Some(90), ..address });
@@ -342,7 +342,7 @@ async fn a_form_sends_only_what_a_person_changed_and_shows_why_it_was_refused() 
         while seen.len() < 2 {
             for command in ledger.pending_commands().await.unwrap() {
                 ledger.answer_command(command.id, seen.is_empty(), "it is `being` nested").await.unwrap();
-                seen.push((command.kind, command.part_id, command.asked_by.clone(), command.read_argument()));
+                seen.push((command.kind, command.part_id, command.asked_by.clone(), command.read_argument().unwrap()));
             }
             tokio::time::sleep(std::time::Duration::from_millis(5)).await;
         }

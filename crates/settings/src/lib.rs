@@ -22,6 +22,7 @@ pub use service::notify::{NotifySettings, WebhookSettings};
 pub use service::settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
 pub use service::web::{ListenAddress, WebSettings};
 pub use validation::load::{OtherMachine, SettingsError, find_config_file, load_for_viewing, load_settings};
+pub use validation::profile_snapshot::given_or_null;
 
 mod machine;
 mod reading;

@@ -12,8 +12,8 @@ use build_file::LengthUnit;
 use ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState};
 use nester::OrientationRule;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
-use settings::FarmZone;
+use serde::{Deserialize, Serialize};
+use settings::{FarmZone, given_or_null};
 
 use super::{dto::PartResource, enum_words::words_or_null};
 use crate::web::{
@@ -64,11 +64,6 @@ pub(crate) struct EditRequest {
     customer: Option<String>,
     /// Where the customer gets e-mail when the order is complete; can also be changed where nothing waits any more.
     email: Option<String>,
-}
-
-/// A field that may be null is told from one that is left out.
-fn given_or_null<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Option<Option<T>>, D::Error> {
-    Option::deserialize(from).map(Some)
 }
 
 /// What the farm says of a change.

@@ -43,7 +43,7 @@ async fn edit_part(
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let mut edit = command.read_argument().edit.unwrap_or_default();
+    let mut edit = command.read_argument().unwrap_or_default().edit.unwrap_or_default();
     if let Some(material) = &mut edit.material {
         *material = desk.shared.settings.materials.require_name(material)?;
     }
@@ -106,7 +106,7 @@ pub(crate) async fn cancel_copies(
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>, LedgerError> {
-    let Some(copies) = command.read_argument().copies else { return Ok(None) };
+    let Some(copies) = command.read_argument().unwrap_or_default().copies else { return Ok(None) };
     let waiting = desk.shared.ledger.waiting_copies_of(row.id).await?;
     // The whole part goes to the error folder, as it does when it is cancelled without a number.
     if copies == waiting && row.wanted_copies() == waiting {

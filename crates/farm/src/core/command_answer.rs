@@ -54,6 +54,8 @@ pub(crate) enum CommandAnswer {
     NoPrinterInUse(String, String),
     /// Refused: the command names no part.
     NoPartNamed,
+    /// Refused: another version of nestd wrote the command, and it cannot be read.
+    OtherVersion,
     /// Refused: there is no such part.
     UnknownPart(PartId),
     /// Refused: it is not known how many copies of the part are wanted.
@@ -89,6 +91,7 @@ impl CommandAnswer {
             | Self::MachinePaused(_)
             | Self::NoPrinterInUse(..)
             | Self::NoPartNamed
+            | Self::OtherVersion
             | Self::UnknownPart(_)
             | Self::CopiesUnknown(_)
             | Self::NothingToMend(_)
@@ -145,6 +148,9 @@ impl fmt::Display for CommandAnswer {
                 write!(f, "no printer of {name} is in use; `nestd printer {printer} up` puts one into use again")
             }
             Self::NoPartNamed => f.write_str("no part was named"),
+            Self::OtherVersion => {
+                f.write_str("another version of nestd wrote this, and it cannot be read: say it again")
+            }
             Self::UnknownPart(part) => write!(f, "there is no part {part}"),
             Self::CopiesUnknown(part) => {
                 write!(f, "the ticket of part {part} could not be read: mend it and drop both again")

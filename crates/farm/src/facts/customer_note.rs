@@ -35,15 +35,19 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
     match fact.word {
         OrderWord::Done => say!("note-complete", order = name, printed = of),
         OrderWord::Closed => {
-            let accepted = order.closing.accepted_copies.unwrap_or(copies.good);
+            // A print may be told good after all since then.
+            let accepted = order.closing.accepted_copies.unwrap_or(0).max(copies.good);
             let all = order.closing.closed_of.unwrap_or(copies.wanted);
-            say!("note-closed", order = name, accepted = accepted, parts = all)
+            match accepted {
+                0 => say!("note-cancelled", order = name),
+                _ => say!("note-closed", order = name, accepted = accepted, parts = all),
+            }
         }
         OrderWord::Short if copies.under_way() == 0 => say!("note-order", order = name, how = and_refused(of)),
         _ => {
             let expected = match (fact.done_at, printed) {
                 _ if printed + copies.refused >= copies.wanted => None,
-                (Some(at), 0) => Some(say!("note-all-expected", day = day(at))),
+                (Some(at), 0) if copies.refused == 0 => Some(say!("note-all-expected", day = day(at))),
                 (Some(at), _) => Some(say!("note-rest-expected", day = day(at))),
                 (None, 0) if copies.waiting == 0 => Some(say!("note-all-made")),
                 (None, _) if copies.waiting == 0 => Some(say!("note-rest-made")),
@@ -56,6 +60,8 @@ pub fn customer_note(dated: &DatedOrder, zone: &FarmZone, now: Timestamp) -> Str
             };
             let note = say!("note-order", order = name, how = and_refused(how));
             match fact.missed_at {
+                // Later on the day that it was promised for is not late for whoever reads of days.
+                Some(due) if fact.done_at.is_some_and(|at| day(at) == day(due)) => note,
                 Some(due) if fact.lateness().is_some() || due.0 <= now => {
                     say!("note-then-sorry", note = note, sorry = say!("note-sorry", day = day(due)))
                 }

@@ -118,6 +118,10 @@ async fn execute_part_command(
     command: &CommandRow,
     part: PartId,
 ) -> Result<Option<CommandAnswer>> {
+    // Without what it says, it would concern all copies.
+    if command.read_argument().is_none() {
+        return Ok(Some(CommandAnswer::OtherVersion));
+    }
     let Some(row) = desk.shared.ledger.find_part(part).await? else {
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
@@ -166,7 +170,7 @@ async fn take_back(
     command: &CommandRow,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let is_mended = command.read_argument().mend;
+    let is_mended = command.read_argument().unwrap_or_default().mend;
     let is_mesh = matches!(row.refused.refusal, Some(RefusalCause::NotClosed | RefusalCause::Mendable));
     if is_mended && row.state == PartState::Refused && !is_mesh {
         return Ok(CommandAnswer::NothingToMend(row.id));

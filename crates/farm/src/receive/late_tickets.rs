@@ -263,6 +263,11 @@ async fn late_reason(desk: &Receiving<'_>, part: &PartRow, ticket: &Ticket, refu
         Some(wanted) if wanted > copies => {
             format!(" Order {} more with `nestd edit {} --copies {wanted}`.", wanted - copies, part.id)
         }
+        Some(wanted) if wanted < copies => format!(
+            " It asks for fewer: while the build lies in the queue, `nestd withdraw {}` takes it back, and then `nestd edit {} --copies \
+             {wanted}` changes it.",
+            last.build_id, part.id
+        ),
         _ => format!(
             " What differs can be ordered again: drop {} together with this ticket, which prints it once more.",
             part.name

@@ -4,7 +4,7 @@
 use std::{collections::HashSet, path::PathBuf};
 
 use anyhow::{Context, Result};
-use ledger::{Ledger, PartRow, RefusalCause};
+use ledger::{Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause};
 use settings::Settings;
 
 use super::{
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::files::{
     claim_note::{ClaimNote, ForgottenFile},
-    error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, reason_text},
+    error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, find_refused_files, reason_text},
 };
 
 /// Records forgotten files in a ledger.
@@ -26,6 +26,8 @@ pub(crate) struct ForgottenFileRecovery<'a> {
     /// Contents that may be printed already.
     pub possibly_printed: &'a HashSet<String>,
     pub report: &'a mut ReconcileReport,
+    /// Files of the error folders that belong to parts which were recovered before.
+    pub assigned: HashSet<PathBuf>,
 }
 
 impl ForgottenFileRecovery<'_> {
@@ -72,7 +74,7 @@ impl ForgottenFileRecovery<'_> {
     async fn recover_noted_file(&mut self, one: &ForgottenFile, taken: &ClaimNote) -> Result<()> {
         let (part, name) = (&taken.row_as_asked(one.decisions), one.display_name());
         let id = self.ledger.record_claim(part).await?.id;
-        let lies = self.refused.files_with_content(&part.machine, &one.hash).first().cloned();
+        let lies = self.find_refused_copy(id, part, &one.hash).await?;
         let wanted = match taken.wanted.values().collect::<Vec<_>>()[..] {
             [&wanted] if wanted != part.copies => Some(wanted),
             _ => None,
@@ -113,6 +115,25 @@ impl ForgottenFileRecovery<'_> {
         };
         self.report.doubts.push(format!("part {id} ({name}) is not printed. {told}"));
         Ok(())
+    }
+
+    /// The file in the error folder with a content, that is of no other part.
+    async fn find_refused_copy(&mut self, id: PartId, part: &NewPartRow, hash: &str) -> Result<Option<PathBuf>> {
+        let Some(profile) = self.settings.profiles.get(&part.machine) else { return Ok(None) };
+        let mut lying = self.refused.files_with_content(&part.machine, hash).to_vec();
+        if lying.is_empty() {
+            return Ok(None);
+        }
+        let others = self.ledger.parts_with_content(hash).await?.into_iter();
+        let is_refused =
+            |other: &PartRow| other.id != id && other.state == PartState::Refused && other.machine == part.machine;
+        for other in others.filter(is_refused) {
+            let of_other = find_refused_files(&profile.folders.error, &other)?;
+            lying.retain(|file| !of_other.iter().any(|(known, _)| known == file));
+        }
+        let lies = lying.into_iter().find(|file| !self.assigned.contains(file));
+        self.assigned.extend(lies.clone());
+        Ok(lies)
     }
 
     /// Puts the file of a part that is not printed into the error folder, with a reason that names the part.

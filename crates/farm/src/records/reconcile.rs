@@ -103,13 +103,16 @@ pub async fn reconcile_ledger(
         restore_retried_files(&context, profile, &mut since, &mut found).await?;
     }
     since.apply_to_ledger(ledger, &mut found).await?;
-    let forgotten = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
+    let mut forgotten = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
+    // What lies in an error folder is first of all of a part that was decided on.
+    forgotten.sort_by_key(|one| one.decisions == 0);
     let mut again = super::forgotten_files::ForgottenFileRecovery {
         settings,
         ledger,
         refused: &refused,
         possibly_printed: &unclear,
         report: &mut found,
+        assigned: HashSet::new(),
     };
     for one in forgotten {
         again.recover_file(one).await?;

@@ -136,6 +136,7 @@ note-some-printed =
        *[other] { $printed } von { $parts } Teilen sind gedruckt
     }
 note-complete = Ihr Auftrag { $order } ist vollständig: { $printed }.
+note-cancelled = Ihr Auftrag { $order } wurde storniert.
 note-closed =
     Ihr Auftrag { $order } ist abgeschlossen mit { $accepted } von { $parts ->
         [one] { $parts } Teil

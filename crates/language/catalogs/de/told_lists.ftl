@@ -49,6 +49,7 @@ told-late-several = Es kam, nachdem sein Teil angenommen war, und kann mehrere T
 told-late-too-late = Es kam zu spät: { $name } ist mit { $n } Stück in Baujob { $build }. { $remedy }
 told-late-published = Es kam zu spät: { $name } ist mit { $n } Stück in Baujob { $build }, ausgegeben { $time }. { $remedy }
 told-late-order-more = { $more } weitere mit `nestd edit { $part } --copies { $wanted }` bestellen.
+told-late-fewer = Es verlangt weniger: solange der Bauauftrag in der Warteschlange liegt, holt `nestd withdraw { $build }` ihn zurück, und dann ändert ihn `nestd edit { $part } --copies { $wanted }`.
 told-late-drop-both = Was abweicht, kann neu bestellt werden: { $name } zusammen mit diesem Ticket ablegen, dann wird es noch einmal gedruckt.
 told-late-refused = Es kam, nachdem sein Teil angenommen war: { $why }
 told-late-no-date = Sein Termin ist hier keiner ({ $detail })

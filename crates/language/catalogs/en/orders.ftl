@@ -143,6 +143,7 @@ note-some-printed =
        *[other] { $printed } of { $parts } parts are printed
     }
 note-complete = Your order { $order } is complete: { $printed }.
+note-cancelled = Your order { $order } was cancelled.
 note-closed =
     Your order { $order } is complete with { $accepted } of { $parts ->
         [one] { $parts } part

@@ -57,6 +57,7 @@ told-late-published =
        *[other] { $n } copies
     }. { $remedy }
 told-late-order-more = Order { $more } more with `nestd edit { $part } --copies { $wanted }`.
+told-late-fewer = It asks for fewer: while the build lies in the queue, `nestd withdraw { $build }` takes it back, and then `nestd edit { $part } --copies { $wanted }` changes it.
 told-late-drop-both = What differs can be ordered again: drop { $name } together with this ticket, which prints it once more.
 told-late-refused = It came after its part was taken: { $why }
 told-late-no-date = Its due date is none here: { $detail }

@@ -163,6 +163,7 @@ note-some-printed =
        *[other] { $printed } pièces sur { $parts } sont imprimées
     }
 note-complete = Votre commande { $order } est complète : { $printed }.
+note-cancelled = Votre commande { $order } a été annulée.
 note-closed =
     Votre commande { $order } est terminée avec { $accepted ->
         [one] { $accepted } pièce

@@ -57,6 +57,7 @@ told-late-published =
        *[other] { $n } exemplaires
     }. { $remedy }
 told-late-order-more = En demander { $more } de plus avec `nestd edit { $part } --copies { $wanted }`.
+told-late-fewer = Il en demande moins : tant que la fabrication est dans la file, `nestd withdraw { $build }` la reprend, puis `nestd edit { $part } --copies { $wanted }` la change.
 told-late-drop-both = Ce qui diffère peut être demandé à nouveau : déposer { $name } avec ce ticket, ce qui l’imprime encore une fois.
 told-late-refused = Il est venu après la prise de sa pièce : { $why }
 told-late-no-date = Son échéance n’en est pas une ici ({ $detail })

@@ -88,6 +88,7 @@ note-all-should = { $parts } 個すべて造形済みの見込みです
 note-some-should = { $parts } 個のうち { $printed } 個は造形済みの見込みです
 note-some-printed = パーツ { $parts } 個のうち { $printed } 個の造形が完了しました
 note-complete = ご注文 { $order } が完了しました: { $printed }。
+note-cancelled = ご注文 { $order } はキャンセルされました。
 note-closed = ご注文 { $order } は、パーツ { $parts } 個のうち { $accepted } 個で完了しました。
 note-order = ご注文 { $order }: { $how }。
 note-all-expected = 全数の完成予定は{ $day }です

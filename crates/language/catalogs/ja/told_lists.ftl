@@ -49,6 +49,7 @@ told-late-several = パーツの受付後に届き、複数のパーツに当て
 told-late-too-late = 遅すぎました: { $name } は { $n } 個がビルド { $build } に入っています。{ $remedy }
 told-late-published = 遅すぎました: { $name } は { $n } 個が、{ $time } に発行されたビルド { $build } に入っています。{ $remedy }
 told-late-order-more = あと { $more } 個は `nestd edit { $part } --copies { $wanted }` で追加してください。
+told-late-fewer = より少ない数です。ビルドがキューにある間は `nestd withdraw { $build }` で取り戻し、`nestd edit { $part } --copies { $wanted }` で変更してください。
 told-late-drop-both = 違う分は改めて注文できます。{ $name } をこのチケットと一緒に入れると、もう一度造形します。
 told-late-refused = パーツの受付後に届きました: { $why }
 told-late-no-date = 納期がここでは無効です({ $detail })

@@ -242,6 +242,15 @@ impl LedgerChange {
         Ok(())
     }
 
+    /// Removes the row of an order whose parts all went to other orders, and to which no program ordered anything: then `true`.
+    async fn forget_empty_order(&mut self, name: &str) -> Result<bool> {
+        let forget = sql::query(
+            "DELETE FROM customer_order WHERE name = $1 AND NOT EXISTS (SELECT 1 FROM part WHERE order_name = $1) \
+             AND NOT EXISTS (SELECT 1 FROM ordered_line WHERE order_name = $1)",
+        );
+        Ok(forget.bind(name).execute(self.db()).await? > 0)
+    }
+
     /// Writes for whom the lines of an order are.
     pub async fn update_customer(&mut self, name: &str) -> Result<()> {
         let query = sql::query_scalar(
@@ -259,6 +268,9 @@ impl LedgerChange {
             return Ok(());
         }
         let lines = self.lines_of_order(name).await?;
+        if lines.is_empty() && self.forget_empty_order(name).await? {
+            return Ok(());
+        }
         let mut sum = LineCopies::default();
         lines.iter().for_each(|line| sum.add(&line.copies));
         let (state, now) = (OrderState::of_copies(&sum), self.now);

@@ -28,12 +28,14 @@ pub struct PartEdit {
     /// Priority from 0 to 100.
     pub priority: Option<u8>,
     /// When it is due, and the date as it was given; the inner `None` = no due date.
+    #[serde(with = "given_or_none")]
     pub due: Option<Option<(Timestamp, String)>>,
     /// Orientation rule.
     pub orientation: Option<OrientationRule>,
     /// Directions that must point nearly straight up.
     pub tilts: Option<RequiredTilts>,
     /// Its own clearance, mm; the inner `None` = the machine's.
+    #[serde(with = "given_or_none")]
     pub clearance_mm: Option<Option<f64>>,
     /// Unit of the file: the part is read again.
     pub unit: Option<LengthUnit>,
@@ -89,5 +91,59 @@ impl PartEdit {
 
     pub(crate) fn changes_terms(&self) -> bool {
         Self { copies: None, customer: None, email: None, finish: None, ..self.clone() } != Self::default()
+    }
+}
+
+/// A value that is given, or taken away. JSON has `null` for what is unchanged, as commands of earlier versions do, and `"none"` for what is taken
+/// away: on its own, serde writes `null` for both.
+mod given_or_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged)]
+    enum Given<T> {
+        Nothing(Nothing),
+        Value(T),
+    }
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    enum Nothing {
+        None,
+    }
+
+    pub(super) fn serialize<S: Serializer, T: Serialize>(
+        given: &Option<Option<T>>,
+        into: S,
+    ) -> Result<S::Ok, S::Error> {
+        let given = given.as_ref().map(|given| given.as_ref().map_or(Given::Nothing(Nothing::None), Given::Value));
+        given.serialize(into)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+        from: D,
+    ) -> Result<Option<Option<T>>, D::Error> {
+        Ok(Option::deserialize(from)?.map(|given| match given {
+            Given::Nothing(Nothing::None) => None,
+            Given::Value(value) => Some(value),
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_taken_away_arrives_so_where_the_command_is_carried_out() {
+        let due = Some((Timestamp::UNIX_EPOCH, "1970-01-01".to_owned()));
+        for (due, clearance_mm) in [(Some(None), Some(None)), (Some(due), Some(Some(2.5))), (None, None)] {
+            let edit = PartEdit { due, clearance_mm, ..PartEdit::default() };
+            let written = serde_json::to_string(&edit).unwrap();
+            assert_eq!(serde_json::from_str::<PartEdit>(&written).unwrap(), edit, "{written}");
+        }
+        let earlier = r#"{"copies":3,"due":null,"clearance_mm":null}"#;
+        let unchanged = PartEdit { copies: Some(3), ..PartEdit::default() };
+        assert_eq!(serde_json::from_str::<PartEdit>(earlier).unwrap(), unchanged, "of a command of an earlier version");
     }
 }

@@ -119,7 +119,7 @@ async fn an_order_is_closed_as_it_is_and_the_record_says_who_did_it_and_with_how
     let commands = ledger.pending_commands().await.unwrap();
     let [cancel] = &commands[..] else { panic!("{commands:?}") };
     assert_eq!(
-        (cancel.kind, cancel.part_id, cancel.read_argument().copies),
+        (cancel.kind, cancel.part_id, cancel.read_argument().unwrap().copies),
         (CommandKind::Cancel, Some(hinge), Some(2))
     );
     ledger.cancel_copies(hinge, 2, "ann@farm").await.unwrap();
@@ -166,7 +166,11 @@ async fn what_waits_of_an_order_that_is_closed_is_not_wanted_any_more_once_it_is
     let part = drop_in(&ledger, "a", 3, "A-17").await;
     close(&ledger, "A-17").await.unwrap();
     let commands = ledger.pending_commands().await.unwrap();
-    assert_eq!((commands[0].part_id, commands[0].read_argument().copies), (Some(part), None), "the whole part");
+    assert_eq!(
+        (commands[0].part_id, commands[0].read_argument().unwrap().copies),
+        (Some(part), None),
+        "the whole part"
+    );
     ledger.cancel_part(part, RefusalCause::Cancelled, "Cancelled by ann@farm.").await.unwrap();
     let copies = ledger.line_of_part(part).await.unwrap().copies;
     assert_eq!(copies, LineCopies { cancelled: 3, ..LineCopies::default() });
@@ -209,7 +213,7 @@ async fn copies_whose_file_is_asked_for_again_can_be_cancelled() {
     close(&ledger, "A-17").await.unwrap();
     let cancel = ledger.pending_commands().await.unwrap().remove(0);
     assert_eq!(ledger.waiting_copies_of(part).await.unwrap(), 3);
-    let copies = cancel.read_argument().copies.unwrap();
+    let copies = cancel.read_argument().unwrap().copies.unwrap();
     ledger.for_command(cancel.id).cancel_copies(part, copies, "ann@farm").await.unwrap();
     assert_eq!(ledger.find_part(part).await.unwrap().unwrap().state, PartState::Built);
     assert_eq!(ledger.damaged_parts().await.unwrap().len(), 0, "nobody is asked for its file");
@@ -237,4 +241,22 @@ async fn each_address_of_the_lines_of_an_order_gets_mail_once_and_can_always_be_
     for (wrong, is_right) in [("bo", false), ("a b@example.org", false), ("bo@example", false), ("", true)] {
         assert_eq!(edit(wrong).checked().is_ok(), is_right, "{wrong}");
     }
+}
+
+#[tokio::test]
+async fn a_print_that_was_good_after_all_counts_although_its_order_was_closed_without_it() {
+    let ledger = fresh().await;
+    let part = drop_in(&ledger, "a", 2, "K-9").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let told = |outcome, is_correction| ToldOutcome { is_correction, ..ToldOutcome::new(outcome, "", "ann@farm") };
+    ledger.record_outcome(build, &told(PrintOutcome::Failed, false)).await.unwrap();
+    close(&ledger, "K-9").await.unwrap();
+    ledger.cancel_part(part, RefusalCause::Cancelled, "Cancelled by ann@farm.").await.unwrap();
+    ledger.record_outcome(build, &told(PrintOutcome::Complete, true)).await.unwrap();
+    let line = ledger.line_of_part(part).await.unwrap().copies;
+    assert_eq!((line.wanted, line.good, line.refused, line.cancelled), (2, 2, 0, 0));
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), Vec::<String>::new());
+    ledger.record_outcome(build, &told(PrintOutcome::Failed, true)).await.unwrap();
+    let line = ledger.line_of_part(part).await.unwrap().copies;
+    assert_eq!((line.wanted, line.good, line.refused), (2, 0, 2), "and bad again");
 }

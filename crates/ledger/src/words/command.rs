@@ -145,9 +145,12 @@ impl CommandRow {
         }
     }
 
-    /// What it says beyond its kind and its part.
-    pub fn read_argument(&self) -> CommandArgument {
-        serde_json::from_str(&self.argument).unwrap_or_default()
+    /// What it says beyond its kind and its part; `None` = another version wrote it, and this one cannot read it.
+    pub fn read_argument(&self) -> Option<CommandArgument> {
+        match self.argument.as_str() {
+            "" => Some(CommandArgument::default()),
+            argument => serde_json::from_str(argument).ok(),
+        }
     }
 }
 
@@ -252,7 +255,10 @@ impl LedgerChange {
                 .fetch_all(self.db())
                 .await?;
         // One without a number takes all of them back.
-        Ok(asked.iter().map(|row| row.read_argument().copies.unwrap_or(u32::MAX)).fold(0, u32::saturating_add))
+        Ok(asked
+            .iter()
+            .map(|row| row.read_argument().and_then(|said| said.copies).unwrap_or(u32::MAX))
+            .fold(0, u32::saturating_add))
     }
 
     /// Inserts the row of a command.

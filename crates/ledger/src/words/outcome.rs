@@ -134,6 +134,9 @@ pub(crate) async fn tell_outcome(
     build: BuildId,
     told: &ToldOutcome,
 ) -> Result<PutBackReport> {
+    if told.outcome == PrintOutcome::Failed && !told.bad.is_empty() {
+        return Err(LedgerError::AllFailed);
+    }
     let mut report = PutBackReport::default();
     move_to_outcome(change, build, told).await?;
     record_told(change, build, told).await?;

@@ -305,9 +305,13 @@ impl LedgerChange {
             // Also the copies of a part that is read again wait.
             let may_wait = matches!(part.state, PartState::Waiting | PartState::Claimed);
             let has_waiting = may_wait && self.waiting_count(id).await? > 0;
-            // Where none is given up any more, it takes the place of a copy that was asked for again and waits.
-            let is_wanted_again = part.owed.cancelled_copies > 0 && !(is_owed && has_waiting);
-            if is_wanted_again && part.state != PartState::Refused {
+            let is_wanted_again = match part.state {
+                // It takes the place of a copy that was refused, unless those were given up when their order was closed.
+                PartState::Refused => self.placed_count(id).await? >= part.wanted_copies(),
+                // Where none is given up any more, it takes the place of a copy that was asked for again and waits.
+                _ => part.owed.cancelled_copies > 0 && !(is_owed && has_waiting),
+            };
+            if is_wanted_again {
                 self.change_cancelled(id, -1).await?;
                 let detail = format!("a copy in build {build} was printed well after all");
                 self.write_event(EventKind::CopiesWanted, &part.machine, Some(id), Some(build), &detail).await?;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use nester::{InterlockRule, NestingMethod};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::{printer_validation, validation_rules};
 use crate::{
@@ -26,11 +26,21 @@ struct ProfileSnapshot {
     clearance_mm: Option<f64>,
     clearance_z_extra_mm: Option<f64>,
     layer_mm: Option<f64>,
+    /// The inner `None` = it had none.
+    #[serde(deserialize_with = "given_or_null")]
     layer_area_cap: Option<Option<f64>>,
     delivery: Option<build_file::DeliveryKind>,
     print_hours_per_mm: Option<f64>,
     costs: Option<CostRules>,
     nest: NestingSnapshot,
+}
+
+/// A value that is null is told from one that is left out.
+///
+/// # Errors
+/// It is no such value.
+pub fn given_or_null<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Option<Option<T>>, D::Error> {
+    Option::deserialize(from).map(Some)
 }
 
 /// The rules for locked parts of a stored profile.

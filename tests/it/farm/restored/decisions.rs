@@ -151,3 +151,27 @@ fn a_daemon_that_was_killed_before_it_could_mark_starts_as_ever() {
     farm.stop();
     assert!(ContentStore::from_dir(farm.root().join("state/store")).list_contents().unwrap().is_empty());
 }
+
+#[test]
+fn a_part_that_waits_is_not_refused_because_another_with_its_shape_was_cancelled_before() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1)[0].id;
+    order(&farm, "cancel", part, PartState::Refused);
+    let copy = copy_ledger(&farm);
+    farm.drop_part("b.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+    let reason = || std::fs::read_to_string(farm.folder("error").join("part-1/a.stl.reason.txt")).unwrap();
+    let before = reason();
+    for begin in [&["restore", copy.to_str().unwrap()][..], &["restore", "--empty"]] {
+        let restored = farm.nestd_ok(begin);
+        assert!(restored.contains("b.stl, 1 copy") && restored.contains("it is taken in and waits"), "{restored}");
+        assert!(!restored.contains("b.stl) is not printed"), "{restored}");
+        if begin[1] != "--empty" {
+            assert_eq!(reason(), before, "of the other part");
+        }
+    }
+    farm.start();
+    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].name, "b.stl");
+}

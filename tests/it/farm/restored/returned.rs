@@ -144,7 +144,7 @@ fn what_was_said_of_a_print_since_the_backup_is_named_with_the_command_that_says
     assert_eq!(farm.parts(PartState::Waiting).len(), 0, "{restored}");
     farm.nestd_ok(&again);
     assert_eq!(farm.parts(PartState::Waiting)[0].owed.copies, 3);
-    fs::remove_file(&backup).unwrap();
+    let backup = farm.root().join("newer.backup");
     farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
     let restored = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
     assert!(!restored.contains("nestd outcome"), "it is known now: {restored}");

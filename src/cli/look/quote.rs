@@ -7,7 +7,7 @@ use farm::{
     MaterialReading, QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
     read_quoted_files,
 };
-use intake::Ticket;
+use intake::{CopiesInName, Ticket, read_copies_in_name};
 use jiff::Timestamp;
 
 use crate::cli::{
@@ -23,7 +23,7 @@ use crate::cli::{
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct QuoteArgs {
-    /// Part files (STL, 3MF or CAMSPEC), with the number of copies: bracket.stl=4
+    /// Part files (STL, 3MF, OBJ, PLY or CAMSPEC), with the number of copies, unless their names say it: bracket.stl=4
     #[arg(required = true, value_name = "FILE[=N]")]
     parts: Vec<String>,
     /// Machine
@@ -48,10 +48,10 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
         None => Ticket::default(),
     };
     let asked = |file: RequestedFile| {
-        let ticket = Ticket { copies: Some(file.copies), ..ticket.clone() };
-        QuotedFile { name: file.name, path: file.file, ticket }
+        let ticket = Ticket { copies: Some(wanted_copies(&file, ticket.copies)?), ..ticket.clone() };
+        Ok(QuotedFile { name: file.name, path: file.file, ticket })
     };
-    let files: Vec<QuotedFile> = files.into_iter().map(asked).collect();
+    let files = files.into_iter().map(asked).collect::<Result<Vec<QuotedFile>>>()?;
     if let Some(missing) = files.iter().find(|file| !file.path.is_file()) {
         return Err(UsageError(format!("there is no file {}", missing.path.display())).into());
     }
@@ -77,4 +77,32 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
         false => sentences.iter().try_for_each(|sentence| print_text(sentence))?,
     }
     Ok(CommandExit::Success)
+}
+
+/// The copies of a file that would be ordered if it were dropped so: as it is said with it, else in its ticket, else in its name.
+fn wanted_copies(file: &RequestedFile, in_ticket: Option<u32>) -> Result<u32> {
+    let in_name = match file.copies.or(in_ticket) {
+        Some(copies) => return Ok(copies),
+        None => read_copies_in_name(&file.name),
+    };
+    match (&in_name, in_name.unclear_reason()) {
+        (CopiesInName::Said(copies), _) => Ok(*copies),
+        (_, None) => Ok(1),
+        (_, Some(why)) => Err(UsageError(format!("{0}: {why}. Say how many: {0}=N", file.name)).into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quote_is_for_as_many_copies_as_the_same_file_would_order() {
+        let of = |text: &str, in_ticket| wanted_copies(&parse_part_argument(text).unwrap(), in_ticket);
+        let copies = |text: &str, in_ticket| of(text, in_ticket).unwrap();
+        assert_eq!((copies("a.stl", None), copies("q 10x.stl", None), copies("q 10x.stl=3", None)), (1, 10, 3));
+        assert_eq!((copies("q 10x.stl", Some(4)), copies("a.stl=2", Some(4))), (4, 2));
+        let asked = of("2 or 3 pcs bracket.stl", None).unwrap_err().to_string();
+        assert!(asked.contains("Say how many: 2 or 3 pcs bracket.stl=N"), "{asked}");
+    }
 }

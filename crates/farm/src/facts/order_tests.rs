@@ -161,7 +161,7 @@ fn a_customer_is_told_how_much_is_printed_and_when_the_rest_is_expected() {
     let none = LineCopies { wanted: 3, waiting: 2, refused: 1, ..LineCopies::default() };
     assert_eq!(
         note(OrderState::Open, none, Some(60.0)),
-        "Your order A-7: none of the 3 parts is printed yet, all of it is expected Friday 27 November; 1 part is not made."
+        "Your order A-7: none of the 3 parts is printed yet, the rest is expected Friday 27 November; 1 part is not made."
     );
     let untold = LineCopies { printed: 4, waiting: 4, ..some };
     assert_eq!(
@@ -180,6 +180,13 @@ fn a_customer_is_told_how_much_is_printed_and_when_the_rest_is_expected() {
         customer_note(&closed, &jiff::tz::TimeZone::UTC.into(), at(1.0)),
         "Your order A-7 is complete with 2 of 5 parts."
     );
+    closed.order.order.closing.accepted_copies = Some(0);
+    assert!(
+        customer_note(&closed, &jiff::tz::TimeZone::UTC.into(), at(1.0)).contains("with 2 of 5"),
+        "told good since"
+    );
+    closed.order.copies = LineCopies::default();
+    assert_eq!(customer_note(&closed, &jiff::tz::TimeZone::UTC.into(), at(1.0)), "Your order A-7 was cancelled.");
     let mut late = dated(OrderState::Open, some, &[plan(&[(8, Some(60.0))], vec![])]);
     late.fact.missed_at = Some(at(20.0).into());
     assert_eq!(

@@ -291,7 +291,9 @@ pub enum LedgerError {
     )]
     TakenBack(BuildId),
     /// Of a failed print, bad copies were named.
-    #[error("all copies of a failed print are bad: name none of them, or say `complete` or `interrupted` and name the bad ones")]
+    #[error(
+        "all copies of a failed print are bad: name none of them, or say `complete` or `interrupted` and name the bad ones"
+    )]
     AllFailed,
     /// Fewer copies of the part are in the build than were named as bad.
     #[error("build {build} holds {} of part {part}, and {asked} were named; `nestd show b{build}` lists them", copies_text(*.placed))]

@@ -19,8 +19,8 @@ pub struct RequestedFile {
     pub name: String,
     /// The path of the file.
     pub file: PathBuf,
-    /// Copies of each solid in it.
-    pub copies: u32,
+    /// Copies of each solid in it; `None` = not said.
+    pub copies: Option<u32>,
 }
 
 /// All requested files, not read yet.
@@ -66,7 +66,7 @@ pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<
                 source_hash: source_hash.clone(),
                 content_hash: format!("{source_hash}-{}", parts.len()),
                 mesh: mesh.clone(),
-                copies: (0..copies.saturating_mul(row.copies)).collect(),
+                copies: (0..copies.saturating_mul(row.copies.unwrap_or(1))).collect(),
                 orientation: setup.orientation.clone(),
                 clearance_mm: None,
                 words: Default::default(),
@@ -81,10 +81,10 @@ pub fn parse_part_argument(text: &str) -> Result<RequestedFile> {
     let whole = PathBuf::from(text);
     let split = text.rsplit_once('=').and_then(|(name, copies)| Some((name, copies.parse::<u32>().ok()?)));
     let (name, copies) = match split {
-        Some((name, copies)) if !whole.exists() => (name.to_owned(), copies),
-        _ => (text.to_owned(), 1),
+        Some((name, copies)) if !whole.exists() => (name.to_owned(), Some(copies)),
+        _ => (text.to_owned(), None),
     };
-    if copies == 0 {
+    if copies == Some(0) {
         return Err(UsageError(format!("{text}: 0 copies are none; leave the part out")).into());
     }
     let file = PathBuf::from(&name);
@@ -119,7 +119,7 @@ fn read_part_list(args: &NestArgs) -> Result<Vec<RequestedFile>> {
             Some(text) => text.parse().map_err(|_| wrong(format!("line {line}: {text:?} is no number of copies")))?,
             None => 1,
         };
-        rows.push(RequestedFile { file: base.join(&name), name, copies });
+        rows.push(RequestedFile { file: base.join(&name), name, copies: Some(copies) });
     }
     Ok(rows)
 }

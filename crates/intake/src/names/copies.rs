@@ -6,9 +6,10 @@ use std::ffi::OsStr;
 use build_file::MAX_COPIES;
 
 use super::{
+    copies_doubts::{group_length, is_doubtful_number, is_number_of_held},
     copies_sizes::{completes_size, continues_size, follows_any_size, is_number_of_thing},
     copies_words::{
-        HOLDS, NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
+        NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
         is_tail_word, is_word_of, split_name_words, word_before_number,
     },
     name::is_part_name,
@@ -178,12 +179,7 @@ fn mention_in_pieces(words: &[NameWord], at: usize) -> Option<(CopiesMention, us
     if !digits.starts_with(|c: char| c.is_ascii_digit()) {
         return None;
     }
-    // `10-12pcs` may be ten or twelve, `1042-12pcs` is twelve.
-    let before = at.checked_sub(1).and_then(|at| words[at].number());
-    let is_range = before.is_some_and(|number| number.len() < 4) && matches!(words[at].gap.as_str(), "-" | "–");
-    // `box for 12 pcs` is one box.
-    let is_capacity = at > 0 && HOLDS.contains(&words[at - 1].text.as_str());
-    let copies = parse_copies(digits).filter(|_| !is_range && !is_capacity);
+    let copies = parse_copies(digits).filter(|_| !is_doubtful_number(words, at));
     if !rest.is_empty() {
         // `1st` and `21st` are ordinal numbers.
         let is_ordinal = rest == "st" && digits.ends_with('1');
@@ -280,6 +276,7 @@ fn mention_by_times(words: &[NameWord], at: usize) -> Option<(CopiesMention, usi
         && !is_of_thread
         && !is_of_size
         && !is_between_numbers
+        && !is_number_of_held(words, at, at + length)
         && is_joined
         && !digits.starts_with('0');
     let copies = parse_copies(&digits).filter(|_| is_clear);
@@ -333,7 +330,8 @@ fn unclear_mention(words: &[NameWord], at: usize) -> Option<(CopiesMention, usiz
     }
     let is_group = is_word_of(WordKind::Group, word) && next.is_some_and(|next| is_word_of(WordKind::Of, next));
     let is_of_number = words.get(at + 2).is_some_and(|word| word.number().is_some());
-    if is_group && is_of_number { in_words(words, at, 3, None) } else { None }
+    let length = if is_group && is_of_number { Some(3) } else { group_length(words, at) };
+    in_words(words, at, length?, None)
 }
 
 /// `bracketx4`, but not `matrix4`.

@@ -85,6 +85,11 @@ fn is_listed(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|known| known == word)
 }
 
+/// Whether a word is the number of a size by itself, such as that of a cell.
+pub(super) fn is_size_number(word: &str) -> bool {
+    is_listed(SIZE_NUMBERS, word)
+}
+
 fn is_number(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_digit())
         && text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b','))
@@ -143,7 +148,7 @@ fn is_open_size(words: &[NameWord], at: usize) -> bool {
         let completes = is_length && earlier.is_some_and(|word| split_prefix(&word.text).is_some());
         return !completes && (!is_length || prefix.chars().count() > 1 || number.len() > 1);
     }
-    if is_bearing(&word.text) || is_listed(SIZE_NUMBERS, &word.text) {
+    if is_bearing(&word.text) || is_size_number(&word.text) {
         return true;
     }
     // `ISO 4762`

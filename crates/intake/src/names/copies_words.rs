@@ -27,8 +27,9 @@ const BEFORE_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz
 /// Those of them that say a number of copies even if no number is beside them.
 const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl quantità quantita cantidad aantal ilość ilosc 数量 個数 部数 枚数 件数 количество 수량";
 /// Words that behind a number may mean copies or something else: `4-fach` may be a socket for four plugs.
-const MAYBE_PIECES: &str = "ピース 部 套 stuck fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組 \
-                             db 세트 комплект комплекта";
+const MAYBE_PIECES: &str = "ピース 部 套 stuck fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req req'd reqd needed benötigt nötig セット 組 \
+                             db 세트 комплект комплекта dozen dozens dutzend dtzd dz douzaine douzaines docena docenas dozzina dozzine dúzia dúzias \
+                            tucet дюжина дюжины sätze saetze satz jeu jeux juego juegos";
 /// Words before which a number may be meant as copies: `please print 4`.
 const ASKS: &str = "need needs please print make count amount brauche benötige bitte drucke drucken imprimer";
 const GROUPS: &str = "set lot pack satz jeu";
@@ -36,7 +37,8 @@ const OF: &str = "of de von à";
 /// Numbers in words, which are not read but recognised before a word for pieces.
 const NUMBER_WORDS: &str = "two three four five six seven eight nine ten twelve zwei drei vier fünf fuenf sechs sieben acht neun \
                             zehn zwölf deux trois quatre cinq sept huit neuf dix douze";
-const REPEATS: &str = "twice zweimal dreimal viermal fünfmal fuenfmal zehnmal";
+const REPEATS: &str =
+    "twice zweimal dreimal viermal fünfmal fuenfmal zehnmal doppelt zweifach dreifach vierfach fünffach zehnfach";
 /// Words beside which `2x` is a factor: scales, optics, buses; and names of products that have an x and a number of their own.
 const SCALES: &str = "scale scaled scaling scal skaliert skalierung massstab maßstab échelle echelle zoom mag magnification \
                       magnifier lupe loupe faktor factor facteur objective objektiv objectif barlow teleconverter telekonverter \
@@ -91,6 +93,11 @@ pub(super) fn is_word_of(kind: WordKind, word: &str) -> bool {
     };
     let is_counter_word = || kind == WordKind::Pieces && word.chars().all(is_counter) && word.chars().count() == 1;
     words.split_whitespace().any(|known| known == word) || is_counter_word()
+}
+
+/// Whether a word in lower case means pieces behind a number.
+pub(crate) fn is_word_for_pieces(word: &str) -> bool {
+    [WordKind::Pieces, WordKind::AttachedPieces].into_iter().any(|kind| is_word_of(kind, word))
 }
 
 /// The word for a number of pieces at the end of these letters: all of them, or what Chinese and Japanese write behind a name

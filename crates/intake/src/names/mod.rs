@@ -4,6 +4,7 @@
 
 pub(super) mod code_page;
 pub(super) mod copies;
+pub(super) mod copies_doubts;
 pub(super) mod copies_sizes;
 pub(super) mod copies_words;
 pub(super) mod copy_name;

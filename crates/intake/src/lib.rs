@@ -14,12 +14,16 @@ mod folder_lists_tests;
 mod hostile_files_tests;
 mod lists;
 mod names;
+#[cfg(test)]
+mod order_tree_tests;
 mod put;
 mod spec;
 #[cfg(test)]
 mod test_inbox;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod text_lists_tests;
 
 pub use claim::adopt::{adopt_claims, foreign_claims, rename_claims, taken_over_claims, unreleased_claims};
 pub use claim::archive::{

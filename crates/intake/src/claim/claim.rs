@@ -25,7 +25,7 @@ use crate::{
         disk,
         file_role::LIST_LOOKUP_NAME,
     },
-    lists::served_rows::{mark_row_unused, mark_served},
+    lists::served_rows::{mark_row_unused, mark_served, path_below_list},
 };
 
 /// Result of releasing a claimed file.
@@ -138,8 +138,7 @@ fn move_files_in(
                 mark_row_unused(inbox, list, row).map_err(mark_failed)?;
             }
             if let Some(row) = &said.file {
-                let name = part.path.file_name().unwrap_or_default();
-                mark_served(inbox, list, row, name).map_err(mark_failed)?;
+                mark_served(inbox, list, row, &path_below_list(&part.path, &list.path)).map_err(mark_failed)?;
             }
         }
         step();

@@ -20,7 +20,7 @@ use crate::{
         file_role::{FileRole, LIST_NAME, file_role, has_extension, without_hidden_txt},
         inbox_entry::{is_hidden, unreadable_reason},
     },
-    names::{name::is_part_name, name_match::fold_name},
+    names::{code_page::decode_candidates, name::is_part_name, name_match::fold_name},
 };
 
 /// Workbooks that are read.
@@ -29,6 +29,8 @@ pub(crate) const WORKBOOKS: [&str; 2] = ["xlsx", "xlsm"];
 const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 /// Texts of other programs that may say how many are wanted of the parts beside them.
 const FOREIGN_TEXTS: [&str; 5] = ["json", "toml", "yaml", "yml", "xml"];
+/// Texts of people that may say the same.
+const NOTES: [&str; 8] = ["txt", "md", "markdown", "eml", "htm", "html", "rtf", "log"];
 /// Documents, links and other forms of lists that are not read either, and say how many are wanted where they are called so.
 const DOCUMENTS: [&str; 20] = [
     "doc", "docx", "odt", "rtf", "pages", "pdf", "eml", "msg", "htm", "html", "mht", "tab", "prn", "dbf", "gz",
@@ -174,9 +176,10 @@ impl<'a> FolderLists<'a> {
         match (texts.is_empty(), of(ListFormat::Foreign).next()) {
             (true, None) => None,
             (true, Some(foreign)) => Some(format!(
-                "{}, {}, which nestd does not read: save it as XLSX or CSV",
+                "{}, {}, which nestd does not read: {}",
                 shown_name(foreign),
-                foreign_kind(foreign)
+                foreign_kind(foreign),
+                if is_document(&foreign.path) { WRITE_LIST } else { "save it as XLSX or CSV" }
             )),
             (false, _) => {
                 let names: Vec<String> = texts.into_iter().chain(self.list).map(shown_name).collect();
@@ -186,9 +189,21 @@ impl<'a> FolderLists<'a> {
     }
 }
 
+/// What helps where a text cannot be saved as a table.
+const WRITE_LIST: &str = "write the files and their numbers into a list (CSV or XLSX) in its place";
+
+/// Whether a list is no table, so that a program cannot save it as one.
+fn is_document(path: &Path) -> bool {
+    has_extension(path, &NOTES) || has_extension(path, &DOCUMENTS) && !has_extension(path, &["tab", "prn", "dbf"])
+}
+
 /// What a list that nestd does not read is.
 fn foreign_kind(foreign: &InboxEntry) -> &'static str {
-    if has_extension(&foreign.path, &SPREADSHEETS) { "a spreadsheet" } else { "a list of another program" }
+    match &foreign.path {
+        path if has_extension(path, &SPREADSHEETS) => "a spreadsheet",
+        path if is_document(path) => "a document",
+        _ => "a list of another program",
+    }
 }
 
 /// Why a list that does not count is refused, in whole sentences.
@@ -196,6 +211,11 @@ pub(crate) fn rival_refusal(rival: &InboxEntry, reason: &str) -> String {
     match unreadable_reason(rival) {
         Some(why) => {
             format!("{} {why}. Drop it together with the parts that were refused because of it.", shown_name(rival))
+        }
+        None if is_foreign(rival) && is_document(&rival.path) => {
+            "This is a document that may say how many are wanted, and nestd does not read it. Write the files and their numbers into \
+             a list (CSV or XLSX), and drop that together with the parts."
+                .to_owned()
         }
         None if is_foreign(rival) => format!(
             "This is {}, which nestd does not read. Save it as XLSX or CSV, and drop that together with the parts.",
@@ -271,7 +291,7 @@ fn may_be_list(seen: &InboxEntry) -> bool {
         _ if is_hidden(seen) => false,
         _ if part_of_table(&seen.path).is_some() => true,
         true => list_format(&seen.path).is_none(),
-        false => has_extension(&seen.path, &["txt"]) && is_part_entry(seen) && unreadable_reason(seen).is_none(),
+        false => has_extension(&seen.path, &NOTES) && is_part_entry(seen) && unreadable_reason(seen).is_none(),
     }
 }
 
@@ -314,7 +334,8 @@ impl<'a> FolderParts<'a> {
             return if is_list { FoundList::Foreign } else { FoundList::None };
         }
         let names_part = || {
-            !self.names.is_empty()
+            has_extension(&text.path, &["txt", "csv", "tsv"])
+                && !self.names.is_empty()
                 && text.size <= MAX_LIST_BYTES
                 && read_seen_list(text)
                     .is_ok_and(|bytes| OrderList::parse_for_files(&bytes, &self.names).names_any(&self.names))
@@ -323,6 +344,7 @@ impl<'a> FolderParts<'a> {
         let is_served = || ServedRows::load_marks(inbox, text).serving_files().next().is_some();
         match is_served() || names_part() {
             true => FoundList::Readable,
+            false if has_extension(&text.path, &NOTES) && self.is_told_by(text) => FoundList::Foreign,
             false if part_of_table(&text.path).is_some_and(is_beside) => FoundList::OfPart,
             false => FoundList::None,
         }
@@ -336,9 +358,14 @@ impl<'a> FolderParts<'a> {
         let bytes = read_seen_list(text).unwrap_or_default();
         let json = serde_json::from_slice::<serde_json::Value>(&bytes).ok();
         // JSON may escape the letters of a name.
-        let content = json.as_ref().map_or_else(|| String::from_utf8_lossy(&bytes).into_owned(), ToString::to_string);
-        let content = fold_name(&content);
-        json.is_some_and(|json| is_nested(&json)) || self.folded.iter().any(|part| content.contains(part.as_str()))
+        let text = || decode_candidates(&bytes).into_iter().next().map_or_else(String::new, |reading| reading.text);
+        let content = fold_name(&json.as_ref().map_or_else(text, ToString::to_string));
+        let is_named = |part: &String| {
+            // `b.stl` does not stand in `lib.stl`.
+            let is_start = |before: &str| !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '-'));
+            content.match_indices(part.as_str()).any(|(at, _)| is_start(&content[..at]))
+        };
+        json.is_some_and(|json| is_nested(&json)) || self.folded.iter().any(is_named)
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
     served_rows::ServedRows,
 };
 use crate::{
-    InboxEntry, ListLookup,
+    InboxEntry, ListLookup, display_name,
     names::name_match::{FileNameMatch, NameMatches},
 };
 
@@ -96,6 +96,20 @@ impl LoadedList {
             Err(why) if unclear => Err(format!("is not clear in {list}: {why}")),
             Err(why) => Ok(ListLookup { problem: Some(why), unused_rows, ..said }),
         }
+    }
+
+    /// What is asked about a part in a folder below the list that no row names.
+    pub fn question_below(&self, part: &InboxEntry) -> Option<ListLookup> {
+        let list = &self.name;
+        let why = match self.list.rows() {
+            Err(_) => format!("{list} in a folder above is not understood"),
+            Ok(rows) => format!(
+                "{} stands in none of the {} rows of {list} in a folder above",
+                display_name(part.path.file_name().unwrap_or_default()),
+                rows.len()
+            ),
+        };
+        Some(ListLookup { question: Some(why), ..ListLookup::default() })
     }
 
     /// File names as written in the rows that mean a file, or may mean it.

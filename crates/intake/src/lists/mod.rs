@@ -12,5 +12,6 @@ pub(super) mod order_list;
 pub(super) mod row_state;
 pub(super) mod served_rows;
 pub(super) mod sidecars;
+pub(super) mod texts;
 pub(super) mod ticket;
 pub(super) mod workbook;

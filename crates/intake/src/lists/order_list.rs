@@ -12,6 +12,7 @@ use super::{
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
     list_extras::ExtraRows,
+    texts::plain_rows::plain_rows,
     workbook::{is_workbook, sheet_texts},
 };
 use crate::{
@@ -174,14 +175,20 @@ impl OrderList {
                 [at] => {
                     rows[at].ticket.as_ref().map(|_| &rows[at]).map_err(|why| format!("in the row of {shown}: {why}"))
                 }
-                _ => Err(format!("{} rows are for {shown}; leave one", at.len())),
+                _ => Err(format!(
+                    "{} rows are for {shown}; where all are wanted, add them up or give each its own file name or folder, otherwise leave one",
+                    at.len()
+                )),
             },
             FileNameMatch::Ambiguous(at, others) => {
                 let (said, other) = (escape_invisible(&rows[*at].file), others.first().map_or("", String::as_str));
-                Err(format!(
-                    "its row {said} may be for {shown} or for {}; write the whole name",
-                    escape_invisible(other)
-                ))
+                let last = |path: &str| fold_name(path.rsplit('/').next().unwrap_or(path));
+                // Of files with one name, the folder tells which is meant.
+                let remedy = match last(other) == last(&name.to_string_lossy()) {
+                    true => "write its folder too, as here",
+                    false => "write the whole name",
+                };
+                Err(format!("its row {said} may be for {shown} or for {}; {remedy}", escape_invisible(other)))
             }
         }
     }
@@ -217,7 +224,10 @@ fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
     }
     let (delimiter, mut header) = match best {
         Ok(found) => found,
-        Err(why) => delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))).ok_or(why)?,
+        Err(why) => match delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))) {
+            Some(found) => found,
+            None => return plain_rows(text).map_or(Err(why), |rows| parse_rows(&rows)),
+        },
     };
     let body = &text[header.end..];
     let mut names = vec![0; header.columns.count];

@@ -13,7 +13,6 @@ use std::{
 use crate::{
     InboxEntry,
     folder::{claim_folder::CLAIMED_DIR, disk},
-    names::name::MAX_NAME_BYTES,
 };
 
 /// Content of the mark of a row that was applied to a part taken before the list came. No file has such a name.
@@ -22,10 +21,19 @@ const LATE_MARK: &str = "/late";
 /// Content of the mark of a row that could not be used for the part that it means.
 const UNUSED_MARK: &str = "/unused";
 
+/// The longest path below a list that a mark holds, bytes.
+const MAX_PATH_BYTES: u64 = 4096;
+
 /// Marks of lists that somebody deleted are removed after this time.
 const STALE_MARKS: Duration = Duration::from_secs(7 * 24 * 3600);
 
-/// Records on disk that a row of a list was served, and by which file. This happens before the claim is complete; if
+/// The path of a part below the folder of its list: its name, where it is beside the list.
+pub(crate) fn path_below_list(part: &Path, list: &Path) -> OsString {
+    let below = list.parent().and_then(|folder| part.strip_prefix(folder).ok());
+    below.map_or_else(|| part.file_name().unwrap_or_default(), Path::as_os_str).to_owned()
+}
+
+/// Records on disk that a row of a list was served, and by which file (its path below the folder of the list). This happens before the claim is complete; if
 /// the claim then fails, the part is still in the folder and is matched again.
 pub(crate) fn mark_served(inbox: &Path, list: &InboxEntry, row_file: &str, name: &OsStr) -> io::Result<()> {
     let marks = marks_dir(inbox, list);
@@ -61,7 +69,7 @@ impl ServedRows {
         let dir = marks_dir(inbox, list);
         let entries = fs::read_dir(&dir).into_iter().flatten().flatten();
         let mark = |entry: fs::DirEntry| {
-            let bytes = disk::read_start(&entry.path(), MAX_NAME_BYTES as u64).ok()??;
+            let bytes = disk::read_start(&entry.path(), MAX_PATH_BYTES).ok()??;
             Some((entry.file_name().into_string().ok()?, OsString::from_vec(bytes)))
         };
         let served = entries.filter_map(mark).collect();

@@ -34,9 +34,22 @@ pub(crate) fn fold_path(path: &Path) -> PathBuf {
 /// Normalizes a name for comparison.
 type NameNormalizer = fn(ComparedName) -> Option<Cow<'_, str>>;
 
-/// The normalizers, the strictest first. A match by a stricter one takes precedence.
-const NORMALIZERS: [NameNormalizer; 6] =
-    [exact_name, composed_name, in_any_case, last_of_path, without_extension, without_number];
+/// The normalizers, the strictest first. A match by a stricter one takes precedence. Files in folders below that of the list have
+/// these folders in their names.
+const NORMALIZERS: [NameNormalizer; 12] = [
+    exact_name,
+    composed_name,
+    in_any_case,
+    whole_path,
+    |side| path_end(side, 3),
+    |side| path_end(side, 2),
+    last_of_bare,
+    last_of_path,
+    path_without_extension,
+    bare_without_extension,
+    without_extension,
+    without_number,
+];
 
 #[derive(Clone, Copy)]
 enum ComparedName<'a> {
@@ -71,30 +84,70 @@ fn in_any_case(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
     composed_name(side).map(|text| fold_name(&text).into())
 }
 
-/// Takes the last component of a path: lists may be written on another computer and contain its folders.
+/// A path with one kind of slash, without a leading `./`.
+fn whole_path(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
+    let text = in_any_case(side)?;
+    let ComparedName::InList(_) = side else { return Some(text) };
+    Some(text.replace('\\', "/").trim_start_matches("./").trim_start_matches('/').to_owned().into())
+}
+
+/// The last components of a path: lists may be written on another computer and contain its folders.
+fn path_end(side: ComparedName<'_>, components: usize) -> Option<Cow<'_, str>> {
+    let path = whole_path(side)?;
+    let (from, _) = path.rmatch_indices('/').nth(components - 1).unwrap_or((0, ""));
+    let end = path[from..].trim_start_matches('/');
+    (end.matches('/').count() + 1 == components).then(|| end.to_owned().into())
+}
+
+fn last_component(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// The name of a file, for a name in the list that tells no folder of the order: alone, or with a path of another computer.
+fn last_of_bare(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
+    if let ComparedName::InList(said) = side {
+        let is_absolute = said.starts_with(['/', '\\']) || said.as_bytes().get(1) == Some(&b':');
+        let path = whole_path(side)?;
+        return (is_absolute || !path.contains('/')).then(|| last_component(&path).to_owned().into());
+    }
+    Some(last_component(&in_any_case(side)?).to_owned().into())
+}
+
+/// The last component of any path in the list, for a file beside the list.
 fn last_of_path(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
     match side {
-        ComparedName::InList(said) => Some(fold_name(said.rsplit(['/', '\\']).next().unwrap_or(said)).into()),
-        ComparedName::OnDisk(file) => Some(fold_name(file).into()),
+        ComparedName::InList(_) => Some(last_component(&whole_path(side)?).to_owned().into()),
+        ComparedName::OnDisk(file) => (!file.contains('/')).then(|| fold_name(file).into()),
     }
+}
+
+/// `left/bracket` for `left/bracket.stl`.
+fn path_without_extension(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
+    stem_of(side, whole_path(side)?)
+}
+
+/// `bracket` for `left/bracket.stl`.
+fn bare_without_extension(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
+    stem_of(side, last_of_bare(side)?)
 }
 
 /// `bracket` for `bracket.stl`.
 fn without_extension(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
-    let last = last_of_path(side)?;
+    stem_of(side, last_of_path(side)?)
+}
+
+fn stem_of<'a>(side: ComparedName<'_>, name: Cow<'a, str>) -> Option<Cow<'a, str>> {
+    let is_part = is_part_name(OsStr::new(name.as_ref()));
     match side {
-        ComparedName::InList(_) => Some(last).filter(|last| !is_part_name(OsStr::new(last.as_ref()))),
-        ComparedName::OnDisk(_) => last
-            .rsplit_once('.')
-            .filter(|_| is_part_name(OsStr::new(last.as_ref())))
-            .map(|(stem, _)| stem.to_owned().into()),
+        ComparedName::InList(_) => Some(name).filter(|_| !is_part),
+        ComparedName::OnDisk(_) => name.rsplit_once('.').filter(|_| is_part).map(|(stem, _)| stem.to_owned().into()),
     }
 }
 
 /// Matches `bracket.stl` with `bracket (2).stl`: nestd and browsers add such a number when a name is taken.
 fn without_number(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
-    let last = last_of_path(side)?;
-    let ComparedName::OnDisk(_) = side else { return Some(last) };
+    let ComparedName::OnDisk(_) = side else { return last_of_path(side) };
+    let last = last_of_bare(side)?;
     let (stem, extension) = last.rsplit_once('.')?;
     let (before, number) = stem.strip_suffix(')')?.rsplit_once(" (")?;
     let is_number = (1..=4).contains(&number.len()) && number.bytes().all(|digit| digit.is_ascii_digit());
@@ -212,6 +265,31 @@ mod tests {
         ] {
             assert_eq!(meant(&[said], &[file]), [(file.to_owned(), FileNameMatch::Only(vec![0]))], "{said}");
         }
+    }
+
+    #[test]
+    fn the_folders_that_a_row_names_decide_among_files_below_the_list() {
+        let only = |file: &str, at: usize| (file.to_owned(), FileNameMatch::Only(vec![at]));
+        let files = ["L/a.stl", "R/a.stl"];
+        let both = |at: usize, other: &str| FileNameMatch::Ambiguous(at, vec![other.to_owned()]);
+        for rows in [
+            ["R/a.stl", "L/a.stl"],
+            ["r\\A.STL", "./L/a.stl"],
+            ["C:\\orders\\7\\R\\a.stl", "/home/x/L/a.stl"],
+            ["kunde/R/a.stl", "kunde/L/a.stl"],
+            ["R/a", "L\\a"],
+        ] {
+            assert_eq!(meant(&rows, &files), [only("L/a.stl", 1), only("R/a.stl", 0)], "{rows:?}");
+        }
+        for said in ["a.stl", "A", "C:\\orders\\a.stl", "/orders/a.stl"] {
+            let unclear = [("L/a.stl".to_owned(), both(0, "R/a.stl")), ("R/a.stl".to_owned(), both(0, "L/a.stl"))];
+            assert_eq!(meant(&[said], &files), unclear, "{said}");
+        }
+        // Another folder of the order is not meant.
+        assert_eq!(meant(&["M/a.stl"], &files), []);
+        assert_eq!(meant(&["a.stl"], &["a.stl", "L/a.stl"]), [only("a.stl", 0)]);
+        assert_eq!(meant(&["R/a.stl"], &["L/a.stl", "a.stl"]), [only("a.stl", 0)]);
+        assert_eq!(meant(&["sub/a.stl"], &["sub/a.stl", "sub/b.stl"]), [only("sub/a.stl", 0)]);
     }
 
     #[test]

@@ -83,11 +83,16 @@ impl LateTicket {
         let below = order_name.strip_prefix(self.order()).and_then(|rest| rest.strip_prefix('/'));
         let said_folder = self.part_name.replace('\\', "/");
         let said_folder = said_folder.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let said_folder = fold_name(said_folder.trim_start_matches("./").trim_end_matches('/'));
+        let is_end_of = |long: &str, end: &str| long == end || long.ends_with(&format!("/{end}"));
         let is_said = match self.order() {
-            "" => fold_name(said_folder) == fold_name(order_name),
-            _ => below.is_some(),
+            "" => said_folder == fold_name(order_name),
+            // A folder that the row names decides. The list may have been written on another computer, with the folders there.
+            _ => below.map(fold_name).is_some_and(|below| {
+                said_folder.is_empty() || is_end_of(&said_folder, &below) || is_end_of(&below, &said_folder)
+            }),
         };
-        order_name == self.order() || is_list && is_said
+        (order_name == self.order()) || is_list && is_said
     }
 
     /// A ticket without a part in its folder. `None` = it changed since the scan, or is gone.

@@ -13,14 +13,14 @@ use serde::{Deserialize, Serialize};
 use super::part_spec::read_ticket_file;
 use crate::{
     InboxEntry, ListLookup, SettledEntry, Ticket,
-    claim::given_back,
+    claim::given_back::{GivenBackPart, find_given_back},
     lists::{
-        folder_lists::{FolderLists, is_foreign, is_part_entry, read_seen_list, rival_refusal, shown_name},
+        folder_lists::{FolderLists, is_part_entry, read_seen_list, rival_refusal, shown_name},
         loaded_list::LoadedList,
         order_list::{OrderList, OrderListRow},
-        served_rows::{ServedRows, age_secs},
+        served_rows::{ServedRows, age_secs, path_below_list},
     },
-    names::{code_page::CodePage, name_match::means_file_below},
+    names::code_page::CodePage,
 };
 
 /// Policy for a part in the folder of a list that does not name it.
@@ -55,8 +55,8 @@ pub struct OrderListRules {
 
 /// Lists of one folder that do not count, and hold its parts until a person settles it.
 #[derive(Debug)]
-struct RivalLists {
-    rivals: Vec<InboxEntry>,
+pub(super) struct RivalLists {
+    pub rivals: Vec<InboxEntry>,
     /// What the parts wait for (part of a sentence).
     reason: String,
 }
@@ -69,16 +69,25 @@ impl RivalLists {
     }
 }
 
+/// How a part stands to a list.
+struct ListClaims<'a> {
+    /// Whether it lies in a folder below the list.
+    is_below: bool,
+    is_beside_rival: bool,
+    /// Whether its number of copies is known without a list.
+    needs_no_list: &'a dyn Fn() -> bool,
+}
+
 /// The order lists of one hot folder.
 #[derive(Debug, Default)]
 pub struct OrderListTracker {
-    loaded: HashMap<PathBuf, LoadedList>,
+    pub(super) loaded: HashMap<PathBuf, LoadedList>,
     /// The parts in folders that have a list, with their change times.
     parts: HashMap<PathBuf, BTreeMap<OsString, i128>>,
     /// The lists, by their folders.
-    lists: HashMap<PathBuf, InboxEntry>,
+    pub(super) lists: HashMap<PathBuf, InboxEntry>,
     /// The lists beside them that do not count, by their folders.
-    rivals: HashMap<PathBuf, RivalLists>,
+    pub(super) rivals: HashMap<PathBuf, RivalLists>,
     /// Number of scans observed.
     scan_count: u64,
     /// Time of the last scan. `None` = the clock of the file system is used.
@@ -125,6 +134,9 @@ impl OrderListTracker {
             let Some(folder) = part.path.parent() else { continue };
             if let (Some(names), Some(name)) = (self.parts.get_mut(folder), part.path.file_name()) {
                 names.insert(name.to_owned(), part.ctime_ns);
+            } else if let Some(list) = list_of_order(&self.lists, part) {
+                let (above, below) = (list.path.parent().unwrap_or(folder), path_below_list(&part.path, &list.path));
+                self.parts.entry(above.to_owned()).or_default().insert(below, part.ctime_ns);
             }
         }
         self.loaded.retain(|path, _| path.parent().is_some_and(|folder| self.parts.contains_key(folder)));
@@ -146,8 +158,13 @@ impl OrderListTracker {
             }
             _ => return TakeDecision::Take(ready),
         };
-        let back = given_back::find_given_back(inbox, part);
+        let back = find_given_back(inbox, part);
         let has_copies = || tickets.iter().any(|ticket| ticket_sets_copies(&ticket.path));
+        let of_order = match part.path.parent().is_some_and(|folder| self.rivals.contains_key(folder)) {
+            true => None,
+            false => list_of_order(&self.lists, part).filter(|_| list.is_none()).cloned(),
+        };
+        let list = list.as_ref().or(of_order.as_ref());
         let needs_no_list = || has_copies() || !may_be_part(&part.path).unwrap_or(true);
         let name = shown_name(part);
         let is_over = still_secs >= rules.incomplete_secs;
@@ -158,44 +175,70 @@ impl OrderListTracker {
         }
         let lookup = match (list, rival) {
             (None, Some(what)) => Some(unlisted_lookup(&what, rules)),
-            (None, None) => back.map(|back| back.lookup).or_else(|| self.question_of_list_above(inbox, part)),
+            (None, None) => back.map(|back| back.lookup).or_else(|| self.question_of_other_list(inbox, part)),
             (Some(list), rival) => {
-                let file_name = part.path.file_name().unwrap_or_default();
-                let asked = back.as_ref().map_or(file_name, |back| back.name.as_os_str());
-                let known = match self.load_list(inbox, list) {
-                    Ok(known) => known,
-                    Err(error) => {
-                        return TakeDecision::Wait(format!("{} cannot be read: {error}", shown_name(list)));
-                    }
+                let claims = ListClaims {
+                    is_below: of_order.is_some(),
+                    is_beside_rival: rival.is_some(),
+                    needs_no_list: &needs_no_list,
                 };
-                match (known.look_up_part(asked), &back) {
-                    (Ok(said), back) => {
-                        let rewrites = back.as_ref().and_then(|back| back.lookup.rewrites.clone());
-                        Some(ListLookup { rewrites, ..said })
-                    }
-                    (Err(_), Some(back)) => Some(back.lookup.clone()),
-                    (Err(why), None) => {
-                        let is_covered = rival.is_some()
-                            || known.matches.files.contains_key(asked)
-                            || known.may_cover_part(list, part.ctime_ns, rules.incomplete_secs);
-                        let what = format!("{name} {why}");
-                        match is_covered && !needs_no_list() {
-                            false => None,
-                            true if !is_over => return TakeDecision::Wait(with_order_prefix(part, &what)),
-                            true => {
-                                let unused_rows = known.rows_for(asked);
-                                Some(ListLookup { unused_rows, ..unlisted_lookup(&what, rules) })
-                            }
-                        }
-                    }
+                match self.look_up_in_list(inbox, part, list, back, &claims, (is_over, rules)) {
+                    Ok(lookup) => lookup,
+                    Err(why) => return TakeDecision::Wait(why),
                 }
             }
         };
+        // A row is served by a part below its list too.
+        let used = of_order
+            .filter(|_| lookup.as_ref().is_some_and(|said| said.file.is_some() || !said.unused_rows.is_empty()));
         match ready {
             SettledEntry::Part { part, tickets, list, unfinished, still_secs, .. } => {
+                let list = list.or(used);
                 TakeDecision::Take(SettledEntry::Part { part, tickets, list, unfinished, still_secs, lookup })
             }
             other => TakeDecision::Take(other),
+        }
+    }
+
+    /// What the list says of a part. `Err` = the part waits, for this reason.
+    fn look_up_in_list(
+        &mut self,
+        inbox: &Path,
+        part: &InboxEntry,
+        list: &InboxEntry,
+        back: Option<GivenBackPart>,
+        claims: &ListClaims,
+        (is_over, rules): (bool, OrderListRules),
+    ) -> Result<Option<ListLookup>, String> {
+        let name_then = back.as_ref().map_or_else(|| part.path.clone(), |back| part.path.with_file_name(&back.name));
+        let asked = path_below_list(&name_then, &list.path);
+        let known =
+            self.load_list(inbox, list).map_err(|error| format!("{} cannot be read: {error}", shown_name(list)))?;
+        let is_named = known.matches.files.contains_key(&asked);
+        match (known.look_up_part(&asked), back) {
+            (Ok(said), back) => {
+                let rewrites = back.and_then(|back| back.lookup.rewrites);
+                Ok(Some(ListLookup { rewrites, ..said }))
+            }
+            (Err(_), Some(back)) => Ok(Some(back.lookup)),
+            // Folders of an order hold other things too, so its list is no reason to refuse them.
+            (Err(_), None) if claims.is_below && !is_named => {
+                Ok(known.question_below(part).filter(|_| !(claims.needs_no_list)()))
+            }
+            (Err(why), None) => {
+                let is_covered = claims.is_beside_rival
+                    || is_named
+                    || known.may_cover_part(list, part.ctime_ns, rules.incomplete_secs);
+                let what = format!("{} {why}", shown_name(part));
+                match is_covered && !(claims.needs_no_list)() {
+                    false => Ok(None),
+                    true if !is_over => Err(with_order_prefix(part, &what)),
+                    true => {
+                        let unused_rows = known.rows_for(&asked);
+                        Ok(Some(ListLookup { unused_rows, ..unlisted_lookup(&what, rules) }))
+                    }
+                }
+            }
         }
     }
 
@@ -221,48 +264,20 @@ impl OrderListTracker {
         rivals.may_cover_part(part.ctime_ns, rules.incomplete_secs).then(|| rivals.reason.clone())
     }
 
-    /// A list is for the files of its own folder. If one above a part names it all the same, or cannot be read, it is asked how
-    /// many copies are meant, unless its ticket or name says it.
-    fn question_of_list_above(&mut self, inbox: &Path, part: &InboxEntry) -> Option<ListLookup> {
-        let above = part.path.ancestors().skip(2).take_while(|folder| folder.starts_with(inbox));
-        let lists: Vec<InboxEntry> = above.filter_map(|folder| self.lists.get(folder)).cloned().collect();
-        let concerns_part = |list: &InboxEntry| {
-            let folder = list.path.parent()?;
-            let relative = part.path.strip_prefix(folder).ok()?.to_str()?.to_owned();
-            let may_be_bare = folder != inbox;
-            let Ok(rows) = self.load_list(inbox, list).ok()?.list.rows() else {
-                return may_be_bare.then(|| format!("{} in a folder above is not understood", shown_name(list)));
-            };
-            let is_named = rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare));
-            let why = "in a folder above names it, but a list is for the files of its own folder";
-            is_named.then(|| format!("{} {why}", shown_name(list)))
-        };
-        let why = lists.iter().find_map(concerns_part).or_else(|| self.sheet_above(inbox, part))?;
-        Some(ListLookup { question: Some(why), ..ListLookup::default() })
-    }
-
-    /// A spreadsheet in an order folder above a part may name it.
-    fn sheet_above(&self, inbox: &Path, part: &InboxEntry) -> Option<String> {
-        let above = part.path.ancestors().skip(2).take_while(|folder| *folder != inbox && folder.starts_with(inbox));
-        let mut rivals = above.filter_map(|folder| self.rivals.get(folder)).flat_map(|rivals| &rivals.rivals);
-        let sheet = rivals.find(|rival| is_foreign(rival))?;
-        Some(format!("{} in a folder above is a list that nestd does not read", shown_name(sheet)))
-    }
-
     /// Records that a part was claimed, so its row is served.
     pub fn mark_row_served(&mut self, ready: &SettledEntry) {
         let SettledEntry::Part { part, list: Some(list), lookup: Some(said), .. } = ready else { return };
-        let (Some(known), Some(name)) = (self.loaded.get_mut(&list.path), part.path.file_name()) else { return };
+        let Some(known) = self.loaded.get_mut(&list.path) else { return };
         said.unused_rows.iter().for_each(|row| known.marks.add_unused(row));
         if let Some(file) = &said.file {
-            known.marks.add_served(file, name);
+            known.marks.add_served(file, &path_below_list(&part.path, &list.path));
             known.served_secs = self.now_secs;
         }
     }
 
     /// Loads a list in its present state and matches it with the files in its folder and with those already claimed
     /// from there.
-    fn load_list(&mut self, inbox: &Path, seen: &InboxEntry) -> io::Result<&LoadedList> {
+    pub(super) fn load_list(&mut self, inbox: &Path, seen: &InboxEntry) -> io::Result<&LoadedList> {
         let print = (seen.inode, seen.ctime_ns, seen.size);
         let folder = seen.path.parent().unwrap_or(Path::new(""));
         let known = match self.loaded.remove(&seen.path).filter(|known| known.fingerprint == print) {
@@ -334,6 +349,13 @@ impl OrderListTracker {
         let why = self.loaded.get(&list.path)?.list.rows().err()?;
         Some(with_order_prefix(list, &format!("{} is not understood: {why}", shown_name(list))))
     }
+}
+
+/// The list of the order that a part below it belongs to: the nearest one in the folders above, but not in the hot folder itself,
+/// whose folders are orders of their own.
+fn list_of_order<'a>(lists: &'a HashMap<PathBuf, InboxEntry>, part: &InboxEntry) -> Option<&'a InboxEntry> {
+    let above = part.path.ancestors().skip(2).take(part.order.split('/').count().saturating_sub(1));
+    above.filter_map(|folder| lists.get(folder)).next()
 }
 
 /// A part whose ticket cannot be read waits as one beside a list that cannot be read, and is refused in the end.

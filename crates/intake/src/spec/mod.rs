@@ -3,4 +3,5 @@
 pub(super) mod late_ticket;
 pub(super) mod list_end;
 pub(super) mod list_tracker;
+pub(super) mod other_lists;
 pub(super) mod part_spec;

@@ -121,7 +121,7 @@ fn the_rows_of_all_sheets_that_can_be_seen_count_and_two_that_differ_are_asked_a
     let said = |name: &str| {
         list.row_for_file(OsStr::new(name)).map(|row| row.and_then(|row| row.ticket.clone().unwrap().copies))
     };
-    assert!(said("a.stl").is_err_and(|why| why.contains("2 rows are for a.stl; leave one")));
+    assert!(said("a.stl").is_err_and(|why| why.contains("2 rows are for a.stl; where all are wanted, add them up")));
     assert_eq!((said("b.stl"), said("c.stl")), (Ok(Some(2)), Ok(Some(4))));
     assert_eq!(list.rows().unwrap().len(), 4, "a row that says the same, or names no file, is left out");
     let row = list.row_for_file(OsStr::new("c.stl")).unwrap().unwrap();

@@ -180,7 +180,7 @@ fn a_list_may_mean_parts_of_its_sub_folders_and_a_ticket_does_not() {
             assert_eq!(late.may_mean_order(order), may_mean, "{} {order}", late.part_name);
         }
     }
-    // The parts themselves are asked about, since they would be one copy in silence.
+    // The row is served by the file that it names; the others are asked about, since they would be one copy in silence.
     for name in ["k/parts/a.stl", "order-7/B.stl", "order-8/b.stl", "k/parts/a_x3.stl"] {
         farm.drop_file(name, "solid");
     }
@@ -194,7 +194,16 @@ fn a_list_may_mean_parts_of_its_sub_folders_and_a_ticket_does_not() {
             );
         }
     }
-    assert_eq!(asked, ["a.stl", "B.stl"]);
+    assert_eq!(asked, ["B.stl"]);
+}
+
+#[test]
+fn a_late_row_means_the_part_in_the_folder_that_it_names() {
+    let farm = TestInbox::new();
+    farm.drop_file("k/order.csv", "file;copies\nR/a.stl;5\nC:\\order\\L\\b.stl;2\nc.stl;3\n");
+    let may_mean = |late: &LateTicket| ["k", "k/R", "k/L", "k/x/R"].map(|order| late.may_mean_order(order));
+    let all: Vec<[bool; 4]> = offers(&farm).iter().map(may_mean).collect();
+    assert_eq!(all, [[true, true, false, true], [true, false, true, false], [true, true, true, true]]);
 }
 
 #[test]

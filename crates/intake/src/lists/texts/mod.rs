@@ -1,0 +1,3 @@
+//! Lists in plain texts.
+
+pub(in crate::lists) mod plain_rows;

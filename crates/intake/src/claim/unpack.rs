@@ -28,7 +28,7 @@ use crate::{
         ignore::is_ignored,
     },
     lists::hidden_sidecar::is_hidden_sidecar,
-    names::name::numbered_name,
+    names::{code_page::decode_dos_name, name::numbered_name},
 };
 
 /// Prefix of the folder that an archive is unpacked in.
@@ -247,7 +247,7 @@ fn unpack_files(
     Ok(())
 }
 
-/// The files to unpack, by their path in the order folder, with their index. Names keep their bytes.
+/// The files to unpack, by their path in the order folder, with their index. Names that are neither UTF-8 nor of DOS keep their bytes.
 fn paths_in_archive(
     archive: &mut ZipArchive<BufReader<File>>,
     limits: &ReadLimits,
@@ -291,6 +291,9 @@ fn paths_in_archive(
 /// The path of a file to unpack; `None` for folders, and for what a scan would ignore.
 fn path_of(entry: &ZipFile<'_, BufReader<File>>) -> Result<Option<PathBuf>, UnpackError> {
     let mut bytes = entry.name_raw().to_vec();
+    if let Some(name) = decode_dos_name(&bytes) {
+        bytes = name.into_bytes();
+    }
     // Old programs for Windows write such paths. In names of other bytes it may be the second half of a letter.
     if bytes.is_ascii() && !bytes.contains(&b'/') {
         bytes.iter_mut().filter(|byte| **byte == b'\\').for_each(|byte| *byte = b'/');

@@ -53,11 +53,11 @@ const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
         "file filename path filepath datei dateiname dateipfad fichier nomdufichier nomfichier nomdefichier archivo \
          nombredearchivo nombredelarchivo fichero nombredefichero nomefile nomedelfile arquivo nomedoarquivo ficheiro bestand \
          bestandsnaam filnamn filnavn plik nazwapliku soubor nazevsouboru tiedosto dosya dosyaadi fajl файл имяфайла ファイル \
-         ファイル名 文件 文件名 檔案 檔名 檔案名稱 파일 파일명 파일이름 stl stlfile stldatei stldateien stlname",
+         ファイル名 文件 文件名 檔案 檔名 檔案名稱 파일 파일명 파일이름 stl stlfile stldatei stldateien stlname lineitemname",
     ),
     (
         ListColumn::Copies,
-        "copies copy quantity quantities qty count pcs noofpcs noofpieces noofcopies numberofpieces numberofcopies totalqty \
+        "copies copy lineitemquantity quantity quantities qty count pcs noofpcs noofpieces noofcopies numberofpieces numberofcopies totalqty \
          totalquantity qtytotal quantityrequired qtyrequired orderqty orderquantity kopien gesamtmenge gesamtstückzahl bestellmenge menge stück stückzahl stk anzahl anz quantité qté exemplaires \
          nbre cantidad cant unidades uds copias quantità qtà copie pezzi quantidade qtd qtde peças aantal stuks hoeveelheid \
          antal antall ilość sztuk szt množství počet kusů kpl määrä darab mennyiség adet miktar количество колво шт 数量 個数 員数 枚数 \
@@ -65,7 +65,7 @@ const CLEAR_HEADERS: [(ListColumn, &str); 12] = [
     ),
     (
         ListColumn::Due,
-        "due duedate dueby deadline deliverydate deliveryby neededby needby fällig fälligam fälligkeit termin liefertermin \
+        "shipby mustshipby due duedate dueby deadline deliverydate deliveryby neededby needby fällig fälligam fälligkeit termin liefertermin \
          lieferdatum échéance datedelivraison délai fechadeentrega fechaentrega vencimiento scadenza datadiconsegna \
          dataconsegna prazo datadeentrega dataentrega leverdatum förfallodatum leveransdatum leveringsdato termindostawy termín \
          納期 希望納期 納品日 納入日 期限 期日 締切 交期 截止日期 交货日期 납기 납기일 срок срокпоставки",
@@ -168,6 +168,21 @@ fn meaning_of_phrase(header: &str) -> Option<ListColumn> {
     }
 }
 
+/// The meaning of a label above the table of a list, if it is one that all rows may share.
+pub(super) fn meaning_of_label(label: &str) -> Option<ListColumn> {
+    let clear = CLEAR_WORDS.get(&normalize_word(label)).and_then(|columns| columns.first().copied());
+    clear.or_else(|| meaning_of_phrase(label)).filter(|column| {
+        use ListColumn as C;
+        matches!(column, C::Due | C::Order | C::Customer | C::Email | C::Material | C::Priority)
+    })
+}
+
+/// Headers of further numbers of pieces, of which nobody knows whether they are the ones to print.
+const OTHER_COPIES: &str = "restmenge reststückzahl offenemenge mengeoffen mengegeliefert liefermenge rückstand \
+                            remaining remainingqty qtyremaining remainingquantity quantityremaining openqty qtyopen openquantity \
+                            outstanding qtyoutstanding backorder backordered balance quantityshipped quantitydelivered \
+                            quantitérestante quantitélivrée reliquat cantidadpendiente cantidadentregada quantitàresidua 残数 残数量 納入数";
+
 static CLEAR_WORDS: LazyLock<HeaderWords> = LazyLock::new(|| index_words(&CLEAR_HEADERS));
 static AMBIGUOUS_WORDS: LazyLock<HeaderWords> = LazyLock::new(|| index_words(&AMBIGUOUS_HEADERS));
 
@@ -237,6 +252,13 @@ impl ColumnLayout {
                     columns.file_choices = std::iter::once((at, name.trim().to_owned())).chain(others).collect();
                 }
             }
+        }
+        let is_other = |name: &str| {
+            let word = normalize_word(name);
+            OTHER_COPIES.split_whitespace().any(|other| normalize_word(other) == word)
+        };
+        if columns.positions.contains_key(&ListColumn::Copies) && open.iter().any(|(_, name)| is_other(name)) {
+            return Err(format!("it has two columns for {}", ListColumn::Copies.ticket_word()));
         }
         columns.unknown_at = open.iter().map(|(at, name)| (*at, name.trim().to_owned())).collect();
         match columns.positions.contains_key(&ListColumn::File) {

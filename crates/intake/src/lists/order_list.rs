@@ -12,7 +12,11 @@ use super::{
     list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
     list_extras::ExtraRows,
-    texts::plain_rows::plain_rows,
+    texts::{
+        header::{ListHeader, find_header, for_each_record, infer_columns, strip_sep_line},
+        heading::{Heading, priority_warning},
+        plain_rows::plain_rows,
+    },
     workbook::{is_workbook, sheet_texts},
 };
 use crate::{
@@ -26,8 +30,6 @@ use crate::{
 
 /// A longer file is not accepted as a list.
 pub(crate) const MAX_LIST_BYTES: u64 = 4 << 20;
-/// The header must be among this many first lines, because people write a title above it.
-const HEADER_WITHIN: usize = 10;
 const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
 /// A parsed order list.
@@ -36,6 +38,8 @@ pub struct OrderList {
     content: Result<Vec<OrderListRow>, String>,
     /// Column headers that nestd does not know.
     unknown: Vec<String>,
+    /// What is told with each of its parts, in whole sentences.
+    warnings: Vec<String>,
     /// In which it was read. The names of files in the same bytes are read in it, too.
     page: CodePage,
 }
@@ -64,7 +68,7 @@ impl OrderList {
     pub fn parse_for_files(bytes: &[u8], files: &[&OsStr]) -> Self {
         if bytes.len() as u64 > MAX_LIST_BYTES {
             let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
-            return Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
+            return Self::broken(why);
         }
         if is_workbook(bytes) {
             return Self::from_workbook(bytes);
@@ -82,18 +86,17 @@ impl OrderList {
 
     /// The rows of all sheets that have the columns of a list; where none has, what is wrong with the first.
     fn from_workbook(bytes: &[u8]) -> Self {
-        let broken = |why| Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode };
         let lists = match sheet_texts(bytes) {
-            Ok(texts) if texts.is_empty() => return broken("its sheets are empty".to_owned()),
+            Ok(texts) if texts.is_empty() => return Self::broken("its sheets are empty".to_owned()),
             Ok(texts) => texts.into_iter().map(|text| Self::from_text(&text)),
-            Err(why) => return broken(why),
+            Err(why) => return Self::broken(why),
         };
         let with_sheet = |known: Self, sheet: Self| match (&known.content, &sheet.content) {
             (_, Err(_)) => known,
             (Err(_), Ok(_)) => sheet,
             (Ok(_), Ok(_)) => known.with_sheet(sheet),
         };
-        lists.reduce(with_sheet).unwrap_or_else(|| broken(NO_HEADER.to_owned()))
+        lists.reduce(with_sheet).unwrap_or_else(|| Self::broken(NO_HEADER.to_owned()))
     }
 
     /// The list with the rows of a further sheet. A row that says the same once more is left out, as is one that names no file: a sheet may
@@ -116,6 +119,7 @@ impl OrderList {
             }
             let known: Vec<String> = sheet.unknown.into_iter().filter(|name| !self.unknown.contains(name)).collect();
             self.unknown.extend(known);
+            self.warnings.extend(sheet.warnings);
         }
         self
     }
@@ -125,10 +129,14 @@ impl OrderList {
         Self::from_text(text).content?.into_iter().next().ok_or_else(|| "its row is empty".to_owned())
     }
 
+    fn broken(why: String) -> Self {
+        Self { content: Err(why), unknown: Vec::new(), warnings: Vec::new(), page: CodePage::Unicode }
+    }
+
     fn from_text(text: &str) -> Self {
         match parse_rows(text) {
-            Ok((rows, unknown)) => Self { content: Ok(rows), unknown, page: CodePage::Unicode },
-            Err(why) => Self { content: Err(why), unknown: Vec::new(), page: CodePage::Unicode },
+            Ok((rows, unknown, warnings)) => Self { content: Ok(rows), unknown, warnings, page: CodePage::Unicode },
+            Err(why) => Self::broken(why),
         }
     }
 
@@ -196,19 +204,23 @@ impl OrderList {
     /// Warnings about the list, to be reported with each of its parts.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let names: Vec<String> = self.unknown.iter().map(|name| format!("{:?}", escape_invisible(name))).collect();
-        match names.len() {
-            0 => Vec::new(),
-            1 => vec![format!("The column {} of its order list is unknown to nestd and was ignored.", names[0])],
+        let ignored = match names.len() {
+            0 => None,
+            1 => Some(format!("The column {} of its order list is unknown to nestd and was ignored.", names[0])),
             _ => {
                 let names = names.join(", ");
-                vec![format!("The columns {names} of its order list are unknown to nestd and were ignored.")]
+                Some(format!("The columns {names} of its order list are unknown to nestd and were ignored."))
             }
-        }
+        };
+        ignored.into_iter().chain(self.warnings.iter().cloned()).collect()
     }
 }
 
-/// Parses the rows of a list, and returns them with the headers of unknown columns.
-fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
+/// The rows of a list, the headers of unknown columns, and warnings.
+type ParsedRows = (Vec<OrderListRow>, Vec<String>, Vec<String>);
+
+/// Parses the rows of a list.
+fn parse_rows(text: &str) -> Result<ParsedRows, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (text, forced) = strip_sep_line(text);
     let delimiters: Vec<u8> = forced.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
@@ -237,6 +249,7 @@ fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
         true
     })?;
     header.columns.choose_file_column(|at| names[at]);
+    let heading = Heading::read(header.above, delimiter);
     let mut rows = Vec::new();
     let mut extras = ExtraRows::new(header.text, delimiter);
     for_each_record(body, delimiter, |record, text| {
@@ -246,105 +259,19 @@ fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
         }
         let row = match header.text {
             "" => text.to_owned(),
-            header => format!("{header}\n{text}"),
+            header => format!("{}{header}\n{text}", heading.text),
         };
         rows.push(OrderListRow {
-            ticket,
+            ticket: ticket.map(|ticket| ticket.merge_weaker(heading.ticket.clone())),
             objection: header.columns.objection(record).map(|said| escape_invisible(&said)),
             file: header.columns.cell_text(record, ListColumn::File).to_owned(),
             text: row,
         });
         true
     })?;
-    Ok((rows, header.columns.unknown_headers()))
-}
-
-/// The header that was found.
-struct ListHeader<'a> {
-    columns: ColumnLayout,
-    text: &'a str,
-    /// Offset of the first row.
-    end: usize,
-}
-
-/// Removes a first line such as `sep=;`, which tells Excel the delimiter.
-fn strip_sep_line(text: &str) -> (&str, Option<u8>) {
-    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
-    match first.trim_end_matches('\r').as_bytes() {
-        [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', delimiter] => (rest, Some(*delimiter)),
-        _ => (text, None),
-    }
-}
-
-/// Calls `each` with every record that is not empty and with its text, until `each` returns `false`.
-fn for_each_record(
-    text: &str,
-    delimiter: u8,
-    mut each: impl FnMut(&csv::StringRecord, &str) -> bool,
-) -> Result<usize, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .flexible(true)
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let mut record = csv::StringRecord::new();
-    loop {
-        let from = reader.position().byte() as usize;
-        if !reader.read_record(&mut record).map_err(|e| e.to_string())? {
-            return Ok(text.len());
-        }
-        let end = reader.position().byte() as usize;
-        let row = text[from..end].trim_matches(['\r', '\n']);
-        if record.iter().any(|cell| !cell.is_empty()) && !each(&record, row) {
-            return Ok(end);
-        }
-    }
-}
-
-/// Finds the header. Where two lines one below the other are headers, the one that says more is taken.
-fn find_header(text: &str, delimiter: u8) -> Result<ListHeader<'_>, String> {
-    let mut found: Result<ListHeader, String> = Err(NO_HEADER.to_owned());
-    let mut lines = 0;
-    for_each_record(text, delimiter, |record, row| {
-        lines += 1;
-        let columns = ColumnLayout::from_header(record.iter());
-        let is_header = match &columns {
-            // A title line may contain one header word. A header has at least two, or only one column.
-            Ok(columns) => columns.known_count() > 1 || record.len() == 1,
-            Err(why) => why != NO_HEADER,
-        };
-        let is_first = found.as_ref().is_err_and(|why| why == NO_HEADER);
-        let says_more = |columns: &ColumnLayout| {
-            found.as_ref().is_ok_and(|above| columns.known_count() >= above.columns.known_count())
-        };
-        if is_header && (is_first || columns.as_ref().is_ok_and(says_more)) {
-            let from = row.as_ptr() as usize - text.as_ptr() as usize;
-            let end = from + row.len();
-            found = columns.map(|columns| ListHeader { columns, text: &text[from..end], end });
-        }
-        is_first && lines < HEADER_WITHIN + usize::from(is_header)
-    })?;
-    found
-}
-
-/// Recognises a list of two columns without a header, where it is clear which column holds files and which holds
-/// copies.
-fn infer_columns(text: &str, delimiter: u8) -> Option<ListHeader<'_>> {
-    let mut file_at = None;
-    let mut is_clear = true;
-    for_each_record(text, delimiter, |record, _| {
-        let is_file = |at: usize| record.get(at).is_some_and(|cell| is_part_name(OsStr::new(cell)));
-        let is_count = |at: usize| record.get(at).is_some_and(|cell| parse_whole_number("", cell).is_ok());
-        let here = (0..2).find(|&at| is_file(at) && is_count(1 - at) && !is_file(1 - at));
-        let has_more = record.iter().skip(2).any(|cell| !cell.is_empty());
-        is_clear = here.is_some() && !has_more && file_at.is_none_or(|at| Some(at) == here);
-        file_at = here;
-        is_clear
-    })
-    .ok()?;
-    let file = file_at.filter(|_| is_clear)?;
-    Some(ListHeader { columns: ColumnLayout::without_header(file, 1 - file), text: "", end: 0 })
+    let mut warnings = heading.warnings;
+    warnings.extend(priority_warning(&rows));
+    Ok((rows, header.columns.unknown_headers(), warnings))
 }
 
 /// Parses the instructions of a row.
@@ -394,3 +321,7 @@ mod tests;
 #[cfg(test)]
 #[path = "tests/list_samples_tests.rs"]
 mod list_samples_tests;
+
+#[cfg(test)]
+#[path = "tests/heading_tests.rs"]
+mod heading_tests;

@@ -43,6 +43,10 @@ const WANTED_HEADERS: &str = "print toprint printit doprint active isactive enab
 /// Cells that say no.
 const NO: &str = "no n nein non false falsch faux 0 off nope not never nicht nie pas aus inactive inaktiv inactif inactive disabled \
     deaktiviert désactivé rejected abgelehnt refusé keine kein none aucun falso nee não nej nei ei nie nem hayır нет не 否 不 不打印 아니오 いいえ ノー 否 無 無し なし 不可 無効 未承認";
+/// Headers of columns for a change of the part's shape, which nestd does not make.
+const CHANGE_HEADERS: &str = "scale scaling scalefactor skalierung massstab maßstab faktor skalierungsfaktor échelle escala scala mirror \
+    mirrored mirroring gespiegelt spiegeln spiegelung miroir espejo specchio specchiato 倍率 縮尺 尺度 ミラー 反転 镜像 缩放";
+
 /// Signs that say no.
 const NO_SIGNS: [&str; 9] = ["✗", "✘", "❌", "☐", "×", "✕", "✖", "╳", "🚫"];
 
@@ -56,6 +60,7 @@ static WANTED_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(WANTED
 static OPEN_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(OPEN));
 static NOT_YET_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(NOT_YET));
 static WITHDRAWN_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(WITHDRAWN));
+static CHANGE_COLUMNS: LazyLock<HashSet<String>> = LazyLock::new(|| words(CHANGE_HEADERS));
 static NO_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| words(NO));
 
 fn words(list: &str) -> HashSet<String> {
@@ -65,7 +70,20 @@ fn words(list: &str) -> HashSet<String> {
 /// Whether a header names a column that says whether its rows are wanted.
 pub(super) fn is_state_header(header: &str) -> bool {
     let word = normalize_word(header);
-    ENDED_COLUMNS.contains(&word) || WANTED_COLUMNS.contains(&word)
+    ENDED_COLUMNS.contains(&word) || WANTED_COLUMNS.contains(&word) || CHANGE_COLUMNS.contains(&word)
+}
+
+/// Whether a cell asks for a scale or a mirror image.
+fn is_change(cell: &str, word: &str) -> bool {
+    let number = cell.trim().trim_end_matches('%').trim().replace(',', ".").parse::<f64>();
+    let is_same = match number {
+        Ok(number) if cell.contains('%') => number == 100.0,
+        Ok(number) => number == 1.0 || number == 100.0 || number == 0.0,
+        Err(_) => {
+            matches!(cell.trim(), "1:1" | "1 : 1") || NO_WORDS.contains(word) || matches!(word, "none" | "original")
+        }
+    };
+    !is_same
 }
 
 /// Most words of an end: `do not print`.
@@ -93,6 +111,7 @@ pub(super) fn says_no(header: &str, cell: &str) -> bool {
     match is_placeholder(cell) {
         // `なし` says nothing in most columns.
         true => WANTED_COLUMNS.contains(&column) && NO_WORDS.contains(&word),
+        false if CHANGE_COLUMNS.contains(&column) => is_change(cell, &word),
         false if ENDED_WORDS.contains(&word) || not_to_print_words(cell).is_some() => true,
         false if is_state && tells_of(&ENDED_WORDS, cell) => true,
         false if words_of(cell).len() <= MAX_NOTE_WORDS && tells_of(&WITHDRAWN_WORDS, cell) => true,
@@ -142,6 +161,11 @@ mod tests {
             ("Печать", "нет"),
             ("状态", "已取消"),
             ("打印", "否"),
+            ("Scale", "50 %"),
+            ("Maßstab", "1:2"),
+            ("scale", "2"),
+            ("Mirror", "yes"),
+            ("gespiegelt", "x"),
             ("Print Y/N", "N"),
             ("Drucken j/n", "n"),
             ("Hold", "Y"),
@@ -163,6 +187,11 @@ mod tests {
     #[test]
     fn what_is_wanted_and_what_says_something_else_is_not_asked_about() {
         for (header, cell) in [
+            ("Scale", "100%"),
+            ("scale", "1.0"),
+            ("Maßstab", "1:1"),
+            ("Mirror", "no"),
+            ("gespiegelt", "-"),
             ("print?", "yes"),
             ("print?", ""),
             ("status", "open"),

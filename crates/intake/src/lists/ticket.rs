@@ -1,5 +1,7 @@
 //! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
+use std::borrow::Cow;
+
 use build_file::{
     LengthUnit, check_clearance, check_copies, check_email, check_finish, check_name, check_note, check_priority,
     escape_invisible_lines,
@@ -8,6 +10,7 @@ use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::list_cells::parse_due_cell;
 use crate::names::due_date::{DueDate, parse_due};
 
 /// The fields of a ticket. `None` = the ticket does not set the field.
@@ -102,14 +105,23 @@ struct TicketFields {
 impl Ticket {
     /// Reads a TOML ticket; `file` is its display name, for errors.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, TicketError> {
-        let words = toml::from_str(strip_bom(text)).map_err(|error| broken_ticket(file, error.to_string()))?;
+        let words = toml::from_str(&with_plain_dates(strip_bom(text)))
+            .map_err(|error| broken_ticket(file, error.to_string()))?;
         Self::from_fields(words).map_err(|why| broken_ticket(file, why))
     }
 
     /// Reads a JSON ticket; `file` is its display name, for errors.
     pub fn from_json(text: &str, file: &str) -> Result<Self, TicketError> {
         let words = serde_json::from_str(strip_bom(text)).map_err(|error| broken_ticket(file, error.to_string()))?;
-        Self::from_fields(words).map_err(|why| broken_ticket(file, why))
+        // JSON has another sign before a value than TOML.
+        let in_json = |why: String| match why
+            .rsplit_once("quotes: ")
+            .and_then(|(head, end)| Some((head, end.split_once(" = ")?)))
+        {
+            Some((head, (word, number))) => format!("{head}quotes: \"{word}\": {number}"),
+            None => why,
+        };
+        Self::from_fields(words).map_err(|why| broken_ticket(file, in_json(why)))
     }
 
     /// Fills the fields that this ticket does not set from a ticket with lower precedence.
@@ -192,6 +204,23 @@ fn parse_name(word: &str, value: toml::Value) -> Result<String, String> {
     check_name(word, &name)
 }
 
+/// Puts a due date as people write it, `due = 31.12.2026`, into quotes, which TOML wants around it.
+fn with_plain_dates(text: &str) -> Cow<'_, str> {
+    let is_plain = |value: &str| {
+        value.starts_with(|c: char| c.is_ascii_digit()) && value.contains('.') && parse_due_cell(value).is_ok()
+    };
+    let quoted = |line: &str| {
+        let (word, value) = line.split_once('=')?;
+        let value = value.split('#').next().unwrap_or_default().trim();
+        (word.trim() == "due" && is_plain(value)).then(|| format!("due = {value:?}"))
+    };
+    if !text.lines().any(|line| quoted(line).is_some()) {
+        return text.into();
+    }
+    let lines: Vec<String> = text.lines().map(|line| quoted(line).unwrap_or_else(|| line.to_owned())).collect();
+    lines.join("\n").into()
+}
+
 fn strip_bom(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -209,7 +238,7 @@ fn check_directions<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String>
 
 fn parse_due_value(value: toml::Value) -> Result<DueDate, String> {
     match value {
-        toml::Value::String(text) => parse_due(&text),
+        toml::Value::String(text) => parse_due(&text).or_else(|why| parse_due_cell(&text).map_err(|_| why)),
         toml::Value::Datetime(time) => parse_due(&time.to_string()),
         other => {
             Err(format!("due = {other}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z"))
@@ -303,6 +332,16 @@ mod tests {
         let ticket = Ticket::from_toml("due = 2026-11-25T17:00:00-05:00", "t").unwrap();
         assert_eq!(ticket.due, Some(parse_due("2026-11-25T22:00:00Z").unwrap()));
         assert!(matches!(Ticket::from_toml("due = 2026-11-25 17:00:00", "t").unwrap().due, Some(DueDate::Local(_))));
+    }
+
+    #[test]
+    fn dates_as_people_write_them_are_read_and_json_is_mended_as_json() {
+        for due in ["31.12.2026", "\"31.12.2026\"", "31.12.2026 # bald"] {
+            let ticket = Ticket::from_toml(&format!("copies = 2\ndue = {due}\n"), "t").unwrap();
+            assert_eq!((ticket.due, ticket.copies), (Some(parse_due("2026-12-31").unwrap()), Some(2)), "{due}");
+        }
+        let why = Ticket::from_json("{\"copies\":\"2\"}", "t").unwrap_err().to_string();
+        assert!(why.ends_with("write it without the quotes: \"copies\": 2"), "{why}");
     }
 
     #[test]

@@ -92,6 +92,15 @@ pub(crate) fn decode_candidates(bytes: &[u8]) -> Vec<Reading> {
     readings
 }
 
+/// The text of a name in the code pages of DOS, which programs for Windows write into archives. `None` = it is UTF-8, or looks more
+/// like a text in another code page. What a list in another code page names has these bytes, and is found by them.
+pub(crate) fn decode_dos_name(name: &[u8]) -> Option<String> {
+    let mut readings = decode_candidates(name);
+    let best = (0..readings.len()).rev().max_by_key(|&at| text_plausibility(&readings[at].text))?;
+    let best = readings.swap_remove(best);
+    matches!(best.page, CodePage::OfDos(_)).then_some(best.text)
+}
+
 /// Detects UTF-16 without a byte order mark: most characters in tables are ASCII, so every second byte is 0.
 fn detect_utf16(bytes: &[u8]) -> Option<&'static Encoding> {
     let head = &bytes[..bytes.len().min(4096) & !1];
@@ -186,6 +195,25 @@ mod tests {
                 "{text}: {:?}",
                 decode_candidates(bytes)
             );
+        }
+    }
+
+    #[test]
+    fn names_of_dos_are_told_from_those_of_other_code_pages() {
+        for (name, text) in [
+            (&b"Geh\x84use.stl"[..], Some("Gehäuse.stl")),
+            (b"Gr\x94\xe1e \x81ber.stl", Some("Größe über.stl")),
+            (b"pi\x8ace.stl", Some("pièce.stl")),
+            (b"\x99se.stl", Some("Öse.stl")),
+            (b"Geh\xe4use.stl", None),
+            (b"Gr\xf6\xdfe.stl", None),
+            (b"pi\xe8ce.stl", None),
+            (b"\x83u\x83\x89\x83P\x83b\x83g.stl", None),
+            (b"\x95\x94\x95i.stl", None),
+            ("Gehäuse.stl".as_bytes(), None),
+            (b"a.stl", None),
+        ] {
+            assert_eq!(decode_dos_name(name).as_deref(), text, "{}", String::from_utf8_lossy(name));
         }
     }
 

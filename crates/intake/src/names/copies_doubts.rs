@@ -1,8 +1,11 @@
 //! Numbers beside a word for pieces that may be only a part of what is wanted: sums, ranges, shares, products, dozens and sets.
 
+use std::ffi::OsStr;
+
 use super::{
     copies_sizes::{is_number_of_thing, is_size_number},
-    copies_words::{HOLDS, NameWord, WordKind, is_digits, is_word_of},
+    copies_words::{HOLDS, NameWord, WordKind, is_digits, is_word_for_pieces, is_word_of},
+    name_match::fold_name,
 };
 
 /// Words between two numbers of which either may be meant: `2 bis 3 Stk`, `4 of 8 pcs`.
@@ -17,6 +20,19 @@ const ONE: [&str; 8] = ["a", "an", "one", "ein", "eine", "einen", "un", "une"];
 const FEW: &str = "pair couple dozen paar dutzend paire douzaine";
 /// A number of more digits is one of a part or an order.
 const MAX_DIGITS: usize = 3;
+
+/// Whether the name of a folder is that of a number of pieces: `5 Stück`, `2x`, `x 3`.
+pub(crate) fn is_count_name(folder: &OsStr) -> bool {
+    let Some(name) = folder.to_str().map(fold_name) else { return false };
+    let bare = name.trim_matches(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | '[' | ']' | '_' | '-'));
+    let (front, back) =
+        (bare.trim_start_matches(|c: char| c.is_ascii_digit()), bare.trim_end_matches(|c: char| c.is_ascii_digit()));
+    let is_word = |word: &str| {
+        let word = word.trim_matches(|c: char| !c.is_alphanumeric() && c != '×');
+        matches!(word, "x" | "×" | "qty" | "anzahl" | "menge") || is_word_for_pieces(word)
+    };
+    front.len() < bare.len() && is_word(front) || back.len() < bare.len() && is_word(back)
+}
 
 fn is_listed(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|known| known == word)
@@ -64,5 +80,20 @@ pub(super) fn group_length(words: &[NameWord], at: usize) -> Option<usize> {
         "" if is_product && is_pieces(text(at + 1)) && !is_number(at + 2) => Some(2),
         tail if is_product && is_pieces(tail) => Some(1),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_is_called_by_a_number_of_pieces_is_told_from_others() {
+        for name in ["5 Stück", "2x", "x 3", "10 pcs", "3_Stk", "Qty 4", "4×"] {
+            assert!(is_count_name(OsStr::new(name)), "{name}");
+        }
+        for name in ["order-7", "4711", "X", "2026-11-30", "5 Meier", "Bambu X1", "Stück"] {
+            assert!(!is_count_name(OsStr::new(name)), "{name}");
+        }
     }
 }

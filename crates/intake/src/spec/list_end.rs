@@ -96,21 +96,21 @@ fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, i
         ),
     };
     let nameless = rows.iter().filter(|r| r.file.is_empty()).count();
+    let is_good = |row: &&OrderListRow| marks.is_served(&row.file) && !marks.is_unused(&row.file);
+    let has_served = rows.iter().any(|row| is_good(&row));
+    let others = if has_served { " The other rows were served." } else { "" };
     match missing[..] {
         [] if !rows.is_empty() && nameless == 0 && unused.is_empty() => ListDecision::Served,
         [] if nameless == 0 && !unused.is_empty() => {
-            ListDecision::Refuse(format!("Of this order list{unused} The other rows were served."))
+            ListDecision::Refuse(format!("Of this order list{unused}{others}"))
         }
         _ if !is_over => ListDecision::Wait,
         [] if rows.is_empty() => ListDecision::Refuse("This order list names no files.".to_owned()),
-        [] => ListDecision::Refuse(format!(
-            "{nameless} rows of this order list name no file; the other rows were served.{unused}"
-        )),
+        [] => ListDecision::Refuse(format!("{nameless} rows of this order list name no file.{others}{unused}")),
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
             ListDecision::Refuse(format!(
-                "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
-                 served. Drop these files together with a list for them.{unused}",
+                "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}.{others} Drop these files together with a list for them.{unused}",
                 names.len(),
                 rows.len(),
                 names.join(", ")

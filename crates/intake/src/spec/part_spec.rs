@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use build_file::COPIES_QUESTION;
+use build_file::{COPIES_QUESTION, is_copies_question};
 
 use crate::{
     ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
@@ -23,6 +23,7 @@ use crate::{
     names::{
         code_page::decode_candidates,
         copies::{CopiesInName, read_copies_in_file_name},
+        copies_doubts::is_count_name,
         unordered_folder::{is_past_name, unwanted_words},
     },
 };
@@ -123,6 +124,12 @@ impl ClaimedPart {
             given.warnings.push(copies_question(&why));
         }
         given.warnings.extend(asked.filter(|_| given.ticket.copies.is_none()).map(|why| copies_question(&why)));
+        let counted = self.order_path.iter().find(|folder| is_count_name(folder));
+        let counted = counted
+            .filter(|_| given.ticket.copies.is_none() && !given.warnings.iter().any(|one| is_copies_question(one)));
+        given
+            .warnings
+            .extend(counted.map(|name| copies_question(&format!("it lies in a folder called {}", display_name(name)))));
         let past = self.order_path.iter().find(|folder| is_past_name(folder));
         given
             .warnings

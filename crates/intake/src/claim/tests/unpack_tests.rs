@@ -208,3 +208,17 @@ fn after_a_crash_at_any_step_the_order_is_there_once() {
     }
     assert!(seen_states.iter().all(|&count| count > 1), "{seen_states:?}");
 }
+
+#[test]
+fn names_of_dos_in_an_archive_are_read_and_those_of_other_code_pages_keep_their_bytes() {
+    for (letter, expected) in [(0x84_u8, "Geh\u{e4}use.stl".as_bytes()), (0xe4, &b"Geh\xe4use.stl"[..])] {
+        let mut bytes = packed(&[("GehQuse.stl", "solid")]);
+        while let Some(at) = bytes.windows(4).position(|four| four == b"GehQ") {
+            bytes[at + 3] = letter;
+        }
+        let order = Dropped::new("o.zip", &bytes);
+        let UnpackOutcome::Unpacked(folder) = order.unpack(&ReadLimits::default()) else { panic!("it is refused") };
+        let name = fs::read_dir(folder).unwrap().next().unwrap().unwrap().file_name();
+        assert_eq!(name.as_bytes(), expected);
+    }
+}

@@ -83,6 +83,15 @@ fn a_list_whose_files_do_not_come_is_refused_with_their_names() {
 }
 
 #[test]
+fn other_rows_are_spoken_of_only_where_there_are_any() {
+    let farm = TestInbox::new();
+    farm.drop_file("order.csv", LIST);
+    let ends = end(&farm, 0.0);
+    let [ListOutcome::Refused(reason)] = &ends[..] else { panic!("{ends:?}") };
+    assert!(reason.contains("2 of 2 rows") && !reason.contains("other rows"), "{reason}");
+}
+
+#[test]
 fn a_list_waits_for_a_file_that_is_beside_it_however_long_it_takes() {
     let farm = TestInbox::new();
     farm.drop_file("order.csv", LIST);

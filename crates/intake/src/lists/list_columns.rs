@@ -273,8 +273,8 @@ impl ColumnLayout {
         Self { positions: places, count: 2, ..Self::default() }
     }
 
-    /// Takes as the column of the files the one in which most cells are names of files, if the header leaves a choice.
-    pub fn choose_file_column(&mut self, count_names: impl Fn(usize) -> usize) {
+    /// Takes as the column of the files the one in which most cells name the files that are there, or are names of files, if the header leaves a choice.
+    pub fn choose_file_column(&mut self, count_names: impl Fn(usize) -> (usize, usize)) {
         let Some(&first) = self.positions.get(&ListColumn::File).filter(|_| self.file_choices.len() > 1) else {
             return;
         };

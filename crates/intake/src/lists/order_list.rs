@@ -2,7 +2,10 @@
 //! lists as people write them: as text in any code page, with any delimiter, or as a workbook; with headers in their own words or
 //! without a header.
 
-use std::{collections::HashMap, ffi::OsStr};
+use std::{
+    collections::{HashMap, HashSet},
+    ffi::OsStr,
+};
 
 use build_file::{
     check_clearance, check_copies, check_email, check_finish, check_name, check_note, check_priority, escape_invisible,
@@ -71,11 +74,12 @@ impl OrderList {
             return Self::broken(why);
         }
         if is_workbook(bytes) {
-            return Self::from_workbook(bytes);
+            return Self::from_workbook(bytes, &folded_names(files));
         }
+        let names = folded_names(files);
         let mut best = None;
         for reading in decode_candidates(bytes) {
-            let list = Self { page: reading.page, ..Self::from_text(&reading.text) };
+            let list = Self { page: reading.page, ..Self::from_text_for(&reading.text, &names) };
             let fitness = (list.match_quality(files), text_plausibility(&reading.text));
             if best.as_ref().is_none_or(|(known, _)| fitness > *known) {
                 best = Some((fitness, list));
@@ -85,10 +89,10 @@ impl OrderList {
     }
 
     /// The rows of all sheets that have the columns of a list; where none has, what is wrong with the first.
-    fn from_workbook(bytes: &[u8]) -> Self {
+    fn from_workbook(bytes: &[u8], files: &HashSet<String>) -> Self {
         let lists = match sheet_texts(bytes) {
             Ok(texts) if texts.is_empty() => return Self::broken("its sheets are empty".to_owned()),
-            Ok(texts) => texts.into_iter().map(|text| Self::from_text(&text)),
+            Ok(texts) => texts.into_iter().map(|text| Self::from_text_for(&text, files)),
             Err(why) => return Self::broken(why),
         };
         let with_sheet = |known: Self, sheet: Self| match (&known.content, &sheet.content) {
@@ -134,7 +138,11 @@ impl OrderList {
     }
 
     fn from_text(text: &str) -> Self {
-        match parse_rows(text) {
+        Self::from_text_for(text, &HashSet::new())
+    }
+
+    fn from_text_for(text: &str, files: &HashSet<String>) -> Self {
+        match parse_rows(text, files) {
             Ok((rows, unknown, warnings)) => Self { content: Ok(rows), unknown, warnings, page: CodePage::Unicode },
             Err(why) => Self::broken(why),
         }
@@ -219,8 +227,20 @@ impl OrderList {
 /// The rows of a list, the headers of unknown columns, and warnings.
 type ParsedRows = (Vec<OrderListRow>, Vec<String>, Vec<String>);
 
-/// Parses the rows of a list.
-fn parse_rows(text: &str) -> Result<ParsedRows, String> {
+/// The names of files in folded form, without their folders, with and without extension.
+fn folded_names(files: &[&OsStr]) -> HashSet<String> {
+    let mut names = HashSet::new();
+    for file in files {
+        let name = fold_name(&file.to_string_lossy());
+        let name = name.rsplit('/').next().unwrap_or(&name);
+        names.extend(name.rsplit_once('.').map(|(stem, _)| stem.to_owned()));
+        names.insert(name.to_owned());
+    }
+    names
+}
+
+/// Parses the rows of a list. Where the header leaves a choice, the column in which most of `files` stand is that of the files.
+fn parse_rows(text: &str, files: &HashSet<String>) -> Result<ParsedRows, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (text, forced) = strip_sep_line(text);
     let delimiters: Vec<u8> = forced.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
@@ -238,14 +258,17 @@ fn parse_rows(text: &str) -> Result<ParsedRows, String> {
         Ok(found) => found,
         Err(why) => match delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))) {
             Some(found) => found,
-            None => return plain_rows(text).map_or(Err(why), |rows| parse_rows(&rows)),
+            None => return plain_rows(text).map_or(Err(why), |rows| parse_rows(&rows, files)),
         },
     };
     let body = &text[header.end..];
-    let mut names = vec![0; header.columns.count];
+    let mut names = vec![(0, 0); header.columns.count];
     for_each_record(body, delimiter, |record, _| {
-        let is_name = |cell: &str| is_part_name(OsStr::new(bare_cell(cell)));
-        names.iter_mut().zip(record).for_each(|(names, cell)| *names += usize::from(is_name(cell)));
+        for ((matched, names), cell) in names.iter_mut().zip(record) {
+            let last = bare_cell(cell).rsplit(['/', '\\']).next().unwrap_or_default();
+            *matched += usize::from(!last.is_empty() && files.contains(&fold_name(last)));
+            *names += usize::from(is_part_name(OsStr::new(bare_cell(cell))));
+        }
         true
     })?;
     header.columns.choose_file_column(|at| names[at]);

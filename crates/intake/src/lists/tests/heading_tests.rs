@@ -76,3 +76,20 @@ fn a_day_to_ship_by_is_the_due_date_and_a_line_item_the_file() {
     let said = ticket(&list, "bracket.stl");
     assert_eq!((said.copies, said.due), (Some(3), Some(DueDate::Day(jiff::civil::date(2026, 12, 11)))));
 }
+
+#[test]
+fn the_column_in_which_the_files_stand_is_theirs() {
+    for (text, count) in [
+        ("Item,Description,Part Number,Qty\n1,Bracket left,bracket,3\n2,Lid,lid,2\n", 2),
+        ("Name;Bezeichnung;Menge\nPos 1;BRACKET;3\nPos 2;teile\\lid;2\n", 2),
+    ] {
+        let files = ["bracket.stl", "lid.stl"].map(OsStr::new);
+        let list = OrderList::parse_for_files(text.as_bytes(), &files);
+        let copies: Vec<Option<u32>> = files
+            .iter()
+            .filter_map(|file| list.row_for_file(file).unwrap())
+            .map(|row| OrderList::parse_single_row(&row.text).unwrap().ticket.unwrap().copies)
+            .collect();
+        assert_eq!((copies.len(), &copies[..]), (count, &[Some(3), Some(2)][..]), "{text}");
+    }
+}

@@ -50,7 +50,12 @@ fn a_text_that_names_a_file_beside_it_and_is_no_list_holds_the_parts() {
         let refused = taken(&farm, OVER);
         assert!(refused.len() == 2 && refused.iter().all(|(_, copies, _)| copies.is_err()), "{name}: {refused:?}");
     }
-    for (name, text) in [("readme.txt", "print soon"), ("license.md", "see lib.stl"), ("mail.eml", "thanks")] {
+    for (name, text) in [
+        ("readme.txt", "print soon"),
+        ("license.md", "see lib.stl"),
+        ("mail.eml", "thanks"),
+        ("b.stl.reason.txt", "b.stl: 5"),
+    ] {
         let farm = TestInbox::new();
         farm.drop_file("k/b.stl", "solid");
         farm.drop_file(&format!("k/{name}"), text);

@@ -289,6 +289,8 @@ pub(crate) fn mark_lists(inbox: &Path, entries: &mut [InboxEntry]) {
 fn may_be_list(seen: &InboxEntry) -> bool {
     match has_extension(&seen.path, &FOREIGN_TEXTS) {
         _ if is_hidden(seen) => false,
+        // What nestd itself wrote beside a refused part comes back with it.
+        _ if seen.path.as_os_str().as_encoded_bytes().ends_with(b".reason.txt") => false,
         _ if part_of_table(&seen.path).is_some() => true,
         true => list_format(&seen.path).is_none(),
         false => has_extension(&seen.path, &NOTES) && is_part_entry(seen) && unreadable_reason(seen).is_none(),

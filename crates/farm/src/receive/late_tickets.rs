@@ -179,20 +179,16 @@ async fn apply_late_ticket(
     let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
         NamedPart::Missing => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
-        NamedPart::Several => {
-            let reason = format!(
-                "It came after its part was taken, and it may mean several parts: {}. Change the one that is meant with \
-                 `nestd edit PART`.",
-                names.join(", ")
-            );
-            return Ok(LateDecision::Refuse(reason));
-        }
+        NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names))),
     };
     let ticket = match &late.ticket {
         Ok(ticket) => ticket,
         Err(error) => return Ok(LateDecision::Refuse(format!("{error}."))),
     };
-    let named: Vec<&PartRow> = candidates.into_iter().filter(|part| part.name == name).collect();
+    let named = match of_one_folder(late, candidates.into_iter().filter(|part| part.name == name).collect()) {
+        Ok(named) => named,
+        Err(reason) => return Ok(LateDecision::Refuse(reason)),
+    };
     let Some(newest) = named.iter().max_by_key(|part| part.id) else { return Ok(LateDecision::Wait) };
     let solids: Vec<&&PartRow> = named.iter().filter(|part| part.file.claim == newest.file.claim).collect();
     if solids.iter().any(|part| part.state == PartState::Claimed) {
@@ -239,6 +235,29 @@ async fn apply_late_ticket(
 fn may_mean(late: &LateTicket, part: &PartRow) -> bool {
     let named = late.ticket.as_ref().ok().and_then(|ticket| ticket.order.as_deref());
     late.may_mean_order(&part.terms.order_name) || named == Some(part.terms.order_name.as_str())
+}
+
+/// Parts of one name that a late ticket may mean: those of its own folder, if there are any. Of several in folders below it, none is
+/// meant: then the reason.
+fn of_one_folder<'p>(late: &LateTicket, mut named: Vec<&'p PartRow>) -> Result<Vec<&'p PartRow>, String> {
+    if named.iter().any(|part| part.terms.order_name == late.order()) {
+        named.retain(|part| part.terms.order_name == late.order());
+    }
+    match named.first() {
+        Some(first) if named.iter().any(|part| part.terms.order_name != first.terms.order_name) => {
+            let place = |part: &&PartRow| format!("part {} ({}/{})", part.id, part.terms.order_name, part.name);
+            let places: Vec<String> = named.iter().map(place).collect();
+            Err(several_parts_reason(&places.iter().map(String::as_str).collect::<Vec<_>>()))
+        }
+        _ => Ok(named),
+    }
+}
+
+fn several_parts_reason(parts: &[&str]) -> String {
+    format!(
+        "It came after its part was taken, and it may mean several parts: {}. Change the one that is meant with `nestd edit PART`.",
+        parts.join(", ")
+    )
 }
 
 fn several_solids_reason(part: &PartRow, solids: usize) -> String {

@@ -117,6 +117,28 @@ fn a_list_that_comes_after_its_loose_parts_changes_them() {
 }
 
 #[test]
+fn a_late_row_that_fits_parts_in_two_folders_changes_neither() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    for side in ["left", "right"] {
+        std::fs::create_dir_all(farm.folder("inbox").join("K-7").join(side)).unwrap();
+        farm.drop_part(
+            &format!("K-7/{side}/bracket.stl"),
+            &block(10.0, 12.0, if side == "left" { 14.0 } else { 15.0 }),
+        );
+    }
+    farm.wait_for_parts(PartState::Waiting, 2);
+    std::fs::create_dir_all(farm.folder("inbox").join("K-7")).unwrap();
+    farm.drop_bytes("K-7/l.csv", b"file,qty\nbracket.stl,4\n");
+    let reason = farm.folder("error").join("K-7/l.csv.reason.txt");
+    farm.pass_until("it is refused", |_| reason.is_file());
+    let told = std::fs::read_to_string(&reason).unwrap();
+    assert!(told.contains("(K-7/left/bracket.stl)") && told.contains("(K-7/right/bracket.stl)"), "{told}");
+    assert!(farm.parts(PartState::Waiting).iter().all(|part| part.wanted_copies() == 1), "{told}");
+    farm.drop_bytes("K-7/l.csv", b"file,qty\nright/bracket.stl,4\n");
+    farm.pass_until("one is meant", |farm| farm.open_copies().len() == 5);
+}
+
+#[test]
 fn a_revision_takes_the_place_of_the_first_with_all_that_was_asked() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_bytes("brandt/hinge.stl.toml", b"copies = 4\nnote = \"black\"\n");

@@ -179,7 +179,7 @@ impl MeshComparison<'_> {
 }
 
 fn greater_or_nan(a: f64, b: f64) -> f64 {
-    if a >= b { a } else { b }
+    if a.is_nan() || a >= b { a } else { b }
 }
 
 /// Whether the triangles of both have the same corners, to the last bit, in the same order.

@@ -293,7 +293,7 @@ fn parse_rows(text: &str, files: &HashSet<String>) -> Result<ParsedRows, String>
         true
     })?;
     let mut warnings = heading.warnings;
-    warnings.extend(priority_warning(&rows));
+    warnings.extend(priority_warning(rows.iter().filter_map(|row| row.ticket.as_ref().ok()?.priority)));
     Ok((rows, header.columns.unknown_headers(), warnings))
 }
 

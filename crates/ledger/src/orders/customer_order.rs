@@ -245,7 +245,7 @@ impl LedgerChange {
     /// Removes the row of an order whose parts all went to other orders, and to which no program ordered anything: then `true`.
     async fn forget_empty_order(&mut self, name: &str) -> Result<bool> {
         let forget = sql::query(
-            "DELETE FROM customer_order WHERE name = $1 AND NOT EXISTS (SELECT 1 FROM part WHERE order_name = $1) \
+            "DELETE FROM customer_order WHERE name = $1 AND NOT EXISTS (SELECT 1 FROM part WHERE order_name = $1 AND order_name <> '') \
              AND NOT EXISTS (SELECT 1 FROM ordered_line WHERE order_name = $1)",
         );
         Ok(forget.bind(name).execute(self.db()).await? > 0)

@@ -63,7 +63,6 @@ impl Ledger {
     /// Opens the ledger file like [`Ledger::open`], but only if it is intact.
     ///
     /// # Errors
-    /// # Errors
     /// As [`Ledger::open`], and `Damaged`.
     pub async fn open_checked(path: &Path) -> Result<Self> {
         Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_checked(path).await?)))
@@ -72,7 +71,6 @@ impl Ledger {
     /// Opens the ledger for a daemon that serves it: a file only if it is intact, and a database on a server only if no other process has
     /// the same right.
     ///
-    /// # Errors
     /// # Errors
     /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
     pub async fn open_to_serve(at: impl Into<LedgerAddress>, node: &ServingNode) -> Result<Self> {
@@ -86,7 +84,6 @@ impl Ledger {
 
     /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
     ///
-    /// # Errors
     /// # Errors
     /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
     pub async fn open_existing(at: impl Into<LedgerAddress>) -> Result<Self> {

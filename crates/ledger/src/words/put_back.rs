@@ -104,8 +104,7 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The search for this content is over: the store holds it, or it is not needed, or was not found. Its parts on this node's machines
-    /// continue.
+    /// The store holds this content, or it is not needed, or was not found: its parts on this node's machines continue.
     pub async fn mark_fetched(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let mark = sql::query(
@@ -306,9 +305,9 @@ impl LedgerChange {
             let may_wait = matches!(part.state, PartState::Waiting | PartState::Claimed);
             let has_waiting = may_wait && self.waiting_count(id).await? > 0;
             let is_wanted_again = match part.state {
-                // It takes the place of a copy that was refused, unless those were given up when their order was closed.
+                // It takes the place of a refused copy, unless those were given up when their order was closed.
                 PartState::Refused => self.placed_count(id).await? >= part.wanted_copies(),
-                // Where none is given up any more, it takes the place of a copy that was asked for again and waits.
+                // Where none is given up any more, it takes that of a copy that was asked for again and waits.
                 _ => part.owed.cancelled_copies > 0 && !(is_owed && has_waiting),
             };
             if is_wanted_again {
@@ -321,8 +320,7 @@ impl LedgerChange {
             *returned.entry(id).or_default() += 1;
         }
         for (&id, &copies) in &returned {
-            let part = self.require_part(id).await?;
-            report.returned.push(PartCopies { part: id, name: part.full_name(), copies });
+            report.returned.push(PartCopies { part: id, name: self.require_part(id).await?.full_name(), copies });
             self.end_waiting(id, Some(build)).await?;
         }
         self.update_orders_of(returned.into_keys()).await

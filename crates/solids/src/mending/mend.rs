@@ -141,8 +141,7 @@ impl Mesh {
             let mut repair = Repair::new(self, vertices, triangles);
             repair.measures.joined = joined;
             let mut mended = repair.mend().map_err(|_| why)?;
-            // What fills its holes is measured from their rims, which have moved.
-            mended.measures.deviation_mm += WELD_MM;
+            mended.measures.deviation_mm += WELD_MM; // What fills its holes is measured from their rims, which have moved.
             Ok(mended)
         })
     }

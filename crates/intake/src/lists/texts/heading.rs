@@ -8,7 +8,6 @@ use crate::{
     lists::{
         list_cells::{bare_cell, is_placeholder, parse_due_cell, parse_whole_number},
         list_columns::{ListColumn, meaning_of_label},
-        order_list::OrderListRow,
     },
 };
 
@@ -80,8 +79,7 @@ fn read_value(column: ListColumn, value: &str) -> Result<Ticket, String> {
 }
 
 /// Warns where all priorities are as low as those of people for whom 1 is the most urgent.
-pub(in crate::lists) fn priority_warning(rows: &[OrderListRow]) -> Option<String> {
-    let said = rows.iter().filter_map(|row| row.ticket.as_ref().ok()?.priority);
+pub(in crate::lists) fn priority_warning(said: impl Iterator<Item = u8>) -> Option<String> {
     let most = said.max().filter(|most| u32::from(*most) <= MAX_SMALL_PRIORITY)?;
     Some(format!(
         "The highest priority of its order list is {most}, of 100 for the most urgent part: that is below the 50 of a part without \

@@ -44,6 +44,7 @@ pub use folder::claimed_part::{ClaimError, ClaimedPart};
 pub use folder::control_file::{ControlFile, ControlKind, finish_control_file};
 pub use folder::disk::{files_below, hash_file, is_temporary_name, read_start, write_file_atomically};
 pub use folder::emptied_folders::EmptiedFolders;
+pub use folder::file_role::{REASON_SUFFIX, is_reason_file};
 pub use folder::ignore::is_ignored;
 pub use folder::inbox_entry::{EntryKind, FoundList, InboxEntry};
 pub use folder::misplaced::find_misplaced;

@@ -7,7 +7,7 @@ use farm::{
     MaterialReading, QUOTE_SEARCH_TIME, QuoteError, QuoteMeshes, QuoteQuestion, QuotedFile, quote_order, read_plan,
     read_quoted_files,
 };
-use intake::{CopiesInName, Ticket, read_copies_in_name};
+use intake::{Ticket, read_copies_in_name};
 use jiff::Timestamp;
 
 use crate::cli::{
@@ -81,14 +81,11 @@ pub fn run(common: &CommonArgs, args: &QuoteArgs) -> Result<CommandExit> {
 
 /// The copies of a file that would be ordered if it were dropped so: as it is said with it, else in its ticket, else in its name.
 fn wanted_copies(file: &RequestedFile, in_ticket: Option<u32>) -> Result<u32> {
-    let in_name = match file.copies.or(in_ticket) {
-        Some(copies) => return Ok(copies),
-        None => read_copies_in_name(&file.name),
-    };
-    match (&in_name, in_name.unclear_reason()) {
-        (CopiesInName::Said(copies), _) => Ok(*copies),
-        (_, None) => Ok(1),
-        (_, Some(why)) => Err(UsageError(format!("{0}: {why}. Say how many: {0}=N", file.name)).into()),
+    match file.copies.or(in_ticket) {
+        Some(copies) => Ok(copies),
+        None => read_copies_in_name(&file.name)
+            .number()
+            .map_err(|why| UsageError(format!("{0}: {why}. Say how many: {0}=N", file.name)).into()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use intake::{CopiesInName, Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name};
+use intake::{Ticket, TicketError, check_upload_name, is_content_hash, read_copies_in_name};
 use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -202,12 +202,9 @@ impl LineRequest {
 
     /// The fields of its ticket.
     fn ticket_fields(&self, order: &OrderRequest, name: &str) -> Result<Map<String, Value>, String> {
-        let said = read_copies_in_name(name);
-        let copies = match (&self.copies, said.unclear_reason(), said) {
-            (Some(copies), ..) => copies.clone(),
-            (None, Some(why), _) => return Err(format!("{why}: say copies")),
-            (None, None, CopiesInName::Said(copies)) => json!(copies),
-            (None, None, _) => json!(1),
+        let copies = match &self.copies {
+            Some(copies) => copies.clone(),
+            None => json!(read_copies_in_name(name).number().map_err(|why| format!("{why}: say copies"))?),
         };
         let fields = [
             ("copies", Some(copies)),

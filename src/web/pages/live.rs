@@ -21,9 +21,10 @@ use crate::web::{
 pub(crate) const MAX_LISTENERS: usize = 48;
 
 /// Whether an address is that of a change stream: `/live`, or that of a build, `/builds/N/live`, which the node of its machine answers, as it
-/// does for its break-out. There it is known which copies the screens show.
+/// does for its break-out. There it is known which copies the screens show. An order may be called so, too: `/orders/live` is its page.
 pub(crate) fn is_stream_of_changes(path: &str) -> bool {
-    path.ends_with("/live")
+    let of_build = || path.strip_prefix("/builds/").and_then(|rest| rest.strip_suffix("/live"));
+    path == "/live" || of_build().is_some_and(|build| !build.contains('/'))
 }
 
 /// Time between two reads of the ledger while a page listens.
@@ -61,5 +62,17 @@ pub(crate) async fn watch_for_changes(web: Arc<DashboardState>, changes: watch::
             seen = now;
             changes.send_modify(|number| *number += 1);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_stream_of_changes;
+
+    #[test]
+    fn pages_of_what_is_called_live_are_pages() {
+        assert!(["/live", "/builds/7/live"].into_iter().all(is_stream_of_changes));
+        let pages = ["/orders/live", "/builds/7/break-out", "/builds/7/parts/live", "/machines/live"];
+        assert!(!pages.into_iter().any(is_stream_of_changes));
     }
 }

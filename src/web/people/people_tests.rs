@@ -10,6 +10,7 @@ use super::*;
 use crate::web::{
     base::{client_gate::ProxyHeader, connection_limits::RequestInProgress},
     doors::{api_route::is_path_of, api_routes},
+    pages::live::is_stream_of_changes,
     serve::page_routes,
 };
 
@@ -74,7 +75,7 @@ impl TestDashboard {
             if token.is_empty() { request } else { request.header("cookie", format!("nestd_session={token}")) };
         let mut request = request.body(Body::from(self.with_key(body))).unwrap();
         request.extensions_mut().insert(ConnectInfo(RequestInProgress::of_client(from)));
-        let is_endless = request.uri().path().ends_with("/live");
+        let is_endless = is_stream_of_changes(request.uri().path());
         let answer = build_router(self.web.clone()).oneshot(request).await.unwrap();
         let (status, headers) = (answer.status(), answer.headers().clone());
         let bytes =

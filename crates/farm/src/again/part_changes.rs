@@ -1,7 +1,7 @@
 //! Commands that change what was asked with a part: edit, move, confirm, and cancel for some of its copies.
 
 use anyhow::Result;
-use ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
+use ledger::{CommandArgument, CommandKind, CommandRow, LedgerError, PartEdit, PartId, PartRow, PartState};
 
 use super::fetch_originals;
 use crate::{
@@ -13,6 +13,7 @@ use crate::{
 pub(crate) async fn execute_change(
     desk: &mut Receiving<'_>,
     command: &CommandRow,
+    argument: CommandArgument,
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>> {
     if row.state == PartState::Claimed {
@@ -20,7 +21,7 @@ pub(crate) async fn execute_change(
         return Ok(row.times.damaged_at.map(|_| CommandAnswer::FileMissing(row.id)));
     }
     let done = match command.kind {
-        CommandKind::Edit => edit_part(desk, command, row).await,
+        CommandKind::Edit => edit_part(desk, command, argument.edit.unwrap_or_default(), row).await,
         CommandKind::Move if leaves_before_release(desk, command, row).await? => return Ok(None),
         CommandKind::Move => move_part(desk, command, row).await,
         CommandKind::Confirm => confirm_part(desk, command, row.id).await,
@@ -41,9 +42,9 @@ pub(crate) async fn execute_change(
 async fn edit_part(
     desk: &mut Receiving<'_>,
     command: &CommandRow,
+    mut edit: PartEdit,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let mut edit = command.read_argument().unwrap_or_default().edit.unwrap_or_default();
     if let Some(material) = &mut edit.material {
         *material = desk.shared.settings.materials.require_name(material)?;
     }
@@ -104,9 +105,10 @@ async fn confirm_part(
 pub(crate) async fn cancel_copies(
     desk: &mut Receiving<'_>,
     command: &CommandRow,
+    copies: Option<u32>,
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>, LedgerError> {
-    let Some(copies) = command.read_argument().unwrap_or_default().copies else { return Ok(None) };
+    let Some(copies) = copies else { return Ok(None) };
     let waiting = desk.shared.ledger.waiting_copies_of(row.id).await?;
     // The whole part goes to the error folder, as it does when it is cancelled without a number.
     if copies == waiting && row.wanted_copies() == waiting {

@@ -9,8 +9,6 @@ use anyhow::{Context, Result};
 use language::{Language, say};
 use ledger::{PartId, PartRow, RefusalCause};
 
-/// End of the name of the reason file.
-pub(crate) const REASON_SUFFIX: &str = ".reason.txt";
 /// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
 pub(crate) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
 
@@ -39,7 +37,7 @@ fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
         other => other.with_context(|| format!("listing {}", error_dir.display()))?,
     };
     let mut found = Vec::new();
-    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())) {
+    for reason in files.iter().filter(|file| intake::is_reason_file(file)) {
         let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
         if !text.is_some_and(|text| text.lines().any(names_part)) {
             continue;

@@ -12,7 +12,7 @@ use std::{
 
 use ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause};
 
-use super::error_folder::{REASON_SUFFIX, find_part_number};
+use super::error_folder::find_part_number;
 
 /// A file in the error folder: refusals older than its modification time are dismissed.
 const DISMISSED: &str = ".nestd-dismissed";
@@ -37,7 +37,7 @@ impl RefusedFiles {
         let dismissed = fs::metadata(error_dir.join(DISMISSED)).and_then(|meta| meta.modified()).ok();
         let before = std::mem::take(&mut self.known);
         for reason in intake::files_below(error_dir).unwrap_or_default() {
-            if !reason.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes()) {
+            if !intake::is_reason_file(&reason) {
                 continue;
             }
             let Ok(written) = fs::symlink_metadata(&reason).and_then(|meta| meta.modified()) else { continue };

@@ -97,8 +97,8 @@ impl ImproveLayoutJob {
 /// While parts wait, the passing of time alone may change what the printers can do: this is looked at so often.
 const LOOK_WHILE_WAITING: Duration = Duration::from_secs(30);
 
-/// [`update_open_build`], and then a look whether a published build is better taken back; skipped while the rest after a slow run is not over, and where without news of the ledger there is
-/// nothing to do.
+/// [`update_open_build`], and then a look whether a published build is better taken back; skipped while the rest after a slow run is not
+/// over, and where without news of the ledger there is nothing to do.
 pub(crate) async fn batch_if_rested(desk: &mut Batching<'_>, name: &str, has_news: bool) -> Result<()> {
     let (began, now) = (Instant::now(), desk.shared.now());
     let Some(machine) = desk.machines.get_mut(name) else { return Ok(()) };

@@ -118,10 +118,7 @@ async fn execute_part_command(
     command: &CommandRow,
     part: PartId,
 ) -> Result<Option<CommandAnswer>> {
-    // Without what it says, it would concern all copies.
-    if command.read_argument().is_none() {
-        return Ok(Some(CommandAnswer::OtherVersion));
-    }
+    let Some(argument) = command.read_argument() else { return Ok(Some(CommandAnswer::OtherVersion)) };
     let Some(row) = desk.shared.ledger.find_part(part).await? else {
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
@@ -133,12 +130,12 @@ async fn execute_part_command(
         return Ok(None);
     }
     if matches!(command.kind, CommandKind::Edit | CommandKind::Move | CommandKind::Confirm) {
-        return part_changes::execute_change(desk, command, &row).await;
+        return part_changes::execute_change(desk, command, argument, &row).await;
     }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
-        CommandKind::Retry => take_back(desk, command, &row).await,
-        _ => match part_changes::cancel_copies(desk, command, &row).await {
+        CommandKind::Retry => take_back(desk, command, argument.mend, &row).await,
+        _ => match part_changes::cancel_copies(desk, command, argument.copies, &row).await {
             Ok(Some(answer)) => Ok(answer),
             Ok(None) => match cancel_part(desk, &row, command).await {
                 Ok(false) => return Ok(None),
@@ -168,9 +165,9 @@ async fn execute_part_command(
 async fn take_back(
     desk: &mut Receiving<'_>,
     command: &CommandRow,
+    is_mended: bool,
     row: &PartRow,
 ) -> Result<CommandAnswer, LedgerError> {
-    let is_mended = command.read_argument().unwrap_or_default().mend;
     let is_mesh = matches!(row.refused.refusal, Some(RefusalCause::NotClosed | RefusalCause::Mendable));
     if is_mended && row.state == PartState::Refused && !is_mesh {
         return Ok(CommandAnswer::NothingToMend(row.id));

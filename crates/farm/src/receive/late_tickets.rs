@@ -179,7 +179,7 @@ async fn apply_late_ticket(
     let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
         NamedPart::Missing => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
-        NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names))),
+        NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names.join(", ")))),
     };
     let ticket = match &late.ticket {
         Ok(ticket) => ticket,
@@ -246,17 +246,15 @@ fn of_one_folder<'p>(late: &LateTicket, mut named: Vec<&'p PartRow>) -> Result<V
     match named.first() {
         Some(first) if named.iter().any(|part| part.terms.order_name != first.terms.order_name) => {
             let place = |part: &&PartRow| format!("part {} ({}/{})", part.id, part.terms.order_name, part.name);
-            let places: Vec<String> = named.iter().map(place).collect();
-            Err(several_parts_reason(&places.iter().map(String::as_str).collect::<Vec<_>>()))
+            Err(several_parts_reason(&named.iter().map(place).collect::<Vec<_>>().join(", ")))
         }
         _ => Ok(named),
     }
 }
 
-fn several_parts_reason(parts: &[&str]) -> String {
+fn several_parts_reason(parts: &str) -> String {
     format!(
-        "It came after its part was taken, and it may mean several parts: {}. Change the one that is meant with `nestd edit PART`.",
-        parts.join(", ")
+        "It came after its part was taken, and it may mean several parts: {parts}. Change the one that is meant with `nestd edit PART`."
     )
 }
 

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::files::{
     claim_note::{ClaimNote, ForgottenFile},
-    error_folder::{COPIES_UNKNOWN, REASON_SUFFIX, find_refused_files, reason_text},
+    error_folder::{COPIES_UNKNOWN, find_refused_files, reason_text},
 };
 
 /// Records forgotten files in a ledger.
@@ -141,7 +141,7 @@ impl ForgottenFileRecovery<'_> {
         match (lies, self.settings.profiles.get(&row.machine)) {
             (Some(file), _) => {
                 let mut reason = file.into_os_string();
-                reason.push(REASON_SUFFIX);
+                reason.push(intake::REASON_SUFFIX);
                 if PathBuf::from(&reason).is_file() {
                     let (cause, why, language) = (row.refused.refusal, &row.refused.reason, self.settings.language);
                     let text = language.within(|| reason_text(row, cause, why));

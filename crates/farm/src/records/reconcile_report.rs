@@ -9,7 +9,7 @@ use ledger::PartRow;
 use settings::{MachineProfile, Settings};
 
 use super::{build_record, folder_builds::FolderExpectations};
-use crate::files::error_folder::{REASON_SUFFIX, reason_text};
+use crate::files::error_folder::reason_text;
 
 /// What was done, in sentences.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl ErrorFolderIndex {
             let listed = intake::files_below(error_dir).with_context(|| format!("listing {}", error_dir.display()))?;
             for file in listed {
                 let name = file.file_name().unwrap_or_default().as_encoded_bytes();
-                if name.starts_with(b".") || name.ends_with(REASON_SUFFIX.as_bytes()) {
+                if name.starts_with(b".") || intake::is_reason_file(&file) {
                     continue;
                 }
                 let hash = intake::hash_file(&file).with_context(|| format!("reading {}", file.display()))?;

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, fs, io::Write, path::Path};
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
-use ledger::{BuildId, BuildRow, Ledger, OperatorWord, PartId, PickMark, ReprintTarget, ToldOutcome, UtcTimestamp};
+use ledger::{BuildId, BuildRow, Ledger, OperatorWord, PartId, PrintOutcome, ReprintTarget, ToldOutcome, UtcTimestamp};
 use serde::{Deserialize, Serialize};
 use settings::Settings;
 
@@ -25,7 +25,7 @@ struct SaidWord {
     command: String,
 }
 
-/// Notes a word that was said of these builds in their archives. What is noted there twice is named twice.
+/// Notes a word that was said of these builds in the archive of each.
 ///
 /// # Errors
 /// The ledger cannot be read, or an archive cannot be written.
@@ -35,6 +35,9 @@ pub(crate) async fn note_word(
     (word, by): (&OperatorWord, &str),
     builds: &[BuildRow],
 ) -> Result<()> {
+    if builds.is_empty() {
+        return Ok(());
+    }
     let Some(at) = ledger.last_event_at().await? else { return Ok(()) };
     for build in builds {
         let Some(command) = command_of(ledger, word, build.id).await? else { continue };
@@ -66,45 +69,41 @@ fn append_word(archive: &Path, name: &str, said: &SaidWord) -> Result<()> {
 
 /// The command that says a word of a build again; `None` = the record of this build or the next tells it.
 async fn command_of(ledger: &Ledger, word: &OperatorWord, build: BuildId) -> Result<Option<String>> {
-    let told = match word {
-        OperatorWord::Outcome(_, told) => told.clone(),
-        OperatorWord::BreakOut(_) => ToldOutcome { bad: bad_marks(ledger, build).await?, ..complete() },
-        OperatorWord::Reprint(ReprintTarget::Build(build)) => return Ok(Some(format!("nestd reprint b{build}"))),
-        OperatorWord::Reprint(ReprintTarget::Part(part, None)) => return Ok(Some(format!("nestd reprint p{part}"))),
-        OperatorWord::Reprint(ReprintTarget::Part(part, Some(copies))) => {
-            return Ok(Some(format!("nestd reprint p{part}={copies}")));
+    Ok(match word {
+        OperatorWord::Outcome(_, told) => Some(outcome_command(build, told)),
+        OperatorWord::BreakOut(_) => {
+            let complete = ToldOutcome::new(PrintOutcome::Complete, "", "");
+            Some(outcome_command(build, &ToldOutcome { bad: lost_by_marks(ledger, build).await?, ..complete }))
         }
-        OperatorWord::Reprint(ReprintTarget::Order(order)) => return Ok(Some(format!("nestd reprint '{order}'"))),
-        OperatorWord::Requeue(build) => return Ok(Some(format!("nestd requeue {build}"))),
-        _ => return Ok(None),
-    };
-    let mut command = format!("nestd outcome {build} {}", told.outcome);
-    if !told.bad.is_empty() {
-        let bad: Vec<String> = told.bad.iter().map(|(part, copies)| format!("{part}={copies}")).collect();
-        command += &format!(" --bad {}", bad.join(","));
-    }
-    for (is_said, option) in [(told.keep, " --keep"), (told.is_correction, " --correct")] {
-        command += if is_said { option } else { "" };
-    }
-    Ok(Some(command))
+        OperatorWord::Reprint(target) => Some(match target {
+            ReprintTarget::Build(build) => format!("nestd reprint b{build}"),
+            ReprintTarget::Part(part, None) => format!("nestd reprint p{part}"),
+            ReprintTarget::Part(part, Some(copies)) => format!("nestd reprint p{part}={copies}"),
+            ReprintTarget::Order(order) => format!("nestd reprint '{order}'"),
+        }),
+        OperatorWord::Requeue(build) => Some(format!("nestd requeue {build}")),
+        _ => None,
+    })
 }
 
-fn complete() -> ToldOutcome {
-    ToldOutcome::new(ledger::PrintOutcome::Complete, "", "")
+fn outcome_command(build: BuildId, told: &ToldOutcome) -> String {
+    let bad: Vec<String> = told.bad.iter().map(|(part, copies)| format!("{part}={copies}")).collect();
+    let bad = if bad.is_empty() { String::new() } else { format!(" --bad {}", bad.join(",")) };
+    let (keep, correct) = (if told.keep { " --keep" } else { "" }, if told.is_correction { " --correct" } else { "" });
+    format!("nestd outcome {build} {}{bad}{keep}{correct}", told.outcome)
 }
 
 /// The copies that are printed again by the marks of a cake: part and number.
-async fn bad_marks(ledger: &Ledger, build: BuildId) -> Result<Vec<(PartId, u32)>> {
-    let mut bad: BTreeMap<PartId, u32> = BTreeMap::new();
-    for row in ledger.picks_of_build(build).await? {
-        if matches!(row.mark, PickMark::Bad | PickMark::Missing) {
-            *bad.entry(row.part_id).or_default() += 1;
-        }
+async fn lost_by_marks(ledger: &Ledger, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+    let mut lost: BTreeMap<PartId, u32> = BTreeMap::new();
+    for row in ledger.picks_of_build(build).await?.into_iter().filter(|row| row.mark.is_lost()) {
+        *lost.entry(row.part_id).or_default() += 1;
     }
-    Ok(bad.into_iter().collect())
+    Ok(lost.into_iter().collect())
 }
 
-/// Names the words that were said after the last event that a restored ledger knows.
+/// Names the words that were said after the last event that a restored ledger knows. One of several builds is noted with each of them, and
+/// named once.
 pub(super) fn name_words_since(
     settings: &Settings,
     last_event_at: Option<UtcTimestamp>,
@@ -114,18 +113,22 @@ pub(super) fn name_words_since(
         let at = said.at.parse::<Timestamp>().ok();
         at.is_some_and(|at| last_event_at.is_none_or(|last| at > last.0))
     };
+    let mut since = BTreeMap::new();
     for profile in settings.profiles.values() {
         for (_, record) in build_record::list_records(&profile.folders.archive)? {
             // It has none where nothing was said.
             let Ok(text) = fs::read_to_string(record.with_file_name(WORDS_NAME)) else { continue };
             let words = text.lines().filter_map(|line| serde_json::from_str::<SaidWord>(line).ok());
-            for SaidWord { build, by, command, .. } in words.filter(is_since) {
-                found.doubts.push(format!(
-                    "after the backup was made, {by} said `{command}`. Say it again, save of copies that are in a later build: \
-                     `nestd show b{build}` tells which"
-                ));
+            for SaidWord { build, at, by, command } in words.filter(is_since) {
+                since.entry((at, by, command)).or_insert_with(Vec::new).push(format!("`nestd show b{build}`"));
             }
         }
     }
+    found.doubts.extend(since.into_iter().map(|((_, by, command), shown)| {
+        let shown = shown.join(", ");
+        format!(
+            "after the backup was made, {by} said `{command}`. Say it again, save of copies that are in a later build ({shown})"
+        )
+    }));
     Ok(())
 }

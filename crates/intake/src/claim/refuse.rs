@@ -16,14 +16,12 @@ use thiserror::Error;
 use super::recover::{remove_claim_dir, ticket_file_name};
 use crate::{
     ClaimedPart, InboxEntry, display_name,
-    folder::{claim_folder::lock_claims, disk},
+    folder::{claim_folder::lock_claims, disk, file_role::REASON_SUFFIX},
     names::name::{numbered_name, raw_name, with_suffix},
 };
 
 /// Maximum length of a reason that nestd writes.
 pub(super) const MAX_REASON_BYTES: u64 = 1 << 20;
-/// Suffix of the name of a reason file.
-const REASON_SUFFIX: &str = ".reason.txt";
 
 /// Why a file could not be refused. It stays in place.
 #[derive(Debug, Error)]

@@ -22,6 +22,14 @@ pub(crate) enum FileRole {
     List,
 }
 
+/// Suffix of the name of a file with the reason why nestd refused another one.
+pub const REASON_SUFFIX: &str = ".reason.txt";
+
+/// Whether a file is such a reason, by its name.
+pub fn is_reason_file(path: &Path) -> bool {
+    path.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())
+}
+
 /// Extensions of texts that people write beside a part as a ticket, and that nestd does not read as one.
 const OTHER_TEXTS: [&str; 19] = [
     "txt", "text", "ini", "cfg", "conf", "yaml", "yml", "xml", "md", "rtf", "doc", "docx", "odt", "pages", "csv",

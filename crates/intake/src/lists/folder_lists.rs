@@ -17,7 +17,7 @@ use crate::{
     EntryKind, FoundList, InboxEntry, display_name,
     folder::{
         disk,
-        file_role::{FileRole, LIST_NAME, file_role, has_extension, without_hidden_txt},
+        file_role::{FileRole, LIST_NAME, file_role, has_extension, is_reason_file, without_hidden_txt},
         inbox_entry::{is_hidden, unreadable_reason},
     },
     names::{code_page::decode_candidates, name::is_part_name, name_match::fold_name},
@@ -290,7 +290,7 @@ fn may_be_list(seen: &InboxEntry) -> bool {
     match has_extension(&seen.path, &FOREIGN_TEXTS) {
         _ if is_hidden(seen) => false,
         // What nestd itself wrote beside a refused part comes back with it.
-        _ if seen.path.as_os_str().as_encoded_bytes().ends_with(b".reason.txt") => false,
+        _ if is_reason_file(&seen.path) => false,
         _ if part_of_table(&seen.path).is_some() => true,
         true => list_format(&seen.path).is_none(),
         false => has_extension(&seen.path, &NOTES) && is_part_entry(seen) && unreadable_reason(seen).is_none(),

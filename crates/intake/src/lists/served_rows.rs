@@ -33,8 +33,8 @@ pub(crate) fn path_below_list(part: &Path, list: &Path) -> OsString {
     below.map_or_else(|| part.file_name().unwrap_or_default(), Path::as_os_str).to_owned()
 }
 
-/// Records on disk that a row of a list was served, and by which file (its path below the folder of the list). This happens before the claim is complete; if
-/// the claim then fails, the part is still in the folder and is matched again.
+/// Records on disk that a row of a list was served, and by which file (its path below the folder of the list). This happens before the
+/// claim is complete; if the claim then fails, the part is still in the folder and is matched again.
 pub(crate) fn mark_served(inbox: &Path, list: &InboxEntry, row_file: &str, name: &OsStr) -> io::Result<()> {
     let marks = marks_dir(inbox, list);
     let below = marks.strip_prefix(inbox).unwrap_or(&marks);

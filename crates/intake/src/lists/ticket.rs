@@ -102,26 +102,35 @@ struct TicketFields {
     mend: Option<bool>,
 }
 
+/// How the file of a ticket is written, for the remedies in its errors.
+#[derive(Debug, Clone, Copy)]
+enum TicketSyntax {
+    Toml,
+    Json,
+}
+
+impl TicketSyntax {
+    /// A field as it is to be written.
+    fn field(self, word: &str, value: &str) -> String {
+        match self {
+            Self::Toml => format!("{word} = {value}"),
+            Self::Json => format!("{word:?}: {value}"),
+        }
+    }
+}
+
 impl Ticket {
     /// Reads a TOML ticket; `file` is its display name, for errors.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, TicketError> {
         let words = toml::from_str(&with_plain_dates(strip_bom(text)))
             .map_err(|error| broken_ticket(file, error.to_string()))?;
-        Self::from_fields(words).map_err(|why| broken_ticket(file, why))
+        Self::from_fields(words, TicketSyntax::Toml).map_err(|why| broken_ticket(file, why))
     }
 
     /// Reads a JSON ticket; `file` is its display name, for errors.
     pub fn from_json(text: &str, file: &str) -> Result<Self, TicketError> {
         let words = serde_json::from_str(strip_bom(text)).map_err(|error| broken_ticket(file, error.to_string()))?;
-        // JSON has another sign before a value than TOML.
-        let in_json = |why: String| match why
-            .rsplit_once("quotes: ")
-            .and_then(|(head, end)| Some((head, end.split_once(" = ")?)))
-        {
-            Some((head, (word, number))) => format!("{head}quotes: \"{word}\": {number}"),
-            None => why,
-        };
-        Self::from_fields(words).map_err(|why| broken_ticket(file, in_json(why)))
+        Self::from_fields(words, TicketSyntax::Json).map_err(|why| broken_ticket(file, why))
     }
 
     /// Fills the fields that this ticket does not set from a ticket with lower precedence.
@@ -145,22 +154,25 @@ impl Ticket {
         }
     }
 
-    fn from_fields(words: TicketFields) -> Result<Self, String> {
+    fn from_fields(words: TicketFields, syntax: TicketSyntax) -> Result<Self, String> {
         Ok(Self {
-            copies: words.copies.map(|value| check_copies(whole_number("copies", value)?)).transpose()?,
+            copies: words.copies.map(|value| check_copies(whole_number("copies", value, syntax)?)).transpose()?,
             order: words.order.map(|order| parse_name("order", order)).transpose()?,
             customer: words.customer.map(|customer| parse_name("customer", customer)).transpose()?,
             email: words.email.as_deref().map(check_email).transpose()?,
             material: words.material.map(|material| parse_name("material", material)).transpose()?,
             finish: words.finish.as_deref().map(check_finish).transpose()?,
             due: words.due.map(parse_due_value).transpose()?,
-            priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
+            priority: words
+                .priority
+                .map(|value| check_priority(whole_number("priority", value, syntax)?))
+                .transpose()?,
             orientation: words.orientation,
             keep_up: words.keep_up.map(|tilts| check_directions("keep_up", tilts)).transpose()?,
             not_down: words.not_down.map(|faces| check_directions("not_down", faces)).transpose()?,
             clearance_mm: words
                 .clearance_mm
-                .map(|value| check_clearance(parse_number("clearance_mm", value)?))
+                .map(|value| check_clearance(parse_number("clearance_mm", value, syntax)?))
                 .transpose()?,
             unit: words.unit,
             note: words.note.as_deref().map(check_note).transpose()?,
@@ -170,26 +182,29 @@ impl Ticket {
 }
 
 /// Parses a whole number. For a number in quotes, the error shows how to write it.
-fn whole_number(word: &str, value: toml::Value) -> Result<i64, String> {
+fn whole_number(word: &str, value: toml::Value, syntax: TicketSyntax) -> Result<i64, String> {
     match value {
         toml::Value::Integer(number) => Ok(number),
-        toml::Value::String(text) => Err(quoted_number_error::<i64>(word, &text)),
+        toml::Value::String(text) => Err(quoted_number_error::<i64>(word, &text, syntax)),
         other => Err(format!("{word} = {other}; it must be a whole number such as 10")),
     }
 }
 
-fn parse_number(word: &str, value: toml::Value) -> Result<f64, String> {
+fn parse_number(word: &str, value: toml::Value, syntax: TicketSyntax) -> Result<f64, String> {
     match value {
         toml::Value::Integer(number) => Ok(number as f64),
         toml::Value::Float(number) => Ok(number),
-        toml::Value::String(text) => Err(quoted_number_error::<f64>(word, &text)),
+        toml::Value::String(text) => Err(quoted_number_error::<f64>(word, &text, syntax)),
         other => Err(format!("{word} = {other}; it must be a number such as 2.5")),
     }
 }
 
-fn quoted_number_error<N: std::str::FromStr>(word: &str, text: &str) -> String {
+fn quoted_number_error<N: std::str::FromStr>(word: &str, text: &str, syntax: TicketSyntax) -> String {
     match text.trim().parse::<N>() {
-        Ok(_) => format!("{word} = {text:?} is text; write it without the quotes: {word} = {}", text.trim()),
+        Ok(_) => {
+            let mended = syntax.field(word, text.trim());
+            format!("{word} = {text:?} is text; write it without the quotes: {mended}")
+        }
         Err(_) => format!("{word} = {text:?}; it must be a number without quotes, such as 10"),
     }
 }

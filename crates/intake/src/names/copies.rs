@@ -10,7 +10,7 @@ use super::{
     copies_sizes::{completes_size, continues_size, follows_any_size, is_number_of_thing},
     copies_words::{
         NameWord, PHRASE_ENDS, TIMES, WordKind, ends_in_own_x, is_counter, is_digits, is_east_asian_count,
-        is_tail_word, is_word_of, split_name_words, word_before_number,
+        is_tail_word, is_word_of, shown_words, split_name_words, word_before_number,
     },
     name::is_part_name,
 };
@@ -50,6 +50,18 @@ impl CopiesInName {
             }
             Self::Many(words) => Some(format!("its name says {words:?}, which is more than a name alone may order")),
             Self::Undecodable => Some("its name is not text in UTF-8, so a number in it cannot be read".to_owned()),
+        }
+    }
+
+    /// How many copies a file with this name orders where nothing else says it.
+    ///
+    /// # Errors
+    /// It must be asked: [`unclear_reason`](Self::unclear_reason).
+    pub fn number(&self) -> Result<u32, String> {
+        match (self, self.unclear_reason()) {
+            (_, Some(why)) => Err(why),
+            (Self::Said(copies), None) => Ok(*copies),
+            (_, None) => Ok(1),
         }
     }
 }
@@ -152,15 +164,6 @@ fn parse_copies(digits: &str) -> Option<u32> {
 
 fn in_words(words: &[NameWord], at: usize, length: usize, copies: Option<u32>) -> Option<(CopiesMention, usize)> {
     Some((CopiesMention { copies, text: shown_words(words, at, length), is_in_words: true }, length))
-}
-
-fn shown_words(words: &[NameWord], at: usize, length: usize) -> String {
-    let mut text = words[at].text.clone();
-    for word in &words[at + 1..at + length] {
-        text.push_str(&word.gap);
-        text.push_str(&word.text);
-    }
-    text
 }
 
 /// Splits a word such as `4pcs` into its number and the rest. The number may have signs for thousands.

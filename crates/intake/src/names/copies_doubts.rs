@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 
 use super::{
-    copies_sizes::{is_number_of_thing, is_size_number},
+    copies_sizes::{is_listed, is_number_of_thing, is_size_number},
     copies_words::{HOLDS, NameWord, WordKind, is_digits, is_word_for_pieces, is_word_of},
     name_match::fold_name,
 };
@@ -32,10 +32,6 @@ pub(crate) fn is_count_name(folder: &OsStr) -> bool {
         matches!(word, "x" | "×" | "qty" | "anzahl" | "menge") || is_word_for_pieces(word)
     };
     front.len() < bare.len() && is_word(front) || back.len() < bare.len() && is_word(back)
-}
-
-fn is_listed(list: &str, word: &str) -> bool {
-    list.split_whitespace().any(|known| known == word)
 }
 
 fn is_short_number(words: &[NameWord], at: usize) -> bool {

@@ -81,7 +81,7 @@ fn is_separating(gap: &str) -> bool {
         || [" - ", " – ", " — "].iter().any(|dash| gap.contains(dash))
 }
 
-fn is_listed(list: &str, word: &str) -> bool {
+pub(super) fn is_listed(list: &str, word: &str) -> bool {
     list.split_whitespace().any(|known| known == word)
 }
 

@@ -299,3 +299,13 @@ pub(super) fn is_numbering_word(word: &str) -> bool {
 pub(super) fn ends_in_own_x(letters: &str) -> bool {
     ENDINGS_IN_X.iter().any(|ending| letters.ends_with(ending))
 }
+
+/// This many words from one on, as they stand in the name.
+pub(super) fn shown_words(words: &[NameWord], at: usize, length: usize) -> String {
+    let mut text = words[at].text.clone();
+    for word in &words[at + 1..at + length] {
+        text.push_str(&word.gap);
+        text.push_str(&word.text);
+    }
+    text
+}

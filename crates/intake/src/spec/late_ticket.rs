@@ -92,7 +92,7 @@ impl LateTicket {
                 said_folder.is_empty() || is_end_of(&said_folder, &below) || is_end_of(&below, &said_folder)
             }),
         };
-        (order_name == self.order()) || is_list && is_said
+        order_name == self.order() || is_list && is_said
     }
 
     /// A ticket without a part in its folder. `None` = it changed since the scan, or is gone.

@@ -19,21 +19,14 @@ impl OrderListTracker {
             .map(|why| ListLookup { question: Some(why), ..ListLookup::default() })
     }
 
+    /// The list of the hot folder itself may name a part in a folder below. Those of order folders speak for what is below them.
     fn question_of_list_above(&mut self, inbox: &Path, part: &InboxEntry) -> Option<String> {
-        let above = part.path.ancestors().skip(2).take_while(|folder| folder.starts_with(inbox));
-        let lists: Vec<InboxEntry> = above.filter_map(|folder| self.lists.get(folder)).cloned().collect();
-        let concerns_part = |list: &InboxEntry| {
-            let folder = list.path.parent()?;
-            let relative = part.path.strip_prefix(folder).ok()?.to_str()?.to_owned();
-            let may_be_bare = folder != inbox;
-            let Ok(rows) = self.load_list(inbox, list).ok()?.list.rows() else {
-                return may_be_bare.then(|| format!("{} in a folder above is not understood", shown_name(list)));
-            };
-            let is_named = rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare));
-            let why = "in a folder above names it, but a list is for the files of its own folder";
-            is_named.then(|| format!("{} {why}", shown_name(list)))
-        };
-        lists.iter().find_map(concerns_part)
+        let list = self.lists.get(inbox)?.clone();
+        let relative = part.path.strip_prefix(inbox).ok()?.to_str()?;
+        let rows = self.load_list(inbox, &list).ok()?.list.rows().ok()?;
+        let is_named = rows.iter().any(|row| means_file_below(&row.file, relative, false));
+        let why = "in a folder above names it, but a list is for the files of its own folder";
+        is_named.then(|| format!("{} {why}", shown_name(&list)))
     }
 
     /// A list in another folder of the same order may name the part.

@@ -69,7 +69,7 @@ pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, report: &mut I
     for file in files {
         let Ok(meta) = std::fs::symlink_metadata(&file) else { continue };
         let name = file.file_name().unwrap_or_default().as_encoded_bytes();
-        if !meta.is_file() || !wanted(meta.len()) || name.starts_with(b".") || name.ends_with(b".reason.txt") {
+        if !meta.is_file() || !wanted(meta.len()) || name.starts_with(b".") || intake::is_reason_file(&file) {
             continue;
         }
         add_file_by_hash(&mut found, file, report);

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Above this priority, people mean the scale of nestd.
-const MAX_SMALL_PRIORITY: u32 = 5;
+const MAX_SMALL_PRIORITY: u8 = 5;
 
 /// The lines above a table.
 #[derive(Debug, Default)]
@@ -80,7 +80,7 @@ fn read_value(column: ListColumn, value: &str) -> Result<Ticket, String> {
 
 /// Warns where all priorities are as low as those of people for whom 1 is the most urgent.
 pub(in crate::lists) fn priority_warning(said: impl Iterator<Item = u8>) -> Option<String> {
-    let most = said.max().filter(|most| u32::from(*most) <= MAX_SMALL_PRIORITY)?;
+    let most = said.max().filter(|most| *most <= MAX_SMALL_PRIORITY)?;
     Some(format!(
         "The highest priority of its order list is {most}, of 100 for the most urgent part: that is below the 50 of a part without \
          a priority. Change the part with `nestd edit PART --priority N` where it is more urgent."

@@ -320,7 +320,7 @@ impl From<&PartRow> for MessagePart {
             object_name: part.solid.object_name.clone(),
             order: part.terms.order_name.clone(),
             customer: part.terms.customer.clone(),
-            copies: part.owed.copies,
+            copies: part.wanted_copies(),
             state: part.state,
             due_at: part.terms.due_at,
             due_text: part.terms.due_text.clone(),

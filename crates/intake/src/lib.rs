@@ -51,6 +51,7 @@ pub use folder::misplaced::find_misplaced;
 pub use folder::status::write_status;
 pub use folder::store::{ContentStore, StoreError, StoredFile};
 pub use folder::watch::{InboxWatcher, WatchError};
+pub use lists::folder_lists::is_document;
 pub use lists::list_cells::parse_due_text;
 pub use lists::list_lookup::ListLookup;
 pub use lists::order_list::{OrderList, OrderListRow};

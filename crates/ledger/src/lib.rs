@@ -45,7 +45,7 @@ pub use rows::build_row::{
 pub use rows::part_measures::{MEND_BY_SETTING, MEND_BY_TICKET, PartMeasures, PartMending, PartTimes};
 pub use rows::part_row::{
     ClaimedFile, DroppedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartRefusal, PartRow, PartTerms,
-    RequiredTilts, SolidOfFile, TicketSource,
+    RequiredTilts, SolidOfFile, TicketSource, is_missing_file, missing_file_claim,
 };
 pub use rows::precedence::compare_precedence;
 pub use rows::recorded_part::{RecordedAs, RecordedPart};

@@ -217,7 +217,7 @@ pub const COPY_GROUP_COLUMNS: &[TableColumn<CopyGroup>] = &[
 
 /// How many copies of a part are wanted, unless nobody said.
 fn copies_cell(part: &PartRow) -> CellValue {
-    if part.is_number_known() { part.owed.copies.into() } else { say!("not-known").into() }
+    if part.is_number_known() { part.wanted_copies().into() } else { say!("not-known").into() }
 }
 
 /// How many copies of a part are wanted, for its own sheet.

@@ -137,7 +137,7 @@ pub(crate) struct PartResource {
     reason: String,
     /// Warnings, one sentence each.
     warnings: Vec<String>,
-    /// Total number of copies.
+    /// Copies wanted: those ever wanted without the cancelled ones.
     copies: u32,
     /// Whether it is known how many copies are wanted; otherwise they are taken as 1.
     is_number_known: bool,
@@ -310,7 +310,7 @@ impl BuildResource {
 
 impl From<PartRow> for PartResource {
     fn from(row: PartRow) -> Self {
-        let (size_mm, is_number_known) = (row.size_mm(), row.is_number_known());
+        let (size_mm, is_number_known, copies) = (row.size_mm(), row.is_number_known(), row.wanted_copies());
         let (terms, measures) = (row.terms, row.measures);
         Self {
             part: row.id,
@@ -320,7 +320,7 @@ impl From<PartRow> for PartResource {
             state: row.state,
             reason: row.refused.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
-            copies: row.owed.copies,
+            copies,
             is_number_known,
             terms: PartTermsFields {
                 order: terms.order_name,

@@ -224,7 +224,7 @@ fn refused_parts(web: &DashboardState, machine: &str, refused: &[PartRow]) -> Ma
             @let ends = reason.find(". ").map(|at| at + 1).into_iter().chain(reason.find('。').map(|at| at + '。'.len_utf8()));
             (part_line(part, &reason[..ends.min().unwrap_or(reason.len())], &html! {
                 @if is_mendable(part) { (mend_button(web, part)) }
-                @if !part.has_unknown_copies() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
+                @if part.can_be_read_again() { (part_button(web, CommandKind::Retry, &say!("read-again"), part)) }
             }))
         }
         div.buttons {

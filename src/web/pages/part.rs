@@ -186,7 +186,7 @@ fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup 
         div.buttons.acts {
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting { (command(CommandKind::Confirm, &say!("print-as-is"))) }
             @if is_mendable(part) { (mend_button(web, part)) }
-            @if part.state == PartState::Refused { (command(CommandKind::Retry, &say!("read-again"))) }
+            @if part.can_be_read_again() { (command(CommandKind::Retry, &say!("read-again"))) }
             (part_forms(web, part, published))
             @if part.state == PartState::Waiting { (command(CommandKind::Cancel, &say!("cancel"))) }
         }

@@ -28,7 +28,10 @@ impl PartReadError {
             false => {
                 let reason =
                     format!("{name}: {}. {}", build_file::escape_invisible(&error_chain(error)), error.remedy());
-                Self::Refused(refusal_kind(error), reason)
+                match refusal_kind(error) {
+                    RefusalCause::Format if intake::is_document(name) => Self::Refused(RefusalCause::Document, reason),
+                    cause => Self::Refused(cause, reason),
+                }
             }
         }
     }

@@ -8,7 +8,9 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use intake::{ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError};
+use intake::{
+    ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, Ticket, TicketError,
+};
 use ledger::{
     DroppedFile, Ledger, MEND_BY_TICKET, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource,
 };
@@ -287,15 +289,15 @@ pub(crate) fn new_part_row(
 ) -> NewPartRow {
     let ticket = part_spec.map(|g| g.ticket.clone()).unwrap_or_default();
     let mut warnings = part_spec.map(|g| g.warnings.clone()).unwrap_or_default();
-    let due_at = ticket.due.and_then(|due| match due.to_timestamp(profile.time_zone.time_zone()) {
-        Ok(at) => Some(at),
-        Err(error) => {
-            warnings.push(format!("Its due date is no date here: {error}."));
-            None
-        }
-    });
     let source = part_spec.and_then(|g| g.sources.first()).map(ticket_row);
-    let FileTerms { limits, unit, read_unit, copies, part: _ } = FileTerms::of_ticket(&ticket, profile);
+    let order_name = ticket.order.clone().unwrap_or_else(|| order_of_claim(claim));
+    let dropped = DroppedFile {
+        folder: claim.order.clone(),
+        mtime_ns: claim.dropped_mtime_ns(),
+        rewrites: part_spec.and_then(|given| given.rewrites.clone()),
+    };
+    let (copies, terms, undated) = new_terms(profile, ticket, order_name);
+    warnings.extend(undated);
     NewPartRow {
         claim: claim.id.clone(),
         machine: profile.name.clone(),
@@ -303,31 +305,43 @@ pub(crate) fn new_part_row(
         content_hash: stored.hash.clone(),
         bytes: stored.bytes,
         copies,
-        terms: NewTerms {
-            order_name: ticket.order.unwrap_or_else(|| order_of_claim(claim)),
-            customer: ticket.customer.unwrap_or_default(),
-            email: ticket.email.unwrap_or_default(),
-            material: profile.materials.name_of(&ticket.material.unwrap_or_default()),
-            finish: ticket.finish.unwrap_or_default(),
-            priority: ticket.priority.unwrap_or(50),
-            due_at,
-            due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),
-            orientation: limits.rule,
-            tilts: RequiredTilts(limits.tilts),
-            clearance_mm: ticket.clearance_mm,
-            unit,
-            read_unit: Some(read_unit),
-            note: ticket.note.unwrap_or_default(),
-            mend_allowed_by: if ticket.mend == Some(true) { MEND_BY_TICKET.to_owned() } else { String::new() },
-        },
+        terms,
         warnings,
         ticket: source,
-        dropped: DroppedFile {
-            folder: claim.order.clone(),
-            mtime_ns: claim.dropped_mtime_ns(),
-            rewrites: part_spec.and_then(|given| given.rewrites.clone()),
-        },
+        dropped,
     }
+}
+
+/// The copies and terms that a ticket asks for, and a warning if its due date is none.
+pub(crate) fn new_terms(
+    profile: &MachineProfile,
+    ticket: Ticket,
+    order_name: String,
+) -> (u32, NewTerms, Option<String>) {
+    let (due_at, undated) = match ticket.due.map(|due| due.to_timestamp(profile.time_zone.time_zone())) {
+        Some(Ok(at)) => (Some(at), None),
+        Some(Err(error)) => (None, Some(format!("Its due date is no date here: {error}."))),
+        None => (None, None),
+    };
+    let FileTerms { limits, unit, read_unit, copies, part: _ } = FileTerms::of_ticket(&ticket, profile);
+    let terms = NewTerms {
+        order_name,
+        customer: ticket.customer.unwrap_or_default(),
+        email: ticket.email.unwrap_or_default(),
+        material: profile.materials.name_of(&ticket.material.unwrap_or_default()),
+        finish: ticket.finish.unwrap_or_default(),
+        priority: ticket.priority.unwrap_or(50),
+        due_at,
+        due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),
+        orientation: limits.rule,
+        tilts: RequiredTilts(limits.tilts),
+        clearance_mm: ticket.clearance_mm,
+        unit,
+        read_unit: Some(read_unit),
+        note: ticket.note.unwrap_or_default(),
+        mend_allowed_by: if ticket.mend == Some(true) { MEND_BY_TICKET.to_owned() } else { String::new() },
+    };
+    (copies, terms, undated)
 }
 
 /// A ticket as the ledger keeps it.

@@ -116,7 +116,7 @@ pub(super) fn find_part_number(text: &str, machine: &str) -> Option<PartId> {
 pub(crate) fn reason_text(part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> String {
     let again = match cause {
         // Its copies would be guessed; and the same bytes are no other format the next time.
-        Some(RefusalCause::Ticket | RefusalCause::Format) => String::new(),
+        Some(RefusalCause::Ticket | RefusalCause::Format | RefusalCause::Document) => String::new(),
         _ => format!(" {}", say!("reason-retry", part = part.id.to_string())),
     };
     format!("{}\n\n{}{again}\n", RefusalCause::introduce(cause, reason.trim_end()), part_line(part))

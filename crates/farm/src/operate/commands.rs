@@ -3,6 +3,7 @@
 use anyhow::Result;
 use ledger::{
     CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
+    is_missing_file,
 };
 use tracing::info;
 
@@ -134,6 +135,7 @@ async fn execute_part_command(
     }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
+        CommandKind::Retry if is_missing_file(&row.file.claim) => return Ok(Some(CommandAnswer::FileMissing(part))),
         CommandKind::Retry => take_back(desk, command, argument.mend, &row).await,
         _ => match part_changes::cancel_copies(desk, command, argument.copies, &row).await {
             Ok(Some(answer)) => Ok(answer),

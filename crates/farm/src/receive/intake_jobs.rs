@@ -121,7 +121,7 @@ pub(super) async fn record_claimed_file(
         return Ok(());
     }
     match (part.state, part_spec) {
-        (PartState::Claimed, Err(error)) => {
+        (PartState::Claimed, Err(error)) if !intake::is_document(&part.name) => {
             let remedy = match error {
                 TicketError::Unlisted(_) => {
                     "drop it again together with a list that has a row for it, or with a ticket of its own"

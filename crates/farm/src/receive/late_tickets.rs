@@ -8,12 +8,12 @@ use anyhow::Result;
 use intake::{LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket};
 use jiff::{SignedDuration, Timestamp};
 use jobs::BackgroundJob;
-use ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts};
+use ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts, is_missing_file};
 use nester::OrientationLimits;
 use settings::MachineProfile;
 use tracing::{info, warn};
 
-use super::mark_note;
+use super::{mark_note, missing_files::record_missing_file};
 use crate::{
     core::{desks::Receiving, farm::Farm},
     files::claim_note::ticket_row,
@@ -178,7 +178,7 @@ async fn apply_late_ticket(
     names.dedup();
     let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
-        NamedPart::Missing => return Ok(LateDecision::AwaitPart(AwaitedPart::Missing)),
+        NamedPart::Missing => return await_file(desk, &machine, late, None).await,
         NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names.join(", ")))),
     };
     let ticket = match &late.ticket {
@@ -195,7 +195,7 @@ async fn apply_late_ticket(
         return Ok(LateDecision::Wait);
     }
     match newest.state {
-        PartState::Refused => return Ok(LateDecision::AwaitPart(AwaitedPart::Refused)),
+        PartState::Refused => return await_file(desk, &machine, late, Some(newest)).await,
         // A new file of the name of a part that is printed may still come.
         PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Built)),
         _ => {}
@@ -229,6 +229,20 @@ async fn apply_late_ticket(
         }
     }
     Ok(LateDecision::Accept(format!("{} (part {})", newest.name, newest.id)))
+}
+
+/// A late ticket waits for its file, which never came or was refused as this part.
+async fn await_file(
+    desk: &Receiving<'_>,
+    machine: &MachineProfile,
+    late: &LateTicket,
+    refused: Option<&PartRow>,
+) -> Result<LateDecision> {
+    let file = refused.filter(|part| !is_missing_file(&part.file.claim));
+    if file.is_none() {
+        record_missing_file(desk, machine, late).await?;
+    }
+    Ok(LateDecision::AwaitPart(if file.is_some() { AwaitedPart::Refused } else { AwaitedPart::Missing }))
 }
 
 /// Whether a ticket may mean a part: one of the order of its folder, or of the order that the ticket itself names.

@@ -11,5 +11,6 @@ pub(super) mod hurried_scans;
 pub(super) mod intake_jobs;
 pub(super) mod late_tickets;
 pub(super) mod mark_note;
+pub(super) mod missing_files;
 pub(super) mod refused_part;
 pub(super) mod scan_jobs;

@@ -36,6 +36,8 @@ const DOCUMENTS: [&str; 20] = [
     "doc", "docx", "odt", "rtf", "pages", "pdf", "eml", "msg", "htm", "html", "mht", "tab", "prn", "dbf", "gz",
     "gsheet", "lnk", "url", "webloc", "desktop",
 ];
+/// Pictures that come with parts.
+const PICTURES: [&str; 12] = ["png", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff", "heic", "svg", "ppt", "pptx"];
 /// Starts of the names of texts and documents that say how many are wanted.
 const LIST_STARTS: [&str; 26] = [
     "order",
@@ -179,7 +181,7 @@ impl<'a> FolderLists<'a> {
                 "{}, {}, which nestd does not read: {}",
                 shown_name(foreign),
                 foreign_kind(foreign),
-                if is_document(&foreign.path) { WRITE_LIST } else { "save it as XLSX or CSV" }
+                if is_no_table(&foreign.path) { WRITE_LIST } else { "save it as XLSX or CSV" }
             )),
             (false, _) => {
                 let names: Vec<String> = texts.into_iter().chain(self.list).map(shown_name).collect();
@@ -193,15 +195,22 @@ impl<'a> FolderLists<'a> {
 const WRITE_LIST: &str = "write the files and their numbers into a list (CSV or XLSX) in its place";
 
 /// Whether a list is no table, so that a program cannot save it as one.
-fn is_document(path: &Path) -> bool {
+fn is_no_table(path: &Path) -> bool {
     has_extension(path, &NOTES) || has_extension(path, &DOCUMENTS) && !has_extension(path, &["tab", "prn", "dbf"])
+}
+
+/// Whether a file of this name is a document or a picture, which comes with parts and is none. A packed file or a link may stand for a part.
+pub fn is_document(name: &str) -> bool {
+    let path = Path::new(name);
+    let may_be_part = || has_extension(path, &["gz", "lnk", "url", "webloc", "desktop"]);
+    has_extension(path, &PICTURES) || is_no_table(path) && !may_be_part()
 }
 
 /// What a list that nestd does not read is.
 fn foreign_kind(foreign: &InboxEntry) -> &'static str {
     match &foreign.path {
         path if has_extension(path, &SPREADSHEETS) => "a spreadsheet",
-        path if is_document(path) => "a document",
+        path if is_no_table(path) => "a document",
         _ => "a list of another program",
     }
 }
@@ -212,7 +221,7 @@ pub(crate) fn rival_refusal(rival: &InboxEntry, reason: &str) -> String {
         Some(why) => {
             format!("{} {why}. Drop it together with the parts that were refused because of it.", shown_name(rival))
         }
-        None if is_foreign(rival) && is_document(&rival.path) => {
+        None if is_foreign(rival) && is_no_table(&rival.path) => {
             "This is a document that may say how many are wanted, and nestd does not read it. Write the files and their numbers into \
              a list (CSV or XLSX), and drop that together with the parts."
                 .to_owned()

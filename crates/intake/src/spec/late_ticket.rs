@@ -48,6 +48,8 @@ pub struct LateTicket {
     pub key: String,
     /// Whether it is offered for the last time: if it is not finished before the next scan, it is refused there.
     pub is_last_offer: bool,
+    /// Whether the row says itself that its part is not wanted.
+    pub is_declined: bool,
     /// In which the name was read. The names of parts in the same bytes are read in it, too.
     page: CodePage,
 }
@@ -105,6 +107,7 @@ impl LateTicket {
             source: ReceivedTicket { source: SpecSource::Sidecar, file_name, text },
             key: entry_key(ticket),
             is_last_offer,
+            is_declined: false,
             page: CodePage::Unicode,
             entry: ticket.clone(),
         })
@@ -131,6 +134,7 @@ impl LateTicket {
             },
             source: ReceivedTicket { source: SpecSource::OrderList, file_name: list_name.clone(), text: row.text },
             key: format!("{}-{}", entry_key(list), &blake3::hash(row.file.as_bytes()).to_hex()[..16]),
+            is_declined: row.objection.is_some(),
             part_name: row.file,
             is_last_offer,
             page,

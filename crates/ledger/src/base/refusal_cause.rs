@@ -21,6 +21,10 @@ pub enum RefusalCause {
     Limit,
     /// The ticket or list is invalid, or matches no part.
     Ticket,
+    /// It is a document or a picture, which comes with parts and is none.
+    Document,
+    /// A list names it, and its file never came.
+    Missing,
     /// The machine refuses files that were dropped before.
     Duplicate,
     /// nestd may not read it, or it is not a file.
@@ -52,6 +56,8 @@ impl RefusalCause {
             Self::TooLarge => say!("cause-too-large"),
             Self::Limit => say!("cause-limit"),
             Self::Ticket => say!("cause-ticket"),
+            Self::Document => say!("cause-document"),
+            Self::Missing => say!("cause-missing"),
             Self::Duplicate => say!("cause-duplicate"),
             Self::Unreadable => say!("cause-unreadable"),
             Self::Failure => say!("cause-failure"),
@@ -71,13 +77,15 @@ impl RefusalCause {
     }
 
     /// All causes.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Format,
         Self::NotClosed,
         Self::Mendable,
         Self::TooLarge,
         Self::Limit,
         Self::Ticket,
+        Self::Document,
+        Self::Missing,
         Self::Duplicate,
         Self::Unreadable,
         Self::Failure,

@@ -61,7 +61,7 @@ pub struct LineCopies {
     pub printed: u32,
     /// Copies in builds that were told complete.
     pub good: u32,
-    /// Copies that are wanted and not made, because the part was refused or cancelled.
+    /// Copies that are wanted and not made, because the part was refused.
     pub refused: u32,
     /// Copies that were printed badly, each as often as that happened. They are not part of the sum.
     pub bad: u32,

@@ -205,7 +205,7 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
 }
 
 /// Inserts the row of a claim. `None` if the claim is already recorded.
-async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Option<PartId>> {
+pub(super) async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Option<PartId>> {
     let now = change.now;
     let id = sql::query_scalar(
         "INSERT INTO part (claim, machine, name, order_name, content_hash, bytes, state, warnings, copies, priority, \

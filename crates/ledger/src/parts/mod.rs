@@ -5,6 +5,7 @@ pub(super) mod due_dates;
 pub(super) mod edit;
 pub(super) mod late_ticket;
 pub(super) mod material;
+pub(super) mod missing_file;
 pub(super) mod part;
 pub(super) mod part_edit;
 pub(super) mod part_list;

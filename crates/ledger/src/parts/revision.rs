@@ -4,7 +4,7 @@
 use crate::{
     EventKind, Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause,
     base::{error::Result, sql},
-    rows::part_row::term_columns,
+    rows::part_row::{is_missing_file, term_columns},
     store::change::LedgerChange,
 };
 
@@ -120,8 +120,8 @@ impl LedgerChange {
         Ok(takes_over != TakenOver::Nothing)
     }
 
-    /// The parts of the same name in the same named order before one that was just claimed: the refused ones, and those that still wait with
-    /// other content and no copy in a build.
+    /// The parts of the same name in the same named order before one that was just claimed: the refused ones and those that never came, and
+    /// those that still wait with other content and no copy in a build.
     async fn namesakes_before(&mut self, new: PartId, content_hash: &str) -> Result<(Vec<PartRow>, Vec<PartRow>)> {
         let query = sql::select_as(
             "FROM part WHERE id IN (SELECT p.id FROM part n JOIN part p ON p.order_name = n.order_name \
@@ -130,8 +130,10 @@ impl LedgerChange {
              AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id))) ORDER BY id",
         );
         let found: Vec<PartRow> = query.bind(new).fetch_all(self.db()).await?;
-        let (refused, mut waiting): (Vec<_>, Vec<_>) =
+        let (mut refused, mut waiting): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|part| part.state == PartState::Refused);
+        refused.retain(|part| !is_missing_file(&part.file.claim));
+        refused.extend(self.missing_namesakes(new).await?);
         waiting.retain(|part| part.file.content_hash != content_hash);
         Ok((refused, waiting))
     }
@@ -180,7 +182,7 @@ impl LedgerChange {
     }
 
     /// The copies of a refused part are not wanted of it any more, so that the order can be complete with those of the new one.
-    async fn settle_refused(&mut self, part: &PartRow, new: PartId) -> Result<()> {
+    pub(super) async fn settle_refused(&mut self, part: &PartRow, new: PartId) -> Result<()> {
         let unwanted = i64::from(self.waiting_count(part.id).await?);
         let replace = sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(part.id);
         replace.execute(self.db()).await?;

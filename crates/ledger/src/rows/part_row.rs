@@ -331,10 +331,28 @@ pub(crate) fn name_with_solid(name: &str, solid: &str) -> String {
     }
 }
 
+/// Begin of the claims of files that never came: there is no such file anywhere.
+const MISSING_CLAIM: &str = "row-";
+
+/// The claim of a file that the row of a list with this key names and that never came.
+pub fn missing_file_claim(row_key: &str) -> String {
+    format!("{MISSING_CLAIM}{row_key}")
+}
+
+/// Whether a claim is that of a file that never came.
+pub fn is_missing_file(claim: &str) -> bool {
+    claim.starts_with(MISSING_CLAIM)
+}
+
 impl PartRow {
     /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
     pub fn has_unknown_copies(&self) -> bool {
         self.refused.refusal == Some(RefusalCause::Ticket)
+    }
+
+    /// Whether it was refused and its file can be read once more as it is.
+    pub fn can_be_read_again(&self) -> bool {
+        self.state == PartState::Refused && !self.has_unknown_copies() && !is_missing_file(&self.file.claim)
     }
 
     /// When it arrived among the waiting parts: it was read, taken back, moved or left out, copies

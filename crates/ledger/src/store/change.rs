@@ -178,12 +178,12 @@ impl LedgerChange {
         Ok(())
     }
 
-    /// Refuses a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
+    /// Refuses a part. Its copies count as refused, unless a person cancelled it, it is no part, or a newer
+    /// revision has taken over what is wanted.
     pub async fn refuse_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let unwanted = match cause {
-            RefusalCause::Replaced => self.waiting_count(id).await?,
-            RefusalCause::Cancelled if self.is_order_closed(id).await? => self.waiting_count(id).await?,
+            RefusalCause::Replaced | RefusalCause::Cancelled | RefusalCause::Document => self.waiting_count(id).await?,
             _ => 0,
         };
         let part = self.require_part(id).await?;

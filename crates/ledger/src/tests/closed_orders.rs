@@ -260,3 +260,19 @@ async fn a_print_that_was_good_after_all_counts_although_its_order_was_closed_wi
     let line = ledger.line_of_part(part).await.unwrap().copies;
     assert_eq!((line.wanted, line.good, line.refused), (2, 0, 2), "and bad again");
 }
+
+#[tokio::test]
+async fn what_a_person_cancelled_is_not_wanted_and_does_not_make_its_order_short() {
+    let ledger = fresh().await;
+    let hinge = drop_in(&ledger, "hinge", 2, "A-17").await;
+    let lid = drop_in(&ledger, "lid", 3, "A-17").await;
+    ledger.cancel_part(lid, RefusalCause::Cancelled, "Cancelled by ann@farm.").await.unwrap();
+    let copies = ledger.line_of_part(lid).await.unwrap().copies;
+    assert_eq!((copies.wanted, copies.refused, copies.cancelled), (0, 0, 3));
+    print(&ledger, &[(hinge, 0), (hinge, 1)]).await;
+    assert_eq!(order(&ledger, "A-17").await.state, OrderState::Complete);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+    ledger.retry_part(lid).await.unwrap();
+    assert_eq!(ledger.line_of_part(lid).await.unwrap().copies.wanted, 3, "who takes it back wants it again");
+    assert_eq!(order(&ledger, "A-17").await.state, OrderState::Open);
+}

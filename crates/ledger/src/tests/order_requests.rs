@@ -102,7 +102,7 @@ async fn a_line_that_is_cancelled_before_it_is_a_part_never_waits_also_when_its_
         assert_eq!((recorded.is_new(), part.state), (true, state));
     }
     assert!(!ledger.has_cancelled_lines("K-1").await.unwrap(), "it is a refused part");
-    assert_eq!(ledger.order_lines("K-1").await.unwrap()[0].copies.refused, 2);
+    assert_eq!(ledger.order_lines("K-1").await.unwrap()[0].copies.cancelled, 2);
 }
 
 #[tokio::test]

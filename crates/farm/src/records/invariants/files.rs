@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use anyhow::Result;
 use intake::{ContentStore, StoreError};
 use jiff::{SignedDuration, Timestamp};
-use ledger::{BuildState, Ledger, PartFileRow, PartId, PartState};
+use ledger::{BuildState, Ledger, PartFileRow, PartId, PartState, is_missing_file};
 use settings::Settings;
 
 use super::{
@@ -38,6 +38,9 @@ pub async fn check_live_and_refused_parts(
     let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
     let places = ledger.unbuilt_part_files().await?;
     for part in places.iter().filter(|part| is_of_this_node(settings, ledger, &part.machine)) {
+        if is_missing_file(&part.claim) {
+            continue;
+        }
         if part.state == PartState::Refused {
             refused.entry((&part.machine, &part.content_hash)).or_default().push(part);
         } else if !begun.hold(part) {

@@ -154,9 +154,12 @@ fn search(method: &str, row: &BuildRow) -> String {
     joined(pieces, ", ")
 }
 
-/// Size and hash of a file.
+/// Size and hash of a file; one that never came has none.
 pub(crate) fn content(bytes: u64, hash: &str) -> String {
-    say!("bytes-and-hash", bytes = bytes.to_string(), hash = hash)
+    match hash {
+        "" => say!("cause-missing"),
+        hash => say!("bytes-and-hash", bytes = bytes.to_string(), hash = hash),
+    }
 }
 
 /// Joins the pieces that are known into one line.

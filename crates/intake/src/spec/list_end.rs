@@ -52,7 +52,7 @@ pub fn finish_order_list(
     let idle_secs = quiet_secs.min(idle_secs);
     let verdict = match is_needed {
         true => ListDecision::Wait,
-        false => decide_list_outcome(content, marks, idle_secs >= incomplete_secs, incomplete_secs),
+        false => decide_list_outcome(content, marks, idle_secs >= incomplete_secs, incomplete_secs, &list.order),
     };
     let dir = marks.dir.clone();
     let end = match verdict {
@@ -73,7 +73,13 @@ enum ListDecision {
     Refuse(String),
 }
 
-fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, incomplete_secs: f64) -> ListDecision {
+fn decide_list_outcome(
+    content: &OrderList,
+    marks: &ServedRows,
+    is_over: bool,
+    incomplete_secs: f64,
+    order: &str,
+) -> ListDecision {
     let rows = match content.rows() {
         Err(why) if is_over => {
             return ListDecision::Refuse(format!(
@@ -109,8 +115,13 @@ fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, i
         [] => ListDecision::Refuse(format!("{nameless} rows of this order list name no file.{others}{unused}")),
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
+            // A file that never came is a refused part of its order, which the file replaces.
+            let remedy = match order {
+                "" => "Drop these files together with a list for them.".to_owned(),
+                order => format!("Drop these files into {order}: each is taken as its row says."),
+            };
             ListDecision::Refuse(format!(
-                "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}.{others} Drop these files together with a list for them.{unused}",
+                "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}.{others} {remedy}{unused}",
                 names.len(),
                 rows.len(),
                 names.join(", ")

@@ -56,6 +56,7 @@ const FILES: &[(i64, &str, &str)] = &[
     (49, "lots", include_str!("../../../../migrations/0049_lots.sql")),
     (50, "finishing", include_str!("../../../../migrations/0050_finishing.sql")),
     (51, "one farm", include_str!("../../../../migrations/0051_one_farm.sql")),
+    (52, "documents", include_str!("../../../../migrations/0052_documents.sql")),
 ];
 
 pub(crate) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(FILES));

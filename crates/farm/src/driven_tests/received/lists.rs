@@ -65,6 +65,8 @@ fn an_order_is_not_complete_while_a_file_that_its_list_names_has_not_come() {
     farm.drop_bytes("kit/order.csv", b"file;copies;customer\na.stl;2;Brandt\nB;4;Brandt\nc.stl;x;\n");
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.pass_until("the list is out", |farm| !farm.folder("inbox").join("kit/order.csv").exists());
+    let list = fs::read_to_string(farm.folder("error").join("kit/order.csv.reason.txt")).unwrap();
+    assert!(list.contains("B") && list.contains("Drop these files into kit"), "{list}");
     let mut missing = farm.parts(PartState::Refused);
     missing.sort_by(|one, other| one.name.cmp(&other.name));
     let [b, c] = &missing[..] else { panic!("{missing:#?}") };
@@ -127,6 +129,8 @@ fn a_drawing_beside_parts_is_no_part_and_a_part_of_another_program_is_one() {
         let cause = if is_part { RefusalCause::Format } else { RefusalCause::Document };
         assert_eq!(part.refused.refusal, Some(cause), "{}: {}", part.name, part.refused.reason);
     }
+    let lines = farm.ask(async |ledger| ledger.order_lines("kit").await.unwrap());
+    assert_eq!(lines.iter().map(|line| line.copies.cancelled).sum::<u32>(), 0, "nobody cancelled anything");
     print(&mut farm);
     let states = ["kit", "listed", "step"].map(|order| order_state(&farm, order));
     assert_eq!(states, [OrderState::Complete, OrderState::Complete, OrderState::Short]);

@@ -35,7 +35,7 @@ const fn migration(version: i64, description: &'static str, text: &'static str) 
 }
 
 /// All migrations. A ledger here begins with the schema of the first release that had it on PostgreSQL.
-const MIGRATIONS: [ServerMigration; 29] = [
+const MIGRATIONS: [ServerMigration; 30] = [
     migration(19, "ledger", include_str!("../../../../../migrations/postgres/0019_ledger.sql")),
     migration(20, "folded names", include_str!("../../../../../migrations/postgres/0020_folded_names.sql")),
     migration(21, "lease", include_str!("../../../../../migrations/postgres/0021_lease.sql")),
@@ -116,6 +116,8 @@ const MIGRATIONS: [ServerMigration; 29] = [
         is_additive: true,
         ..migration(51, "one farm", include_str!("../../../../../migrations/postgres/0051_one_farm.sql"))
     },
+    // An older node does not know why a document or a missing file is refused.
+    migration(52, "documents", include_str!("../../../../../migrations/postgres/0052_documents.sql")),
 ];
 
 /// The first schema whose nestd states what it knows, and compares it.

@@ -124,6 +124,25 @@ fn a_folder_that_cannot_be_made_is_a_problem() {
 }
 
 #[test]
+fn a_folder_that_the_farm_has_used_and_that_is_not_mounted_is_a_problem_as_the_daemon_says() {
+    let farm = CheckedFarm::new();
+    let known: serde_json::Map<String, Value> = ["inbox/cube", "queue/cube", "error/cube"]
+        .map(|folder| (farm.path("farm").join(folder).display().to_string(), serde_json::json!([1, 1])))
+        .into_iter()
+        .collect();
+    farm.write("farm/state/nestd.folders", &Value::Object(known).to_string());
+    // An empty mount point stands in the place of one; those of the others are not there at all.
+    fs::create_dir_all(farm.path("farm/error/cube")).unwrap();
+    let (code, problems, text) = farm.check();
+    assert_eq!((code, problems.len()), (1, 3), "{text}");
+    let is_said = |what: &str, text: &str| problems.iter().any(|one| one.starts_with(what) && one.contains(text));
+    assert!(is_said("inbox of cube: ", "inbox/cube is not there, and this farm has used it before"), "{text}");
+    assert!(is_said("queue of cube: ", "queue/cube is not there, and this farm has used it before"), "{text}");
+    assert!(is_said("error folder of cube: ", "is not the folder that was there before"), "{text}");
+    assert!(text.contains("mount it again") && text.contains("archive/cube will be made"), "{text}");
+}
+
+#[test]
 fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
     let farm = CheckedFarm::new();
     let path = farm.path("farm/state/nestd.db");

@@ -8,6 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use farm::LeaseError;
 use intake::display_name;
 use rustix::fs::{Access, access, statfs, statvfs};
 use settings::{MachineProfile, Settings};
@@ -29,14 +30,15 @@ const REMOTE_FILE_SYSTEMS: [(u32, &str); 4] =
 /// Checks the folders of this node.
 pub fn check_folders(settings: &Settings, others: &OtherMachines, report: &mut CheckReport) {
     let mut seen = HashMap::new();
-    if check_folder("state folder", &settings.state_dir, MIN_STATE_BYTES, &mut seen, report)
+    let state_dir = &settings.state_dir;
+    if check_folder("state folder", state_dir, MIN_STATE_BYTES, state_dir, &mut seen, report)
         && let Some(kind) = remote_file_system(&settings.state_dir)
     {
         let text = format!("{} is on {kind}", settings.state_dir.display());
         report.add_problem("state folder", text, "set folders.state to a local disk: SQLite does not work on a share");
     }
     for profile in settings.profiles.values() {
-        check_machine_folders(profile, &mut seen, report);
+        check_machine_folders(profile, state_dir, &mut seen, report);
     }
     report_stray_files(settings, others, report);
 }
@@ -70,10 +72,15 @@ fn report_stray_files(settings: &Settings, others: &OtherMachines, report: &mut 
     }
 }
 
-fn check_machine_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64), String>, report: &mut CheckReport) {
+fn check_machine_folders(
+    profile: &MachineProfile,
+    state_dir: &Path,
+    seen: &mut HashMap<(u64, u64), String>,
+    report: &mut CheckReport,
+) {
     let folders = &profile.folders;
     let inbox = format!("inbox of {}", profile.name);
-    if check_folder(&inbox, &folders.inbox, MIN_FOLDER_BYTES, seen, report) {
+    if check_folder(&inbox, &folders.inbox, MIN_FOLDER_BYTES, state_dir, seen, report) {
         check_claim_rename(&inbox, &folders.inbox, report);
         if let Some(kind) = remote_file_system(&folders.inbox) {
             report.add_note(&inbox, format!("is on {kind}: what other computers drop is found by scanning only"));
@@ -81,11 +88,11 @@ fn check_machine_folders(profile: &MachineProfile, seen: &mut HashMap<(u64, u64)
     }
     for printer in &profile.printers {
         if let Some(folder) = printer.queue.folder() {
-            check_folder(&profile.queue_description(printer), folder, MIN_FOLDER_BYTES, seen, report);
+            check_folder(&profile.queue_description(printer), folder, MIN_FOLDER_BYTES, state_dir, seen, report);
         }
     }
     for (what, path) in [("error folder", &folders.error), ("archive", &folders.archive)] {
-        check_folder(&format!("{what} of {}", profile.name), path, MIN_FOLDER_BYTES, seen, report);
+        check_folder(&format!("{what} of {}", profile.name), path, MIN_FOLDER_BYTES, state_dir, seen, report);
     }
 }
 
@@ -94,13 +101,17 @@ fn check_folder(
     what: &str,
     path: &Path,
     room: u64,
+    state_dir: &Path,
     seen: &mut HashMap<(u64, u64), String>,
     report: &mut CheckReport,
 ) -> bool {
     let shown = path.display();
     let metadata = match fs::metadata(path) {
         Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
-            check_can_be_made(what, path, report);
+            match farm::is_known_folder(state_dir, path) {
+                true => report_away(what, path, report),
+                false => check_can_be_made(what, path, report),
+            }
             return false;
         }
         Err(error) => {
@@ -118,6 +129,10 @@ fn check_folder(
         report.add_problem(what, text, "give each a folder of its own");
         return false;
     }
+    if let Err(error) = farm::check_readable(state_dir, path) {
+        report.add_problem(what, error.to_string(), folder_remedy(&error));
+        return false;
+    }
     if let Err(error) = try_to_write(path) {
         let remedy = format!(
             "let nestd's user write there, as in: chown nestd {shown}; check as that user: sudo -u nestd nestd check"
@@ -129,6 +144,23 @@ fn check_folder(
         report.add_ok(what, shown.to_string());
     }
     true
+}
+
+/// Reports a folder that is not there and that this farm has served: the daemon does not create it, because an empty folder would be in
+/// the way of whoever mounts it again.
+fn report_away(what: &str, path: &Path, report: &mut CheckReport) {
+    let shown = path.display();
+    let text = format!("{shown} is not there, and this farm has used it before: the daemon does not make it again");
+    report.add_problem(what, text, format!("mount it again; if its contents are lost for good: mkdir {shown}"));
+}
+
+/// What to do about a folder that the daemon would not use.
+fn folder_remedy(error: &LeaseError) -> &'static str {
+    match error {
+        LeaseError::HeldByOther { .. } | LeaseError::HolderUnclear { .. } => "let one farm alone serve it",
+        LeaseError::Replaced(_) => "mount it again; the folder is used as it is only with that marker",
+        LeaseError::ClaimsNotReleased { .. } | LeaseError::Io { .. } => "mount it again, and let nestd's user read it",
+    }
 }
 
 /// Checks that the daemon can create a folder that does not exist.

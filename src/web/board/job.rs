@@ -77,7 +77,7 @@ pub(crate) fn later_job(build: &PlannedBuild, setting: &JobSetting<'_>) -> Marku
 fn li_class(build: &PlannedBuild) -> String {
     let look = match build.stage {
         PlanStage::Ended | PlanStage::Cooling | PlanStage::Printing => "solid",
-        PlanStage::Queued | PlanStage::Made => "outlined",
+        PlanStage::Taken | PlanStage::Queued | PlanStage::Made => "outlined",
         PlanStage::Open | PlanStage::Later => "dashed",
     };
     format!("{} {look}", dates_tone(build.dates).class())

@@ -42,6 +42,7 @@ impl Tone {
             Self::Good => &["complete", "good", "kept", "on time", "done", "runs"],
             Self::Busy => &[
                 "printing",
+                "at the printer",
                 "should be printed",
                 "cooling",
                 "nesting",
@@ -126,6 +127,7 @@ mod tests {
             PlanStage::Ended,
             PlanStage::Cooling,
             PlanStage::Printing,
+            PlanStage::Taken,
             PlanStage::Queued,
             PlanStage::Made,
             PlanStage::Open,

@@ -69,7 +69,8 @@ impl DownloadableFiles {
     async fn look(build: &BuildRow, profile: &MachineProfile) -> HandlerResult<Self> {
         let (build, profile) = (build.clone(), profile.clone());
         let look = move || {
-            let names = build.sidecar_hashes().into_iter().map(|(name, _)| profile.visible_file(&name));
+            let printer = build.place.printer.as_deref();
+            let names = build.sidecar_hashes().into_iter().map(|(name, _)| profile.visible_file(&name, printer));
             let search_report =
                 names.filter(|path| path.to_string_lossy().ends_with(SEARCH_REPORT)).find(|path| path.is_file());
             Self { proved: find_proved_file(&profile, &build), search_report }

@@ -41,8 +41,10 @@ pub struct BuildSpan {
 pub enum BuildStage {
     /// It is made for it.
     Made,
-    /// Its file lies in the queue, or in the printer behind others.
+    /// Its file lies in the queue.
     Queued,
+    /// Its file lies in the printer, behind others.
+    Taken,
     /// It is printed.
     Printing,
     /// It cools, and is unpacked.
@@ -58,6 +60,7 @@ impl BuildSpan {
             () if self.is_taken && now >= self.ends_at => BuildStage::Ended,
             () if self.is_taken && now >= self.printed_at => BuildStage::Cooling,
             () if self.is_taken && now >= self.begins_at => BuildStage::Printing,
+            () if self.is_taken => BuildStage::Taken,
             () if self.is_published => BuildStage::Queued,
             () => BuildStage::Made,
         }

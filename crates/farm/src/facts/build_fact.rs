@@ -32,6 +32,7 @@ impl PlanStage {
             Self::Ended => "should be done",
             Self::Cooling => "cooling",
             Self::Printing => "printing",
+            Self::Taken => "at the printer",
             Self::Queued => "in the queue",
             Self::Made if awaits_release => "waits for a yes",
             Self::Made => "being made",
@@ -69,7 +70,7 @@ impl DatedBuild {
             false => Vec::new(),
         };
         let dated = |row: HistoryRow| {
-            let fact = fact_of((row.build, row.state), row.state_word(), &plans);
+            let fact = fact_of((row.build, row.state, row.is_taken), row.state_word(), &plans);
             Self { row, fact }
         };
         Ok(rows.into_iter().map(dated).collect())
@@ -78,18 +79,18 @@ impl DatedBuild {
 
 /// What is so of a build.
 pub fn build_fact(build: &BuildRow, plans: &[MachinePlan]) -> BuildFact {
-    fact_of((build.id, build.state), build.state_word(), plans)
+    fact_of((build.id, build.state, build.place.taken_at.is_some()), build.state_word(), plans)
 }
 
 /// What is so of the build that a copy was taken into.
 pub fn build_of_copy(placed: &PlacementRow, plans: &[MachinePlan]) -> BuildFact {
     let word = if placed.is_withdrawn { "withdrawn".to_owned() } else { placed.build_state.to_string() };
-    fact_of((placed.build_id, placed.build_state), word, plans)
+    fact_of((placed.build_id, placed.build_state, placed.is_taken), word, plans)
 }
 
 /// What is so of a build that a search found.
 pub fn build_of_search(build: &NamedBuildRow, plans: &[MachinePlan]) -> BuildFact {
-    fact_of((build.id, build.state), build.state_word(), plans)
+    fact_of((build.id, build.state, build.taken_at.is_some()), build.state_word(), plans)
 }
 
 /// Whether the plan of its machine says more of a build than the ledger.
@@ -97,11 +98,13 @@ fn is_under_way(state: BuildState) -> bool {
     matches!(state, BuildState::Verified | BuildState::Published | BuildState::Printing)
 }
 
-fn fact_of((build, state): (BuildId, BuildState), word: String, plans: &[MachinePlan]) -> BuildFact {
+/// `is_taken` = its printer took its file, as far as is known.
+fn fact_of((build, state, is_taken): (BuildId, BuildState, bool), word: String, plans: &[MachinePlan]) -> BuildFact {
     let planned = planned_build(build, plans);
     BuildFact {
         word: match planned.filter(|_| is_under_way(state)) {
             Some(planned) => planned.stage.word(planned.awaits_release).to_owned(),
+            None if state == BuildState::Published && is_taken => PlanStage::Taken.word(false).to_owned(),
             None => word,
         },
         ends_at: planned.and_then(|planned| planned.ends_at),

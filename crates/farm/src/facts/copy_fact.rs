@@ -90,7 +90,7 @@ impl CopyWord {
             BuildState::Open | BuildState::Nesting | BuildState::Verified => Self::InBuild,
             state @ (BuildState::Published | BuildState::Printing) => match stage {
                 Some(PlanStage::Cooling | PlanStage::Ended) => Self::Printed,
-                Some(PlanStage::Printing) => Self::Printing,
+                Some(PlanStage::Printing | PlanStage::Taken) => Self::Printing,
                 Some(_) => Self::Queued,
                 None if state == BuildState::Printing || placed.is_taken => Self::Printing,
                 None => Self::Queued,
@@ -117,7 +117,7 @@ pub fn copy_counts(known: &LineCopies, plans: &[MachinePlan], is_of: impl Fn(&Pl
     let under_way = known.queued + known.printing;
     let over = in_stages(&[PlanStage::Cooling, PlanStage::Ended]).min(under_way);
     let queued = in_stages(&[PlanStage::Queued]).min(under_way - over);
-    let printing = in_stages(&[PlanStage::Printing]).min(under_way - over - queued);
+    let printing = in_stages(&[PlanStage::Printing, PlanStage::Taken]).min(under_way - over - queued);
     // Those of builds that are in no plan are where the ledger saw them.
     let unplanned = under_way - over - queued - printing;
     let queued_besides = known.queued.saturating_sub(queued).min(unplanned);

@@ -128,8 +128,13 @@ fn copies_lie_in_a_queue_are_printed_or_are_over_as_the_plan_says_and_else_as_th
     };
     let counts = |copies: LineCopies| (copies.queued, copies.printing, copies.printed, copies.good, copies.wanted);
     assert_eq!(counts(staged(&[])), (5, 6, 0, 1, 12), "a machine without a plan");
-    let all =
-        staged(&[(2, PlanStage::Ended), (1, PlanStage::Cooling), (3, PlanStage::Printing), (5, PlanStage::Queued)]);
+    let all = staged(&[
+        (2, PlanStage::Ended),
+        (1, PlanStage::Cooling),
+        (2, PlanStage::Printing),
+        (1, PlanStage::Taken),
+        (5, PlanStage::Queued),
+    ]);
     assert_eq!(counts(all), (5, 3, 3, 1, 12));
     // The ledger changed between the two: no copy is counted twice, and none is lost.
     let torn = staged(&[(9, PlanStage::Ended), (9, PlanStage::Queued)]);

@@ -151,6 +151,7 @@ fn doing(spans: &[BuildSpan], now: Timestamp) -> (PrinterWord, Option<&BuildSpan
         (PrinterWord::Printing, first(BuildStage::Printing)),
         (PrinterWord::Cooling, first(BuildStage::Cooling)),
         (PrinterWord::Ended, last(BuildStage::Ended)),
+        (PrinterWord::Queued, first(BuildStage::Taken)),
         (PrinterWord::Queued, first(BuildStage::Queued)),
         (PrinterWord::Expecting, first(BuildStage::Made)),
     ];

@@ -49,6 +49,8 @@ pub enum PlanStage {
     Cooling,
     /// It is printed, as far as is known.
     Printing,
+    /// Its printer took its file, and has others to print before it.
+    Taken,
     /// Its file lies in a queue folder.
     Queued,
     /// It has fired, and is nested, proved, or waits for a person's yes.
@@ -184,6 +186,7 @@ fn view_under_way(
         build: Some(build.id()),
         stage: match build.made.as_ref().map(|(_, made)| made.stage) {
             Some(BuildStage::Queued) => PlanStage::Queued,
+            Some(BuildStage::Taken) => PlanStage::Taken,
             Some(BuildStage::Printing) => PlanStage::Printing,
             Some(BuildStage::Cooling) => PlanStage::Cooling,
             Some(BuildStage::Ended) => PlanStage::Ended,

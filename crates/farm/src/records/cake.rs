@@ -228,7 +228,10 @@ pub fn locate_build_file(profile: &MachineProfile, build: &BuildRow) -> Option<P
 
 fn build_file_paths(profile: &MachineProfile, build: &BuildRow) -> Option<[PathBuf; 2]> {
     let name = build.staged.file_name.as_deref()?;
-    Some([profile.visible_file(name), kept_build::kept_path(&profile.folders.archive, name)])
+    Some([
+        profile.visible_file(name, build.place.printer.as_deref()),
+        kept_build::kept_path(&profile.folders.archive, name),
+    ])
 }
 
 /// The build volume given in the file, or else `given_mm`.

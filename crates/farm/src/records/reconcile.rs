@@ -187,7 +187,7 @@ async fn record_from_build_file(
     name: &str,
     unclear: &mut HashSet<String>,
 ) -> Result<Option<UnknownBuild>> {
-    let file = profile.visible_file(name);
+    let file = profile.visible_file(name, None);
     fs::File::open(&file).with_context(|| format!("reading {}", file.display()))?;
     // A file that is not one of our build files says nothing.
     let Ok(placed) = build_file::read_build(&file, &settings.limits) else { return Ok(None) };

@@ -256,6 +256,7 @@ state-waiting = wartet
 state-collecting = sammelt
 state-queued = Baujob wartet
 state-in-the-queue = in der Warteschlange
+state-at-the-printer = beim Drucker
 state-proved = geprüft
 state-expecting = vorgemerkt
 state-in-a-build = in einem Baujob

@@ -260,6 +260,7 @@ state-waiting = waiting
 state-collecting = collecting
 state-queued = queued
 state-in-the-queue = in the queue
+state-at-the-printer = at the printer
 state-proved = proved
 state-expecting = expecting
 state-in-a-build = in a build

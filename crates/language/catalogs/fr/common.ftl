@@ -276,6 +276,7 @@ state-waiting = en attente
 state-collecting = en collecte
 state-queued = plateau en file
 state-in-the-queue = dans la file
+state-at-the-printer = à l’imprimante
 state-proved = vérifié
 state-expecting = plateau prévu
 state-in-a-build = dans un plateau

@@ -208,6 +208,7 @@ state-waiting = 待機中
 state-collecting = 収集中
 state-queued = キュー内
 state-in-the-queue = キュー内
+state-at-the-printer = プリンター受領済み
 state-proved = 検証済み
 state-expecting = ビルド待ち
 state-in-a-build = ビルド内

@@ -60,6 +60,9 @@ pub struct NamedBuildRow {
     pub state_at: UtcTimestamp,
     /// When it was taken back out of the queue.
     pub withdrawn_at: Option<UtcTimestamp>,
+    /// When its printer took its file out of the queue, as far as is known.
+    #[serde(skip)]
+    pub taken_at: Option<UtcTimestamp>,
     /// Name of the build file; `None` = it has none yet.
     pub file_name: Option<String>,
     /// Build height, mm.
@@ -68,7 +71,7 @@ pub struct NamedBuildRow {
     pub copies: Option<u32>,
 }
 
-sql_row!(NamedBuildRow { id, machine, state, state_at, withdrawn_at, file_name, height_mm, copies });
+sql_row!(NamedBuildRow { id, machine, state, state_at, withdrawn_at, taken_at, file_name, height_mm, copies });
 
 impl NamedBuildRow {
     /// Its state for people, who call a build that was taken back out of the queue withdrawn, and not failed.

@@ -70,6 +70,9 @@ pub struct HistoryRow {
     pub published_at: Option<UtcTimestamp>,
     /// When its file was taken back out of the queue: it was not printed; `None` = never.
     pub withdrawn_at: Option<UtcTimestamp>,
+    /// Whether its printer took its file out of the queue, as far as is known.
+    #[serde(skip)]
+    pub is_taken: bool,
     /// Height of the machine's volume at the time of the build, mm.
     pub volume_z_mm: Option<f64>,
     /// Distinct parts.
@@ -101,6 +104,7 @@ impl FromSqlRow for HistoryRow {
             at: row.column("at")?,
             published_at: row.column("published_at")?,
             withdrawn_at: row.column("withdrawn_at")?,
+            is_taken: row.column("is_taken")?,
             volume_z_mm: row.column::<Option<String>>("profile_snapshot")?.and_then(|json| volume_height(&json)),
             parts: row.column("parts")?,
             measures: FromSqlRow::from_sql_row(row)?,
@@ -170,7 +174,7 @@ impl HeightSummary {
 
 /// Columns of the history query.
 const COLUMNS: &str = "b.id AS build, b.machine, nullif(b.printer, b.machine) AS printer, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
-    b.withdrawn_at, b.height_mm, \
+    b.withdrawn_at, b.taken_at IS NOT NULL AS is_taken, b.height_mm, \
     b.profile_snapshot, \
     b.density, b.lower_bound_mm, b.layers, \
     (SELECT count(*) FROM (SELECT l.part_id FROM placement l WHERE l.build_id = b.id \

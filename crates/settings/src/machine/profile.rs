@@ -265,11 +265,14 @@ impl MachineProfile {
         }
     }
 
-    /// The file of this name that is visible in the queue of one of its printers; where it is in none, its place in that of the first.
-    pub fn visible_file(&self, name: &str) -> PathBuf {
-        let mut places = self.printers.iter().map(|printer| printer.queue.visible_file(name)).peekable();
-        let first = places.peek().cloned().unwrap_or_default();
-        places.find(|file| file.exists()).unwrap_or(first)
+    /// The file of this name that is visible in the queue of one of its printers; where it is in none, its place in that of the printer
+    /// that it was made for last, or else of the first.
+    pub fn visible_file(&self, name: &str, printer: Option<&str>) -> PathBuf {
+        let places = || self.printers.iter().map(|printer| printer.queue.visible_file(name));
+        let of_its_printer =
+            self.printers.iter().find(|one| Some(one.name.as_str()) == printer).or(self.printers.first());
+        let its_place = || of_its_printer.map(|printer| printer.queue.visible_file(name));
+        places().find(|file| file.exists()).or_else(its_place).unwrap_or_default()
     }
 }
 

@@ -139,6 +139,31 @@ fn a_build_in_the_queue_of_a_printer_that_went_down_goes_to_the_other_and_comes_
 }
 
 #[test]
+fn what_its_printer_took_is_not_said_to_lie_in_a_queue_and_its_place_is_that_of_its_printer() {
+    let mut farm = two_printers("");
+    build_part(&mut farm, "a.stl", 20.0);
+    take_down(&farm, "left");
+    farm.pass_until("the build is moved", |farm| visible(farm) == [0, 1]);
+    for file in list_build_files(&queue(&farm, "right")) {
+        fs::remove_file(file).unwrap();
+    }
+    farm.pass_until("it is seen", |farm| published(farm)[0].place.taken_at.is_some());
+    let build = published(&farm).remove(0);
+    let profile = farm.profiles()[MACHINE].clone();
+    let file = crate::locate_build_file(&profile, &build).unwrap();
+    assert_eq!(file.parent().unwrap(), queue(&farm, "right"), "{}", file.display());
+    // Of a machine that is configured no more, nobody makes a plan.
+    let history = farm.ask(async |ledger| ledger.read_history(&ledger::HistoryQuery::default()).await.unwrap());
+    let dated = farm.ask(async |ledger| {
+        crate::DatedBuild::of_rows(ledger, [], history.clone(), jiff::Timestamp::now()).await.unwrap()
+    });
+    assert_eq!(
+        (crate::build_fact(&build, &[]).word, &*dated[0].fact.word),
+        ("at the printer".to_owned(), "at the printer")
+    );
+}
+
+#[test]
 fn a_build_that_its_printer_took_stays_with_it() {
     let mut farm = two_printers("");
     build_part(&mut farm, "a.stl", 20.0);

@@ -61,9 +61,10 @@ pub fn plan_notes(plan: &MachinePlan, view: &TimeView) -> Vec<String> {
             _ => say!("plan-no-printer", machine = machine),
         });
     }
+    // Where the end of one is not known, that of all is not.
     let to_come = plan.builds.iter().filter(|build| build.stage != PlanStage::Ended);
-    let last = to_come.filter_map(|build| build.ends_at).max();
-    notes.push(match (plan.builds.len(), last) {
+    let ends: Option<Vec<_>> = to_come.map(|build| build.ends_at).collect();
+    notes.push(match (plan.builds.len(), ends.and_then(|ends| ends.into_iter().max())) {
         (0, _) => say!("plan-nothing", machine = &plan.machine),
         (_, Some(last)) => {
             say!("plan-done", machine = &plan.machine, time = view.estimate_text(last))

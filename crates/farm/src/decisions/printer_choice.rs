@@ -74,7 +74,7 @@ pub fn printer_loads(
     times: &PrintTimes,
     now: Timestamp,
 ) -> BTreeMap<String, PrinterLoad> {
-    let spans = build_spans(profile, builds, times, now);
+    let spans = build_spans(profile, builds, times, |_| false, now);
     let load = |rules: &PrinterRules| {
         let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);
         let load = load_of_spans(spans, now);
@@ -91,11 +91,13 @@ pub fn load_of_spans(spans: &[BuildSpan], now: Timestamp) -> PrinterLoad {
 }
 
 /// When the builds of each printer of a machine are printed. Published builds without a printer are those of the first; a
-/// fired build whose printer is not decided yet occupies none.
+/// fired build whose printer is not decided yet occupies none. What a printer that `is_down` has not begun, begins at
+/// [`Timestamp::MAX`]: nobody knows when.
 pub fn build_spans(
     profile: &MachineProfile,
     builds: &[OccupyingBuild],
     times: &PrintTimes,
+    is_down: impl Fn(&str) -> bool,
     now: Timestamp,
 ) -> BTreeMap<String, Vec<BuildSpan>> {
     let spans = |(place, rules): (usize, &PrinterRules)| {
@@ -103,7 +105,8 @@ pub fn build_spans(
             Some(printer) => *printer == rules.name,
             None => place == 0 && build.published_at.is_some(),
         };
-        (rules.name.clone(), spans_of(profile, rules, builds.iter().filter(is_of), times, now))
+        let rules = (rules, is_down(&rules.name));
+        (rules.0.name.clone(), spans_of(profile, rules, builds.iter().filter(is_of), times, now))
     };
     profile.printers.iter().enumerate().map(spans).collect()
 }
@@ -111,7 +114,7 @@ pub fn build_spans(
 /// Lets the builds be printed one after the other, each as soon as it can be.
 fn spans_of<'b>(
     profile: &MachineProfile,
-    rules: &PrinterRules,
+    (rules, is_down): (&PrinterRules, bool),
     builds: impl Iterator<Item = &'b OccupyingBuild>,
     times: &PrintTimes,
     now: Timestamp,
@@ -121,6 +124,7 @@ fn spans_of<'b>(
         let begins_at = match (build.begun_at, &build.printer) {
             // It lay in the printer while an earlier one was printed.
             (Some(at), _) => at.0.max(free_at),
+            (None, Some(_)) if is_down && build.state != BuildState::Printing => Timestamp::MAX,
             // Its file lies in the queue, or it is still made: it has not begun.
             (None, Some(_)) => rules.begins_at(free_at.max(now), &profile.time_zone),
             // Nobody looks for the files of builds of an earlier nestd.

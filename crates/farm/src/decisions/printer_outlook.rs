@@ -50,7 +50,7 @@ impl PrinterOutlook {
         is_in_use: impl Fn(&str) -> bool,
         now: Timestamp,
     ) -> Self {
-        let spans = build_spans(profile, builds, &times, now);
+        let spans = build_spans(profile, builds, &times, |printer| !is_in_use(printer), now);
         let in_use = profile.printers.iter().enumerate().filter(|(_, rules)| is_in_use(&rules.name));
         let ahead = |(place, rules): (usize, &PrinterRules)| {
             let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);

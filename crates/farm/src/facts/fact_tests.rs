@@ -8,7 +8,11 @@ use super::{
     machine_fact::{MachineFact, MachineWord, machine_fact},
     printer_fact::{PrinterFact, PrinterWord, printer_fact},
 };
-use crate::decisions::{print_times::PrintTimes, printer_choice::build_spans, trigger::tests::machine_with_triggers};
+use crate::decisions::{
+    print_times::PrintTimes,
+    printer_choice::{BuildStage, build_spans},
+    trigger::tests::machine_with_triggers,
+};
 
 /// A Wednesday, and hours after its begin.
 pub(super) fn at(hour: f64) -> Timestamp {
@@ -50,7 +54,7 @@ fn made(id: i64) -> OccupyingBuild {
 /// What is so of each printer. 100 mm are printed in ten hours, and cool for four.
 fn facts(profile: &MachineProfile, builds: &[OccupyingBuild], down: &[&str], now: f64) -> Vec<PrinterFact> {
     let times = PrintTimes { hours_per_mm: 0.1, cool_down_hours: 4.0, learned_from: 0 };
-    let spans = build_spans(profile, builds, &times, at(now));
+    let spans = build_spans(profile, builds, &times, |printer| down.contains(&printer), at(now));
     let down_printer = |name: &str| DownPrinter {
         printer: name.to_owned(),
         machine: profile.name.clone(),
@@ -63,6 +67,27 @@ fn facts(profile: &MachineProfile, builds: &[OccupyingBuild], down: &[&str], now
         printer_fact(profile, rules, &spans[&rules.name], down, &times, at(now))
     };
     profile.printers.iter().map(fact).collect()
+}
+
+#[test]
+fn of_a_printer_that_is_down_nobody_knows_when_it_begins_what_it_has_not_begun() {
+    let profile = machine(&["name = \"left\""]);
+    let waits = facts(&profile, &[queued(1)], &["left"], 1.0).remove(0);
+    assert_eq!(
+        (waits.state, waits.build, waits.until, waits.free_at),
+        (PrinterWord::Down, Some(BuildId(1)), None, None)
+    );
+    let prints = facts(&profile, &[told(1, 1.0), queued(2)], &["left"], 2.0).remove(0);
+    assert_eq!((prints.build, prints.until), (Some(BuildId(1)), Some(at(11.0).into())), "what it had begun goes on");
+}
+
+#[test]
+fn what_lies_in_a_printer_behind_another_print_is_no_more_in_its_queue() {
+    let (profile, times) =
+        (machine(&["name = \"left\""]), PrintTimes { hours_per_mm: 0.1, cool_down_hours: 4.0, learned_from: 0 });
+    let spans = build_spans(&profile, &[taken(1, 1.0), taken(2, 2.0), queued(3)], &times, |_| false, at(3.0));
+    let stages: Vec<BuildStage> = spans["left"].iter().map(|span| span.stage(at(3.0))).collect();
+    assert_eq!(stages, [BuildStage::Printing, BuildStage::Taken, BuildStage::Queued]);
 }
 
 fn one(builds: &[OccupyingBuild], now: f64) -> PrinterFact {

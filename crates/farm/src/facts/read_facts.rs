@@ -48,7 +48,8 @@ impl<'p> FarmReading<'p> {
     }
 
     fn fact_of(&self, profile: &MachineProfile, Occupation { builds, times, .. }: &Occupation) -> MachineFact {
-        let spans = build_spans(profile, builds, times, self.now);
+        let is_down = |printer: &str| self.rows.down(&profile.name, printer).is_some();
+        let spans = build_spans(profile, builds, times, is_down, self.now);
         let printers = profile.printers.iter().map(|rules| {
             let down = self.rows.down(&profile.name, &rules.name);
             let spans = spans.get(&rules.name).map_or(&[][..], Vec::as_slice);

@@ -176,6 +176,8 @@ pub struct MadeBuild {
     pub stage: BuildStage,
     /// Whether it waits for a person's yes.
     pub awaits_release: bool,
+    /// Whether its printer is down and has not begun it: nobody knows when it begins.
+    pub awaits_printer: bool,
     /// When the builds before it are done.
     pub free_at: Timestamp,
     /// When its print begins, or began.
@@ -194,6 +196,13 @@ pub fn outlook_of_made(
     due_at: Timestamp,
     now: Timestamp,
 ) -> Option<DateOutlook> {
+    let occupied = facts.outlook.times.occupied(build.height_mm);
+    let ends = |begins: Timestamp| begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
+    if build.awaits_printer {
+        let cause = if due_at <= now { RiskCause::Passed } else { RiskCause::NoPrinter };
+        let is_near = ends(now) > due_at.checked_sub(reserve.span_of(facts, build.height_mm, true)).unwrap_or(due_at);
+        return is_near.then(|| DateOutlook { cause, until: None, done_at: None, is_late: ends(now) > due_at });
+    }
     let ends_at = build.ends_at;
     let is_late = ends_at > due_at;
     let held_back = match build.stage {
@@ -204,8 +213,6 @@ pub fn outlook_of_made(
     if ends_at <= limit {
         return None;
     }
-    let occupied = facts.outlook.times.occupied(build.height_mm);
-    let ends = |begins: Timestamp| begins.checked_add(occupied).unwrap_or(Timestamp::MAX);
     let (cause, until) = match () {
         () if due_at <= now => (RiskCause::Passed, None),
         () if build.awaits_release => (RiskCause::AwaitsRelease, None),

@@ -76,9 +76,9 @@ pub async fn read_plan(
     };
     let (placed, layout) = standing_layout(open.as_ref(), &waiting);
     let standing: HashSet<CopyId> = placed.iter().map(|placed| placed.copy).collect();
-    let spans = build_spans(profile, occupying, times, now);
-    let is_up = |printer: &str| rows.down(&profile.name, printer).is_none();
-    let outlook = PrinterOutlook::new(profile, occupying, *times, is_up, now);
+    let is_down = |printer: &str| rows.down(&profile.name, printer).is_some();
+    let spans = build_spans(profile, occupying, times, is_down, now);
+    let outlook = PrinterOutlook::new(profile, occupying, *times, |printer| !is_down(printer), now);
     let is_away = rows.observed(&profile.name).is_some_and(|row| !row.trouble.is_empty());
     let is_homeless = |build: &&OccupyingBuild| build.printer.is_none() && build.published_at.is_none();
     let fired = |build: &OccupyingBuild| FiredBuild { build: build.build, height_mm: build.height_mm.unwrap_or(0.0) };
@@ -97,7 +97,7 @@ pub async fn read_plan(
         outlook,
         packing: PackingExperience::learn(profile, &experience),
     };
-    let under_way = read_under_way(ledger, profile, occupying, &spans, now).await?;
+    let under_way = read_under_way(ledger, profile, (occupying, &spans), is_down, now).await?;
     let unplanned = ledger.unplanned_parts(&profile.name).await?;
     Ok(PlanReading { facts, waiting, placed, under_way, unplanned, reserve, experience })
 }
@@ -137,8 +137,8 @@ fn excess_hours(
 async fn read_under_way(
     ledger: &Ledger,
     profile: &MachineProfile,
-    occupying: &[OccupyingBuild],
-    spans: &BTreeMap<String, Vec<BuildSpan>>,
+    (occupying, spans): (&[OccupyingBuild], &BTreeMap<String, Vec<BuildSpan>>),
+    is_down: impl Fn(&str) -> bool,
     now: Timestamp,
 ) -> Result<Vec<BuildUnderWay>> {
     let mut under_way = Vec::with_capacity(occupying.len());
@@ -157,9 +157,10 @@ async fn read_under_way(
             let (BuildSpan { begins_at, printed_at, ends_at, .. }, stage) = (spans[at], spans[at].stage(now));
             let height_mm = build.height_mm.unwrap_or(0.0);
             let awaits_release = awaits_release(profile, &row);
+            let awaits_printer = is_down(printer) && begins_at == Timestamp::MAX;
             Some((
                 printer.clone(),
-                MadeBuild { height_mm, stage, awaits_release, free_at, begins_at, printed_at, ends_at },
+                MadeBuild { height_mm, stage, awaits_release, awaits_printer, free_at, begins_at, printed_at, ends_at },
             ))
         });
         under_way.push(BuildUnderWay { row, parts, made });

@@ -226,6 +226,7 @@ fn a_build_that_waits_for_a_yes_or_behind_others_is_named_by_that() {
         height_mm: 40.0,
         stage: BuildStage::Queued,
         awaits_release,
+        awaits_printer: false,
         free_at: at(free),
         begins_at: at(begins),
         printed_at: at(begins + 3.0),
@@ -240,4 +241,9 @@ fn a_build_that_waits_for_a_yes_or_behind_others_is_named_by_that() {
     assert_eq!(cause(&made(6.0, 6.0, false), 8.0), Some((RiskCause::PrinterBusy, true)));
     assert_eq!(cause(&made(2.0, 6.0, false), 8.0), Some((RiskCause::PrinterClosed, true)));
     assert_eq!(cause(&made(6.0, 6.0, true), 8.0), Some((RiskCause::AwaitsRelease, true)));
+    let never = Timestamp::MAX;
+    let down = MadeBuild { awaits_printer: true, begins_at: never, ends_at: never, ..made(0.0, 0.0, false) };
+    assert_eq!(cause(&down, 30.0), None, "its printer may be up again before");
+    assert_eq!(cause(&down, 4.2), Some((RiskCause::NoPrinter, false)));
+    assert_eq!(cause(&down, 3.0), Some((RiskCause::NoPrinter, true)));
 }

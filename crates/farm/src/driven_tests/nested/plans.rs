@@ -7,7 +7,12 @@ use ledger::{CommandKind, PartState};
 
 use crate::{
     DueAnswer, FarmReading, MachinePlan, OrderQuote, PlanStage, QuoteQuestion, QuotedFile, RiskCause,
-    driven_tests::{HandDrivenFarm, MACHINE, block, hand_driven_farm::farm_files::list_build_files, stl},
+    driven_tests::{
+        HandDrivenFarm, MACHINE, block,
+        hand_driven_farm::farm_files::list_build_files,
+        printed::printers::{bring_up, build_part, take_down},
+        stl,
+    },
     quote_order, read_plan, read_quoted_files,
 };
 
@@ -87,6 +92,27 @@ fn a_plan_changes_nothing_and_says_why_nothing_fires() {
     );
     assert_eq!(paused.risks[0].cause, RiskCause::Paused, "{paused:?}");
     assert_eq!(last(&farm), before);
+}
+
+#[test]
+fn a_plan_promises_nothing_of_what_no_printer_can_begin() {
+    let mut farm = HandDrivenFarm::open(PROFILE);
+    build_part(&mut farm, "a.stl", 20.0);
+    for printer in ["left", "right"] {
+        take_down(&farm, printer);
+    }
+    farm.drop_part("b.stl", &block(20.0, 20.0, 30.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(10.0);
+    let down = plan(&farm);
+    assert_eq!((down.hindered, down.builds.len()), (Some(RiskCause::NoPrinter), 2), "{down:?}");
+    assert_eq!(down.builds[0].stage, PlanStage::Queued);
+    for build in &down.builds {
+        assert_eq!((build.fires_at, build.begins_at, build.printed_at, build.ends_at), (None, None, None, None));
+    }
+    bring_up(&farm, "left");
+    let up = plan(&farm);
+    assert!(up.builds.iter().all(|build| build.begins_at.is_some() && build.ends_at.is_some()), "{up:?}");
 }
 
 /// A file of a quote.

@@ -44,12 +44,12 @@ pub(crate) fn build_part(farm: &mut HandDrivenFarm, name: &str, height_mm: f64) 
     farm.wait_for_parts(PartState::Built, built + 1);
 }
 
-pub(super) fn take_down(farm: &HandDrivenFarm, printer: &str) {
+pub(crate) fn take_down(farm: &HandDrivenFarm, printer: &str) {
     let (machine, printer, reason) = (MACHINE.to_owned(), printer.to_owned(), "its lamp".to_owned());
     farm.say(&OperatorWord::PrinterDown { machine, printer, reason }, false).unwrap();
 }
 
-pub(super) fn bring_up(farm: &HandDrivenFarm, printer: &str) {
+pub(crate) fn bring_up(farm: &HandDrivenFarm, printer: &str) {
     let word = OperatorWord::PrinterUp { machine: MACHINE.to_owned(), printer: printer.to_owned() };
     assert!(farm.say(&word, false).unwrap().sentences[0].ends_with("takes builds again."));
 }

@@ -294,6 +294,7 @@ told-ticket-of-part-unread = das Ticket von Teil { $part } war nicht lesbar: es 
 told-refused-already = Teil { $part } ist schon abgelehnt oder storniert; `nestd show p{ $part }` sagt warum
 told-built-already = Teil { $part } ist schon gebaut: alle seine Stücke sind in ausgegebenen Baujobs
 told-build-is-told = Baujob { $build }: { $what }.
+told-build-stays-told = Für Baujob { $build } bleibt es beim schon Gemeldeten: { $what }.
 told-issued-once-more = Baujob { $build } wird als Baujob { $new } noch einmal ausgegeben.
 told-is-released = Baujob { $build } ist freigegeben und geht in die Warteschlange.
 told-was-released-before = Baujob { $build } war schon freigegeben.
@@ -331,6 +332,8 @@ told-file-not-in-queue = die Datei von Baujob { $build } ist nicht in der Wartes
 told-in-build-as-it-is = Teil { $part } hat Stücke in Baujob { $build } ({ $what }), der so gedruckt wird: warten, bis er ausgegeben ist, und den Befehl für die noch wartenden Stücke wiederholen. Gedruckte Stücke werden mit `nestd reprint { $part }=N` neu gemacht
 told-only-refused-retried = Teil { $part }: { $what }; zurückholen lässt sich nur ein abgelehntes oder storniertes Teil
 told-outcome-recorded = das Ergebnis von Baujob { $build } ist schon gemeldet ({ $what }); ist das falsch, `nestd outcome { $build } { $asked } --correct`
+told-outcome-the-same = das Ergebnis von Baujob { $build } ist schon so gemeldet ({ $what }); nichts wurde geändert
+told-outcome-the-same-bad = das Ergebnis von Baujob { $build } ist schon so gemeldet ({ $what }); nichts wurde geändert. Sind andere Exemplare schlecht, `nestd outcome { $build } { $asked } --correct --bad PART=N`
 told-was-taken-back-untouched = die Datei von Baujob { $build } wurde unberührt aus der Warteschlange genommen: sie gilt nicht als gedruckt, und ihre Stücke werden neu gemacht. Hat doch jemand Stücke davon gedruckt, ebenso viele der wartenden mit `nestd cancel PART=N` herausnehmen; `nestd show b{ $build }` sagt wann, und zeigt die Teile
 told-none-counts-as-printed = kein Stück davon gilt als gedruckt: `nestd show` sagt, was wartet, `nestd edit PART --copies N` bestellt mehr
 told-copies-being-cancelled = Stücke von Teil { $part } werden gerade storniert; danach beginnt sein Baujob

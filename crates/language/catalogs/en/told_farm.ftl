@@ -326,6 +326,7 @@ told-ticket-of-part-unread = the ticket of part { $part } could not be read: men
 told-refused-already = part { $part } is refused or cancelled already; `nestd show p{ $part }` says why
 told-built-already = part { $part } is built already: all its copies are in published builds
 told-build-is-told = Build { $build } is { $what }.
+told-build-stays-told = Build { $build } stays { $what }, as it was told before.
 told-issued-once-more = Build { $build } is issued once more as build { $new }.
 told-is-released = Build { $build } is released and goes to the queue.
 told-was-released-before = Build { $build } was released before.
@@ -366,6 +367,8 @@ told-file-not-in-queue = the file of build { $build } is not in the queue: its p
 told-in-build-as-it-is = part { $part } has copies in build { $build }, which is { $what } and is printed as it is: wait until it is published, and give the command again for the copies that still wait. Printed copies are made anew with `nestd reprint { $part }=N`
 told-only-refused-retried = part { $part } is { $what }; only a part that is refused or cancelled can be retried
 told-outcome-recorded = the outcome of build { $build } is recorded as { $what } already; if that is wrong, say `nestd outcome { $build } { $asked } --correct`
+told-outcome-the-same = the outcome of build { $build } is recorded as { $what } already, so nothing was changed
+told-outcome-the-same-bad = the outcome of build { $build } is recorded as { $what } already, so nothing was changed; if other copies of it are bad, say `nestd outcome { $build } { $asked } --correct --bad PART=N`
 told-was-taken-back-untouched = the file of build { $build } was taken back out of the queue untouched: it does not count as printed, and its copies are made again. If somebody printed copies of its file all the same, take as many of those that wait out with `nestd cancel PART=N`; `nestd show b{ $build }` tells when, and lists its parts
 told-none-counts-as-printed = no copy of it counts as printed: `nestd show` says what waits, `nestd edit PART --copies N` orders more
 told-copies-being-cancelled = copies of part { $part } are being cancelled, and its build begins after that

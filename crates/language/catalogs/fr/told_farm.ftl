@@ -326,6 +326,7 @@ told-ticket-of-part-unread = le ticket de la pièce { $part } n’a pas pu être
 told-refused-already = la pièce { $part } est déjà refusée ou annulée ; `nestd show p{ $part }` dit pourquoi
 told-built-already = la pièce { $part } est déjà faite : tous ses exemplaires sont dans des plateaux publiés
 told-build-is-told = Plateau { $build } : { $what }.
+told-build-stays-told = Pour le plateau { $build }, rien ne change, c’était déjà signalé ainsi : { $what }.
 told-issued-once-more = Le plateau { $build } est réémis comme plateau { $new }.
 told-is-released = L’accord est donné : le plateau { $build } va dans la file d’attente.
 told-was-released-before = L’accord pour le plateau { $build } était déjà donné.
@@ -366,6 +367,8 @@ told-file-not-in-queue = le fichier du plateau { $build } n’est pas dans la fi
 told-in-build-as-it-is = la pièce { $part } a des exemplaires dans le plateau { $build } ({ $what }), imprimé tel quel : attendre qu’il soit publié, et redonner l’ordre pour les exemplaires qui attendent encore. Les exemplaires imprimés se refont avec `nestd reprint { $part }=N`
 told-only-refused-retried = pièce { $part } : { $what } ; seule une pièce refusée ou annulée se reprend
 told-outcome-recorded = le résultat du plateau { $build } est déjà signalé ({ $what }) ; si c’est faux, `nestd outcome { $build } { $asked } --correct`
+told-outcome-the-same = le résultat du plateau { $build } est déjà signalé ainsi ({ $what }) ; rien n’a été changé
+told-outcome-the-same-bad = le résultat du plateau { $build } est déjà signalé ainsi ({ $what }) ; rien n’a été changé. Si d’autres exemplaires sont mauvais, `nestd outcome { $build } { $asked } --correct --bad PART=N`
 told-was-taken-back-untouched = le fichier du plateau { $build } a été retiré intact de la file : il ne compte pas comme imprimé, et ses exemplaires sont refaits. Si quelqu’un en a imprimé quand même, enlever autant de ceux qui attendent avec `nestd cancel PART=N` ; `nestd show b{ $build }` dit quand, et liste ses pièces
 told-none-counts-as-printed = aucun exemplaire ne compte comme imprimé : `nestd show` dit ce qui attend, `nestd edit PART --copies N` en demande plus
 told-copies-being-cancelled = des exemplaires de la pièce { $part } sont en cours d’annulation, son plateau commence ensuite

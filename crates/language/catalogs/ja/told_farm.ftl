@@ -247,6 +247,7 @@ told-ticket-of-part-unread = パーツ { $part } のチケットを読み取れ�
 told-refused-already = パーツ { $part } はすでに受付不可またはキャンセル済みです。理由は `nestd show p{ $part }` で確認できます
 told-built-already = パーツ { $part } は作成済みです。すべて発行済みのビルドに入っています
 told-build-is-told = ビルド { $build }: { $what }。
+told-build-stays-told = ビルド { $build } は記録済みの結果のままです: { $what }。
 told-issued-once-more = ビルド { $build } をビルド { $new } として再発行します。
 told-is-released = ビルド { $build } は承認され、キューに入ります。
 told-was-released-before = ビルド { $build } は承認済みです。
@@ -280,6 +281,8 @@ told-file-not-in-queue = ビルド { $build } のファイルはキューにあ�
 told-in-build-as-it-is = パーツ { $part } はビルド { $build }({ $what })に入っており、そのまま造形されます。発行されてから、まだ待機中の分をもう一度指示してください。造形済みの分は `nestd reprint { $part }=N` で再造形します
 told-only-refused-retried = パーツ { $part } は{ $what }です。戻せるのは受付不可かキャンセル済みのパーツだけです
 told-outcome-recorded = ビルド { $build } の結果は記録済みです({ $what })。間違っている場合は `nestd outcome { $build } { $asked } --correct` を実行してください
+told-outcome-the-same = ビルド { $build } の結果は同じ内容で記録済みです({ $what })。何も変更していません
+told-outcome-the-same-bad = ビルド { $build } の結果は同じ内容で記録済みです({ $what })。何も変更していません。ほかのコピーが不良の場合は `nestd outcome { $build } { $asked } --correct --bad PART=N` を実行してください
 told-was-taken-back-untouched = ビルド { $build } のファイルは手つかずでキューから取り下げられました。造形済みとは数えず、作り直します。それでも造形した場合は、待機中から同じ数を `nestd cancel PART=N` で除いてください。時刻とパーツは `nestd show b{ $build }` に出ます
 told-none-counts-as-printed = 造形済みのものがありません。待機中の分は `nestd show`、追加は `nestd edit PART --copies N`
 told-copies-being-cancelled = パーツ { $part } の一部をキャンセル中で、ビルドはその後に始まります

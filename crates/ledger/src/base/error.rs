@@ -271,10 +271,8 @@ pub enum LedgerError {
         /// Its state.
         state: crate::PartState,
     },
-    /// An outcome was told already, and differs.
-    #[error(
-        "the outcome of build {build} is recorded as {state} already; if that is wrong, say `nestd outcome {build} {asked} --correct`"
-    )]
+    /// An outcome was told already: another one, or the same.
+    #[error("{}", .state.told_already(*.asked, *.build))]
     AlreadyTold {
         /// The build.
         build: BuildId,

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::text_column::own_word;
+use super::{id::BuildId, text_column::own_word};
 
 /// State of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -99,6 +99,18 @@ impl BuildState {
         Self::Interrupted,
         Self::Failed,
     ];
+
+    /// What is answered to an outcome of a build in this state, whose outcome was told before.
+    pub(crate) fn told_already(self, asked: Self, build: BuildId) -> String {
+        let recorded = format!("the outcome of build {build} is recorded as {self} already");
+        match self {
+            Self::Failed | Self::Printing if self == asked => format!("{recorded}, so nothing was changed"),
+            _ if self == asked => format!(
+                "{recorded}, so nothing was changed; if other copies of it are bad, say `nestd outcome {build} {asked} --correct --bad PART=N`"
+            ),
+            _ => format!("{recorded}; if that is wrong, say `nestd outcome {build} {asked} --correct`"),
+        }
+    }
 
     /// Whether its search is over, so that it stands in the history.
     pub fn is_past_nesting(self) -> bool {

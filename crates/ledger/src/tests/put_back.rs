@@ -49,6 +49,37 @@ async fn a_copy_that_is_good_after_all_takes_the_place_of_one_that_waits_for_it(
 }
 
 #[tokio::test]
+async fn an_outcome_that_is_told_twice_is_said_to_be_the_same_and_contradicts_nothing() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 3).await;
+    let build = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
+    let say = async |told: ToldOutcome| {
+        let seen = SeenFiles::from([(build, crate::SeenFile::OutOfQueue)]);
+        let said = ledger.carry_out(&OperatorWord::Outcome(build, told), "a@b", &seen, true).await;
+        said.map(|answer| answer.sentences.join(" ")).map_err(|refused| refused.to_string())
+    };
+    say(told(PrintOutcome::Printing)).await.unwrap();
+    let twice = say(told(PrintOutcome::Printing)).await.unwrap_err();
+    assert_eq!(twice, "the outcome of build 1 is recorded as printing already, so nothing was changed");
+    let bad = |copies| ToldOutcome { bad: vec![(part, copies)], ..told(PrintOutcome::Complete) };
+    say(bad(2)).await.unwrap();
+    let twice = say(bad(2)).await.unwrap_err();
+    assert!(twice.contains("as complete already, so nothing was changed; if other copies of it are bad"), "{twice}");
+    let corrected = |copies, keep| ToldOutcome { is_correction: true, keep, ..bad(copies) };
+    assert_eq!(say(corrected(2, false)).await.unwrap(), "Build 1 stays complete, as it was told before.");
+    let more = say(corrected(3, false)).await.unwrap();
+    assert_eq!(
+        more,
+        "Build 1 stays complete, as it was told before. 1 copy of 1 part waits again, first in line, with all that was asked."
+    );
+    let fewer = say(corrected(1, false)).await.unwrap();
+    assert!(fewer.ends_with("before. Counted as printed again, and waiting no more: 2 copies of 1 part."), "{fewer}");
+    let kept = say(corrected(1, true)).await.unwrap();
+    assert!(kept.ends_with("before. Not printed again: 1 copy of 1 part."), "{kept}");
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
 async fn the_last_copies_of_a_part_are_printed_again() {
     let ledger = fresh().await;
     let part = waiting(&ledger, "a", 2).await;

@@ -41,6 +41,7 @@ async fn a_withdrawn_build_puts_its_copies_back_once_and_does_not_count_as_print
     ledger.end_take_back(build, TakeBackEnd::Removed).await.unwrap();
     assert!(to_withdraw(&ledger).await.is_empty());
     assert_no_outcome_is_heard(&ledger, build).await;
+    assert_eq!(ledger.outcomes_of_build(build).await.unwrap(), [], "nobody told how it printed");
     let row = ledger.find_build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "withdrawn from the queue by a@b: a mistake"));
     assert!(ledger.unseen_failures().await.unwrap().is_empty());

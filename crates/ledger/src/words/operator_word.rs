@@ -12,7 +12,7 @@ use build_file::format_count;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    outcome::tell_outcome,
+    outcome::{outcome_sentence, tell_outcome},
     pick::end_break_out,
     put_back::printed_copies,
     requeue::issue_again,
@@ -78,8 +78,8 @@ impl BuildWord {
     async fn apply(&self, change: &mut LedgerChange, build: BuildId, by: &str) -> Result<WordEffect> {
         Ok(match self {
             Self::Outcome(told) => {
-                let report = tell_outcome(change, build, told).await?;
-                WordEffect::of_report(Some(format!("Build {build} is {}.", told.outcome)), &report)
+                let said = outcome_sentence(change, build, told).await?;
+                WordEffect::of_report(Some(said), &tell_outcome(change, build, told).await?)
             }
             Self::Reprint(copies) => {
                 let mut report = PutBackReport::default();

@@ -1,10 +1,12 @@
 //! Outcomes: what users report about published builds.
 
+use std::collections::BTreeSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PartId, PutBackReport, UtcTimestamp,
+    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PartCopies, PartId, PutBackReport, UtcTimestamp,
     base::{
         error::Result,
         sql::{self, sql_row},
@@ -91,10 +93,31 @@ impl ToldOutcome {
     }
 }
 
+impl PutBackReport {
+    /// A copy that counted as good for a moment was told bad again. `stays` = with it nothing else was asked than before.
+    fn forget_return(&mut self, part: PartId, stays: bool) {
+        let take = |list: &mut Vec<PartCopies>| {
+            if let Some(of_part) = list.iter_mut().find(|one| one.part == part) {
+                of_part.copies -= 1;
+            }
+            list.retain(|one| one.copies > 0);
+        };
+        take(&mut self.returned);
+        if stays {
+            let is_again = self.put_back.iter().any(|one| one.part == part);
+            take(if is_again { &mut self.put_back } else { &mut self.unwanted });
+        }
+    }
+}
+
 impl Ledger {
-    /// The reported outcomes of a build, oldest first.
+    /// The outcomes of a build that somebody reported, oldest first: not what a withdrawal recorded, whose event has the same words.
     pub async fn outcomes_of_build(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
-        let query = sql::select_as("FROM outcome WHERE build_id = $1 ORDER BY id").bind(build);
+        let query = sql::select_as(
+            "FROM outcome WHERE build_id = $1 AND NOT EXISTS (SELECT 1 FROM event e WHERE e.build_id = outcome.build_id \
+             AND e.kind = 'withdrawn' AND e.at = outcome.told_at AND e.detail = outcome.note) ORDER BY id",
+        )
+        .bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -140,9 +163,11 @@ pub(crate) async fn tell_outcome(
     let mut report = PutBackReport::default();
     move_to_outcome(change, build, told).await?;
     record_told(change, build, told).await?;
+    let bad_before = told_bad(change, build).await?;
     if told.is_correction && told.outcome != PrintOutcome::Failed {
         change.return_bad_copies(build, &mut report).await?;
     }
+    let bad_between = told_bad(change, build).await?;
     if told.outcome == PrintOutcome::Failed {
         let unseen = sql::query("UPDATE build SET seen_at = NULL WHERE id = $1").bind(build);
         unseen.execute(change.db()).await?;
@@ -152,8 +177,15 @@ pub(crate) async fn tell_outcome(
         _ => bad_copies(change, build, &told.bad).await?,
     };
     change.mark_bad(build, &bad, &told.told_by, !told.keep, &mut report).await?;
+    let returned = bad_before.difference(&bad_between);
+    let bad_after = told_bad(change, build).await?;
+    for &(part, copy, was_owed) in returned {
+        if let Some(is_owed) = [true, false].into_iter().find(|is_owed| bad_after.contains(&(part, copy, *is_owed))) {
+            report.forget_return(part, was_owed == is_owed);
+        }
+    }
     let parts = counted_copies(change, build).await?.into_iter().map(|(part, _)| part);
-    change.update_orders_of(parts.collect::<std::collections::BTreeSet<_>>()).await?;
+    change.update_orders_of(parts.collect::<BTreeSet<_>>()).await?;
     Ok(report)
 }
 
@@ -180,7 +212,8 @@ pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, t
     let query =
         sql::query_as("SELECT published_at IS NOT NULL, taken_at IS NOT NULL FROM build WHERE id = $1").bind(build);
     let (is_published, is_taken): (bool, bool) = query.fetch_one(change.db()).await?;
-    let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
+    let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed)
+        || state == BuildState::Printing && told.outcome == PrintOutcome::Printing;
     if !is_published {
         // Only the farm may fail a nesting build, because it then releases the copies.
         change.ensure_build_state(build, REPORTABLE_STATES).await?;
@@ -201,6 +234,22 @@ pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, t
     }
     change.move_build(build, told.outcome.build_state(), &told.note).await?;
     Ok(())
+}
+
+/// What is said of an outcome that is about to be told.
+pub(super) async fn outcome_sentence(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<String> {
+    let (_, state) = change.require_build(build).await?;
+    Ok(match state == told.outcome.build_state() {
+        true => format!("Build {build} stays {}, as it was told before.", told.outcome),
+        false => format!("Build {build} is {}.", told.outcome),
+    })
+}
+
+/// The copies of a build that were told bad, each with whether it is owed.
+async fn told_bad(change: &mut LedgerChange, build: BuildId) -> Result<BTreeSet<(PartId, u32, bool)>> {
+    let bad = sql::query_as("SELECT part_id, copy, is_owed FROM bad_placement WHERE build_id = $1").bind(build);
+    let bad: Vec<(PartId, u32, bool)> = bad.fetch_all(change.db()).await?;
+    Ok(bad.into_iter().collect())
 }
 
 /// The copies of a build that count.

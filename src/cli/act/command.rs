@@ -111,15 +111,16 @@ async fn require_known_machine(settings: &Settings, ledger: &Ledger, machine: &s
     }
 }
 
-/// Sends a command for each part that the words mean. The exit code tells whether all were done.
+/// Sends a command for each part that the words mean. `again` says how it is said of other words; the exit code tells whether all were done.
 pub fn run_for_parts(
     common: &CommonArgs,
     words: &[String],
+    again: impl Fn(&str) -> String,
     command: impl Fn(&PartTarget) -> Result<DaemonCommand>,
 ) -> Result<CommandExit> {
     let (answers, exit) = with_ledger(common, async |settings, ledger| {
         let (mut answers, mut exit) = (Vec::new(), CommandExit::Success);
-        for target in find_targets(ledger, words).await? {
+        for target in find_targets(ledger, words, &again).await? {
             let order = command(&target)?;
             if let Some(machine) = order.machine_name() {
                 require_known_machine(settings, ledger, machine).await?;

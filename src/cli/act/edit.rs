@@ -72,15 +72,20 @@ pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
     if edit.is_empty() {
         return Err(UsageError("say what is to change, for example --copies 3 or --due 2026-11-25".to_owned()).into());
     }
-    run_for_parts(common, &args.targets, |target| match target.copies {
-        None => {
-            // Of an order of which some is printed, what can be changed there.
-            let possible =
-                Some(edit.possible_in(target.part.state)).filter(|part| edit.copies.is_none() && !part.is_empty());
-            Ok(DaemonCommand::Edit(target.part.id, Box::new(possible.unwrap_or_else(|| edit.clone()))))
-        }
-        Some(_) => Err(UsageError("an edit concerns whole parts: say --copies N for a number".to_owned()).into()),
-    })
+    run_for_parts(
+        common,
+        &args.targets,
+        |parts| format!("nestd edit {parts} .."),
+        |target| match target.copies {
+            None => {
+                // Of an order of which some is printed, what can be changed there.
+                let possible =
+                    Some(edit.possible_in(target.part.state)).filter(|part| edit.copies.is_none() && !part.is_empty());
+                Ok(DaemonCommand::Edit(target.part.id, Box::new(possible.unwrap_or_else(|| edit.clone()))))
+            }
+            Some(_) => Err(UsageError("an edit concerns whole parts: say --copies N for a number".to_owned()).into()),
+        },
+    )
 }
 
 /// Whether a word says that there is none.
@@ -119,17 +124,20 @@ impl EditArgs {
 
 /// Runs `nestd cancel`.
 pub fn run_cancel(common: &CommonArgs, targets: &[String]) -> Result<CommandExit> {
-    run_for_parts(common, targets, |target| Ok(DaemonCommand::Cancel(target.part.id, target.copies)))
+    let again = |parts: &str| format!("nestd cancel {parts}");
+    run_for_parts(common, targets, again, |target| Ok(DaemonCommand::Cancel(target.part.id, target.copies)))
 }
 
 /// Runs `nestd move`.
 pub fn run_move(common: &CommonArgs, targets: &[String], machine: &str) -> Result<CommandExit> {
-    run_for_parts(common, targets, |target| Ok(DaemonCommand::Move(target.part.id, machine.to_owned())))
+    let again = |parts: &str| format!("nestd move {parts} --to {machine}");
+    run_for_parts(common, targets, again, |target| Ok(DaemonCommand::Move(target.part.id, machine.to_owned())))
 }
 
 /// Runs `nestd confirm`.
 pub fn run_confirm(common: &CommonArgs, targets: &[String]) -> Result<CommandExit> {
-    run_for_parts(common, targets, |target| Ok(DaemonCommand::Confirm(target.part.id)))
+    let again = |parts: &str| format!("nestd confirm {parts}");
+    run_for_parts(common, targets, again, |target| Ok(DaemonCommand::Confirm(target.part.id)))
 }
 
 /// Runs `nestd reprint`.
@@ -162,7 +170,7 @@ async fn reprint_targets(ledger: &Ledger, word: &str) -> Result<Vec<ReprintTarge
     if !ledger.parts_of_order(word).await?.is_empty() {
         return Ok(vec![ReprintTarget::Order(word.to_owned())]);
     }
-    let targets = find_targets(ledger, &[word.to_owned()]).await?;
+    let targets = find_targets(ledger, &[word.to_owned()], |parts| format!("nestd reprint {parts}")).await?;
     Ok(targets.into_iter().map(|target| ReprintTarget::Part(target.part.id, target.copies)).collect())
 }
 

@@ -28,7 +28,7 @@ pub struct CostsArgs {
     /// Builds published before then
     #[arg(long, value_name = "TIME")]
     until: Option<String>,
-    /// Builds with copies of this order
+    /// What this order bears
     #[arg(long, value_name = "ORDER", add = candidates::of_orders())]
     order: Option<String>,
     /// One build

@@ -41,7 +41,7 @@ pub(crate) struct CostQuestion {
     /// Builds published in this month, such as 2026-10, in the time zone of the farm. If nothing is asked, the current one.
     #[serde(skip_serializing_if = "String::is_empty")]
     at: String,
-    /// Builds with copies of this order.
+    /// What this order bears.
     #[serde(skip_serializing_if = "String::is_empty")]
     order: String,
     /// One build, by its number.

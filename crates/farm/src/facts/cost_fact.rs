@@ -86,7 +86,7 @@ pub struct CostReport {
 }
 
 impl CostReport {
-    /// Reads what the builds that match cost. `machines` are the present ones: a build of an earlier nestd has no rates of its own.
+    /// Reads what the builds that match cost; of an order, its own shares alone. `machines` are the present ones: a build of an earlier nestd has no rates of its own.
     pub async fn read(ledger: &Ledger, query: &CostQuery, machines: &BTreeMap<String, MachineProfile>) -> Result<Self> {
         Ok(Self::of_shares(read_cost_shares(ledger, query, machines).await?))
     }
@@ -122,11 +122,13 @@ async fn read_cost_shares(
         by_build.entry(ordered.build).or_default().push(ordered);
     }
     let mut shares = Vec::new();
+    let is_asked = |share: &CostShare| query.order_name.as_ref().is_none_or(|name| *name == share.order_name);
     for build in builds {
         let (name, snapshot) = (&build.machine, build.profile_snapshot.as_deref());
         let made = MachineProfile::from_snapshot(name, snapshot, machines.get(name));
         let copies = by_build.remove(&build.build).unwrap_or_default();
-        shares.extend(share_build(&build, &copies, made.space.print_hours_per_mm, &made.costs));
+        let all = share_build(&build, &copies, made.space.print_hours_per_mm, &made.costs);
+        shares.extend(all.into_iter().filter(is_asked));
     }
     Ok(shares)
 }

@@ -221,6 +221,12 @@ async fn programs_tell_of_builds_as_people_do_and_are_told_why_not() {
         send(&dashboard, request, body.to_string()).await
     };
     let early = tell("/api/v1/builds/1/release", json!({})).await;
+    let bare = send(&dashboard, Request::post("/api/v1/builds/1/release"), "").await;
+    assert_eq!((bare.status, &bare.json), (early.status, &early.json), "nothing at all is an empty object");
+    let untyped = send(&dashboard, Request::post("/api/v1/builds/1/release"), "file_hash=1").await;
+    assert_eq!(untyped.status, StatusCode::UNSUPPORTED_MEDIA_TYPE);
+    let short = send(&dashboard, Request::post("/api/v1/builds/1/outcome"), "").await;
+    assert_eq!(short.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", short.json);
     assert!(early.status == StatusCode::CONFLICT && early.json["detail"].as_str().unwrap().contains("published"));
     assert_eq!(tell("/api/v1/builds/9/outcome", json!({ "outcome": "failed" })).await.status, StatusCode::NOT_FOUND);
     assert_eq!(

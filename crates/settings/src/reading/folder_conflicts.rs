@@ -24,6 +24,8 @@ pub(crate) struct FolderClaim {
     pub description: String,
     /// File and line of the configuration.
     pub location: (PathBuf, Option<usize>),
+    /// Whether the file of its machine names it; otherwise it follows from the farm's file, or from names.
+    pub is_named: bool,
 }
 
 /// Reports folders that are used twice or are inside one another. The state directory may contain folders of machines,
@@ -50,10 +52,13 @@ fn folder_relation(inner: &Path, outer: &Path) -> &'static str {
     if inner == outer { "is also" } else { "lies inside" }
 }
 
+/// The problem, at the place that can be changed: a folder that a file names meets one that follows from a name.
 fn conflict_problem(inner: &FolderClaim, outer: &FolderClaim, relation: &str) -> ConfigProblem {
+    let rank = |claim: &FolderClaim| (claim.is_named, claim.location.1.is_some());
+    let (file, line) = if rank(inner) >= rank(outer) { &inner.location } else { &outer.location };
     ConfigProblem {
-        file: inner.location.0.clone(),
-        line: inner.location.1,
+        file: file.clone(),
+        line: *line,
         text: format!("{} ({}) {relation} {}", inner.description, inner.folder.display(), outer.description),
         remedy: "give each a folder of its own, none inside another".into(),
     }

@@ -12,6 +12,28 @@ fn two_machines_never_share_a_folder() {
 }
 
 #[test]
+fn a_folder_that_is_named_is_blamed_and_not_one_that_follows_from_a_name() {
+    let named = format!("{CUBE}[folders]\nqueue = \"/farm/queue/b\"\n");
+    let config = TestConfig::new("root = \"/farm\"\n", &[("a.toml", &named), ("b.toml", CUBE)]);
+    let expected = "profiles/a.toml:3: the queue folder of b (/farm/queue/b) is also the queue folder of a";
+    assert!(config.problems()[0].starts_with(expected), "{:?}", config.problems());
+    let printers =
+        format!("{CUBE}[[printer]]\nname = \"left\"\n[[printer]]\nname = \"right\"\nqueue = \"/farm/queue/b\"\n");
+    for (farm, other) in
+        [("root = \"/farm\"\n", "b.toml"), ("root = \"/farm\"\n[folders]\nqueue = \"queue\"\n", "b.toml")]
+    {
+        let problems = TestConfig::new(farm, &[("a.toml", &printers), (other, CUBE)]).problems();
+        assert!(
+            problems[0].starts_with("profiles/a.toml:6: the queue folder of b (/farm/queue/b) is also"),
+            "{problems:?}"
+        );
+    }
+    let same = format!("{CUBE}[[printer]]\nname = \"left\"\n[[printer]]\nname = \"b\"\n");
+    let problems = TestConfig::new("", &[("a.toml", &same), ("b.toml", CUBE)]).problems();
+    assert!(problems.iter().any(|one| one.starts_with("profiles/a.toml:5: the name b of a printer")), "{problems:?}");
+}
+
+#[test]
 fn no_folder_lies_inside_another() {
     let farm = "root = \"/farm\"\n[folders]\nerror = \"inbox/a/refused\"\n";
     let problems = TestConfig::new(farm, &[("a.toml", CUBE)]).problems();

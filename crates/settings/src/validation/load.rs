@@ -138,8 +138,8 @@ fn read_settings(
         if let Some(mut profile) = build_profile(name, &own, &farm, &root, &inputs, validator) {
             profile.time_zone = time_zone.clone();
             printer_validation::name_loaded(&mut profile, &materials, validator);
-            claims.extend(folder_claims(&profile, validator));
-            places.insert(name.to_owned(), validator.locate_key("printer"));
+            claims.extend(folder_claims(&profile, &own.file, validator));
+            places.insert(name.to_owned(), printer_validation::places_of_names(&profile, validator));
             profiles.insert(name.to_owned(), profile);
         }
         // An invalid default affects every profile but is reported only once.
@@ -182,6 +182,7 @@ fn state_claim(state_dir: &Path, validator: &ConfigValidator<'_>) -> FolderClaim
         folder: state_dir.to_owned(),
         description: "the state directory".into(),
         location: validator.locate_key("folders.state"),
+        is_named: false,
     }
 }
 
@@ -343,25 +344,29 @@ fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec
         .ok()
 }
 
-fn folder_claims(profile: &MachineProfile, validator: &ConfigValidator) -> Vec<FolderClaim> {
+/// The folders of a machine, each with where `own_file` or the farm's file names it.
+fn folder_claims(profile: &MachineProfile, own_file: &Path, validator: &ConfigValidator) -> Vec<FolderClaim> {
     let MachineFolders { inbox, queue: _, error, archive } = &profile.folders;
-    let claim = |folder: &Path, description: String, key: &str| FolderClaim {
-        folder: folder.to_owned(),
-        description,
-        location: validator.locate_key(key),
+    let claim = |folder: &Path, description: String, key: &str| {
+        let (file, line) = validator.locate_key(key);
+        let is_named = line.is_some() && file == own_file && !key.ends_with(".name");
+        FolderClaim { folder: folder.to_owned(), description, location: (file, line), is_named }
     };
     let name = &profile.name;
-    let queue = |printer: &PrinterRules| {
+    let queue = |(at, printer): (usize, &PrinterRules)| {
         let folder = printer.queue.folder()?;
-        Some(match printer.name == *name {
-            true => claim(folder, format!("the queue folder of {name}"), "folders.queue"),
-            false => claim(folder, format!("the queue folder of the printer {}", printer.name), "printer"),
-        })
+        let (description, usual) = match printer.name == *name {
+            true => (format!("the queue folder of {name}"), "folders.queue".to_owned()),
+            false => (format!("the queue folder of the printer {}", printer.name), format!("printer.{at}.name")),
+        };
+        let exact = format!("printer.{at}.queue");
+        let key = if validator.locate_key(&exact).1.is_some() { exact } else { usual };
+        Some(claim(folder, description, &key))
     };
     let others = [
         claim(inbox, format!("the inbox of {name}"), "folders.inbox"),
         claim(error, format!("the error folder of {name}"), "folders.error"),
         claim(archive, format!("the archive of {name}"), "folders.archive"),
     ];
-    others.into_iter().chain(profile.printers.iter().filter_map(queue)).collect()
+    others.into_iter().chain(profile.printers.iter().enumerate().filter_map(queue)).collect()
 }

@@ -109,18 +109,24 @@ pub(super) fn name_loaded(profile: &mut MachineProfile, materials: &Materials, v
     profile.materials = materials.clone();
 }
 
+/// File and line of the name of each printer of a machine.
+pub(super) fn places_of_names(profile: &MachineProfile, validator: &ConfigValidator) -> Vec<(PathBuf, Option<usize>)> {
+    (0..profile.printers.len()).map(|at| validator.locate_key(&format!("printer.{at}.name"))).collect()
+}
+
 /// Reports printers of one name: a person names one without its machine.
 pub(super) fn find_same_names(
     profiles: &BTreeMap<String, MachineProfile>,
-    places: &BTreeMap<String, (PathBuf, Option<usize>)>,
+    places: &BTreeMap<String, Vec<(PathBuf, Option<usize>)>>,
 ) -> Vec<ConfigProblem> {
     let mut machines: BTreeMap<&str, &str> = profiles.keys().map(|name| (name.as_str(), name.as_str())).collect();
     let (mut problems, mut own) = (Vec::new(), Vec::new());
     for profile in profiles.values().filter(|profile| profile.has_named_printers()) {
-        for printer in &profile.printers {
+        for (at, printer) in profile.printers.iter().enumerate() {
             let is_taken = machines.insert(&printer.name, &profile.name).is_some_and(|other| other != profile.name);
             if is_taken || own.contains(&(&profile.name, &printer.name)) {
-                let (file, line) = places.get(&profile.name).cloned().unwrap_or_default();
+                let place = places.get(&profile.name).and_then(|places| places.get(at));
+                let (file, line) = place.cloned().unwrap_or_default();
                 let text = format!("the name {} of a printer of {} is taken", printer.name, profile.name);
                 let remedy = "give each printer of the farm a name of its own".to_owned();
                 problems.push(ConfigProblem { file, line, text, remedy });

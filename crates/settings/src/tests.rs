@@ -182,7 +182,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
         &problems,
         &[
             "nestd.toml:1: unknown option \"scan_sec\"; did you mean \"scan_secs\"?",
-            "nestd.toml:2: threads: invalid type: string \"many\"; give a whole number, 0 or more",
+            "nestd.toml:2: threads cannot be \"many\"; give a whole number, 0 or more",
             "nestd.toml:5: limits.max_bytes = 0 makes no sense; give a number from 1 to 18446744073709551615",
             "nestd.toml:7: settle_secs = -1 makes no sense; give a number from 0 to 86400",
             "nestd.toml:9: unknown option \"node.lanes\"; remove the line, or name one that is known here: \"name\", \"address\"",
@@ -190,7 +190,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
             "profiles/a.toml:3: unit cannot be \"cubit\"; use one of",
             "profiles/a.toml:5: trigger.at: \"25:00\" is not a time of day; write hours and minutes",
             "profiles/a.toml:6: unknown option \"trigger.copys\"; did you mean \"copies\"?",
-            "profiles/b.toml:1: volume_mm: invalid length 2; give three lengths, as in [200, 200, 200]",
+            "profiles/b.toml:1: volume_mm cannot have 2 values; give three lengths, as in [200, 200, 200]",
             "profiles/c.toml: there is no volume_mm; add the machine's printable box",
         ],
     );
@@ -323,6 +323,13 @@ fn broken_toml_and_broken_text_are_reported_with_their_line() {
         "{problems:?}"
     );
     assert!(problems.contains(&"profiles/b.toml:2: is not UTF-8 text; save it as UTF-8".into()), "{problems:?}");
+}
+
+#[test]
+fn a_number_with_a_comma_is_reported_once_with_the_line_as_it_is_to_be() {
+    let problems = TestConfig::new("", &[("a.toml", &format!("{CUBE}clearance_mm = 2,5\n"))]).problems();
+    let expected = "profiles/a.toml:2: clearance_mm = 2,5 has a comma in a number; write a point: clearance_mm = 2.5";
+    assert_eq!(problems, [expected]);
 }
 
 #[test]

@@ -51,7 +51,12 @@ impl<'t> ConfigFragment<'t> {
         let (table, errors) = DeTable::parse_recoverable(text);
         let mut fragment = Self { file: file.to_owned(), text, table, removed_keys: Vec::new() };
         for error in &errors {
-            problems.push(fragment.problem_at(error.span(), problem_text::syntax_problem_text(error.message())));
+            let line = error.span().map_or("", |span| text.lines().nth(fragment.line_at(span.start) - 1).unwrap_or(""));
+            let problem = fragment.problem_at(error.span(), problem_text::syntax_problem_text(error.message(), line));
+            // The parser may stumble over one line more than once.
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
         }
         if !errors.is_empty() {
             return None;

@@ -1,11 +1,28 @@
 //! Converts errors of the TOML parser to messages for operators: (what is wrong, what to do).
 
-/// Message about text that is not valid TOML.
-pub(super) fn syntax_problem_text(message: &str) -> (String, String) {
+/// Message about text that is not valid TOML, on this line of the file.
+pub(super) fn syntax_problem_text(message: &str, line: &str) -> (String, String) {
+    if let Some((key, number)) = decimal_comma(line) {
+        let remedy = format!("write a point: {key} = {}", number.replace(',', "."));
+        return (format!("{key} = {number} has a comma in a number"), remedy);
+    }
     (
         format!("is not valid TOML: {}", message.replace('\n', ", ")),
         "correct the line; strings need quotes, as in root = \"/srv/nestd\"".into(),
     )
+}
+
+/// Key and number of a line such as `clearance_mm = 2,5`.
+fn decimal_comma(line: &str) -> Option<(&str, &str)> {
+    let (key, value) = line.split_once('=')?;
+    let value = value.split('#').next().unwrap_or_default().trim();
+    is_comma_number(value).then_some((key.trim(), value))
+}
+
+fn is_comma_number(text: &str) -> bool {
+    let is_digits = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    unsigned.split_once(',').is_some_and(|(whole, rest)| is_digits(whole) && is_digits(rest))
 }
 
 /// Message about an invalid value at `key`.
@@ -20,11 +37,36 @@ pub(super) fn value_problem_text(key: &str, message: &str) -> (String, String) {
         return (format!("{key} cannot be \"{value}\""), format!("use one of {}", quoted_list(known)));
     }
     let (what, expected) = message.split_once(", expected ").unwrap_or((message, ""));
-    let remedy = match expected {
-        "" => "correct the value".to_owned(),
-        expected => format!("give {}", describe_kind(expected)),
+    let remedy = match (expected, what.split('"').nth(1)) {
+        ("", _) => "correct the value".to_owned(),
+        (_, Some(text)) if expected == "f64" && is_comma_number(text) => {
+            format!("write a point, and no quotes: {}", text.replace(',', "."))
+        }
+        (expected, _) => format!("give {}", describe_kind(expected)),
     };
-    (format!("{key}: {what}"), remedy)
+    (describe_value(key, what), remedy)
+}
+
+/// What is wrong with a value, in words for people: the parser says `invalid type: integer `5``.
+fn describe_value(key: &str, what: &str) -> String {
+    let Some((kind, value)) = what.strip_prefix("invalid ").and_then(|what| what.split_once(": ")) else {
+        return match what.strip_prefix("invalid length ") {
+            Some(length) => format!("{key} cannot have {length} values"),
+            None => format!("{key}: {what}"),
+        };
+    };
+    if !matches!(kind, "type" | "value") {
+        return format!("{key}: {what}");
+    }
+    let value = match value {
+        "sequence" => "a list",
+        "map" => "a table",
+        value => value
+            .split_once(' ')
+            .filter(|_| value.starts_with("string "))
+            .map_or_else(|| words_in_backticks(value).first().copied().unwrap_or(value), |(_, text)| text),
+    };
+    format!("{key} cannot be {value}")
 }
 
 /// Describes a Rust type in words for people.
@@ -85,6 +127,43 @@ mod tests {
         assert_eq!(edit_distance("settle_sec", "settle_secs"), 1);
         assert_eq!(edit_distance("kitten", "sitting"), 3);
         assert_eq!(edit_distance("", "abc"), 3);
+    }
+
+    #[test]
+    fn a_number_with_a_comma_is_said_to_need_a_point() {
+        let (text, remedy) = syntax_problem_text("unexpected key or value", "clearance_mm = 2,5 # mm");
+        assert_eq!(
+            (text.as_str(), remedy.as_str()),
+            ("clearance_mm = 2,5 has a comma in a number", "write a point: clearance_mm = 2.5")
+        );
+        assert!(decimal_comma("volume_mm = [1,2,3]").is_none() && decimal_comma("a = 1,2,3").is_none());
+        let (text, remedy) = value_problem_text("layer_mm", "invalid type: string \"0,1\", expected f64");
+        assert_eq!(
+            (text.as_str(), remedy.as_str()),
+            ("layer_mm cannot be \"0,1\"", "write a point, and no quotes: 0.1")
+        );
+    }
+
+    #[test]
+    fn what_the_parser_says_is_told_in_words_for_people() {
+        for (message, text, remedy) in [
+            ("invalid type: integer `5`, expected a string", "note cannot be 5", "give a text in quotes"),
+            (
+                "invalid type: floating point `2.5`, expected u32",
+                "note cannot be 2.5",
+                "give a whole number, 0 or more",
+            ),
+            ("invalid type: boolean `true`, expected f64", "note cannot be true", "give a number"),
+            ("invalid type: sequence, expected f64", "note cannot be a list", "give a number"),
+            ("invalid value: integer `-5`, expected u32", "note cannot be -5", "give a whole number, 0 or more"),
+            (
+                "invalid length 2, expected an array of length 3",
+                "note cannot have 2 values",
+                "give three lengths, as in [200, 200, 200]",
+            ),
+        ] {
+            assert_eq!(value_problem_text("note", message), (text.to_owned(), remedy.to_owned()));
+        }
     }
 
     #[test]

@@ -168,7 +168,8 @@ fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
 #[test]
 fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
     let farm = CheckedFarm::new();
-    for file in ["inbox/lost.stl", "inbox/cubes/a.stl", "inbox/cube/b.stl", "inbox/.DS_Store"] {
+    let left = ["inbox/gone/.nestd-owner", "inbox/gone/STATUS.txt", "inbox/gone/c.stl"];
+    for file in ["inbox/lost.stl", "inbox/cubes/a.stl", "inbox/cube/b.stl", "inbox/.DS_Store"].into_iter().chain(left) {
         farm.write(&format!("farm/{file}"), "solid");
     }
     let (code, problems, text) = farm.check();
@@ -177,11 +178,16 @@ fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
     let warnings: Vec<&Value> =
         report["findings"].as_array().unwrap().iter().filter(|finding| finding["level"] == "warning").collect();
     let text_of = |at: usize, key: &str| warnings[at][key].as_str().unwrap();
-    assert_eq!(warnings.len(), 2, "{text}");
+    assert_eq!(warnings.len(), 3, "{text}");
     assert!(text_of(0, "text").starts_with("the folder \"cubes\" in "), "{text}");
-    assert!(text_of(1, "text").starts_with("\"lost.stl\" lies in "), "{text}");
     assert!(
-        text_of(0, "remedy").contains("add a machine of that name") && text_of(1, "remedy").starts_with("move it"),
+        text_of(1, "text").starts_with("the folder \"gone\" in ") && text_of(1, "text").contains("was that of"),
+        "{text}"
+    );
+    assert!(text_of(1, "remedy").contains("the parts in it, and nothing else"), "{text}");
+    assert!(text_of(2, "text").starts_with("\"lost.stl\" lies in "), "{text}");
+    assert!(
+        text_of(0, "remedy").contains("add a machine of that name") && text_of(2, "remedy").starts_with("move it"),
         "{text}"
     );
 }

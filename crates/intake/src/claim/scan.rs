@@ -27,6 +27,9 @@ use crate::{
     },
 };
 
+/// Name of the marker that nestd leaves in each hot folder.
+const OWNER_MARKER: &str = ".nestd-owner";
+
 /// Limits of one scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ScanLimits {
@@ -146,6 +149,8 @@ impl InboxWalker<'_> {
     /// unavailable.
     fn list_folder(&mut self, order: &Path, depth: usize) -> io::Result<()> {
         let path = self.inbox.join(order);
+        // What was the hot folder of another machine has its status still.
+        let has_status = depth == 0 || path.join(OWNER_MARKER).exists();
         let entries = match fs::read_dir(&path) {
             Err(error) if depth > 0 => return self.handle_error(path, error),
             other => other?,
@@ -161,7 +166,7 @@ impl InboxWalker<'_> {
                 return Ok(());
             }
             let is_left = is_ignored(&name) && !is_hidden_sidecar(&name);
-            if is_left || (depth == 0 && is_status_file(&name)) {
+            if is_left || (has_status && is_status_file(&name)) {
                 continue;
             }
             self.add_entry(order, &name, depth)?;

@@ -55,6 +55,13 @@ fn report_stray_files(settings: &Settings, others: &OtherMachines, report: &mut 
     for path in stray.iter().take(MAX_STRAY_SHOWN) {
         let name = display_name(path.file_name().unwrap_or_default());
         let (text, remedy) = match path.is_dir() {
+            true if path.join(".nestd-owner").exists() => (
+                format!(
+                    "the folder {name:?} in {base} was that of a machine that is not configured: nothing in it is printed"
+                ),
+                "put the machine's file back into profiles/, or move the parts in it, and nothing else, into the folder of \
+                 another machine; STATUS.txt and status.json are nestd's own",
+            ),
             true => (
                 format!("the folder {name:?} in {base} belongs to no machine: nothing in it is printed"),
                 "move it into the folder of a machine, where it is an order, or add a machine of that name",

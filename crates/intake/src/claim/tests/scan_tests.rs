@@ -37,6 +37,16 @@ fn files_of_the_hot_folder_and_its_orders_are_listed_and_the_rest_is_ignored() {
 }
 
 #[test]
+fn the_status_in_a_moved_hot_folder_of_another_machine_is_no_part_of_an_order() {
+    let inbox = tempfile::tempdir().unwrap();
+    fs::create_dir(inbox.path().join("old")).unwrap();
+    for name in ["old/a.stl", "old/.nestd-owner", "old/STATUS.txt", "old/status.json"] {
+        fs::write(inbox.path().join(name), "x").unwrap();
+    }
+    assert_eq!(names(&scan_inbox(inbox.path(), ScanLimits::default()).unwrap(), inbox.path()), ["old/a.stl"]);
+}
+
+#[test]
 fn names_of_all_kinds_are_listed() {
     let inbox = tempfile::tempdir().unwrap();
     let mut names = vec![

@@ -46,7 +46,7 @@ pub use common::part_terms::{
     check_finish, check_name, check_note, check_priority, finish_steps,
 };
 pub use common::plural::format_count;
-pub use common::solid::{PartFileContents, PartFileSolid};
+pub use common::solid::{PartFileContents, PartFileSolid, SIZE_WARNING};
 pub use common::visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_invisible};
 pub use read::file_end::{has_end, may_be_part, may_grow};
 pub use read::part_read::read_part_file;

@@ -180,6 +180,9 @@ fn has_no_area([a, b, c]: [DVec3; 3]) -> bool {
     side1.cross(side2).length() <= 1e-7 * longest2
 }
 
+/// How the warning of a size begins that is probably a wrong unit: what was read in another unit has another one, or none.
+pub const SIZE_WARNING: &str = "suspicious size: ";
+
 /// Warns about a size that is probably a wrong unit, with the possible readings. Nothing is rescaled silently.
 fn suspicious_size(largest_mm: f64, unit: LengthUnit) -> Option<String> {
     let others: &[LengthUnit] = match largest_mm {
@@ -197,7 +200,7 @@ fn suspicious_size(largest_mm: f64, unit: LengthUnit) -> Option<String> {
         })
         .collect();
     Some(format!(
-        "suspicious size: the largest extent is {} mm as read in {}; it would be {}",
+        "{SIZE_WARNING}the largest extent is {} mm as read in {}; it would be {}",
         short_number(largest_mm),
         unit_name(unit),
         readings.join(", ")

@@ -1,5 +1,7 @@
 //! The first steps of a part: claimed, read, refused, cancelled, retried.
 
+use build_file::SIZE_WARNING;
+
 use super::{material::material_key, part_size::is_same_size};
 use crate::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, MEND_BY_SETTING, NewPartRow, NewTicketRow, PartId, PartRow,
@@ -323,7 +325,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(x)
     .bind(y)
     .bind(z)
-    .bind(merge_lines(&part.warnings, &solid.warnings))
+    .bind(merge_lines(&without_size_warning(&part.warnings), &solid.warnings))
     .bind(&solid.question)
     .bind(solid.file_copies)
     .bind(solid.read_unit)
@@ -349,6 +351,11 @@ async fn write_request(change: &mut LedgerChange, part: &PartRow, request: &Requ
     let set = set.bind(&terms.reference).bind(terms.priority).bind(terms.clearance_mm).bind(terms.orientation);
     set.bind(&terms.tilts).bind(part.id).execute(change.db()).await?;
     change.set_material(part.id, &terms.material).await
+}
+
+/// The warnings of a part without that of its size, which may have been read in another unit.
+fn without_size_warning(warnings: &str) -> String {
+    warnings.lines().filter(|line| !line.starts_with(SIZE_WARNING)).collect::<Vec<_>>().join("\n")
 }
 
 /// Returns the lines of `known` and those of `more` that are not among them, one per line.

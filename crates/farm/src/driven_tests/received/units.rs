@@ -109,6 +109,18 @@ fn a_part_that_was_read_and_is_taken_back_or_edited_keeps_its_size_unless_a_unit
 }
 
 #[test]
+fn a_part_that_is_read_in_another_unit_is_not_warned_of_for_the_size_that_it_had() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(0.5, 0.4, 0.3));
+    let row = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert!(row.warnings.contains(build_file::SIZE_WARNING), "{}", row.warnings);
+    let unit = PartEdit { unit: Some(build_file::LengthUnit::Inch), ..PartEdit::default() };
+    change(&mut farm, CommandKind::Edit, row.id, edit(unit), "");
+    let row = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert!(!row.warnings.contains(build_file::SIZE_WARNING), "{}", row.warnings);
+}
+
+#[test]
 fn a_part_that_was_refused_before_it_was_read_is_read_in_the_unit_of_its_machine_when_it_is_taken_back() {
     let mut farm = HandDrivenFarm::open(&format!("unit = \"meter\"\n{QUICK}"));
     farm.drop_part("a.stl", &block(4.0, 5.0, 6.0));

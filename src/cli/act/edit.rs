@@ -46,10 +46,10 @@ pub struct EditArgs {
     /// Unit of its file: mm, cm, m, inch, ft or micron
     #[arg(long, value_name = "UNIT", value_parser = parse_word::<build_file::LengthUnit>)]
     unit: Option<build_file::LengthUnit>,
-    /// A note for people
+    /// A note for people, or none
     #[arg(long, value_name = "TEXT")]
     note: Option<String>,
-    /// Name of its order, or "" for none
+    /// Name of its order, or none
     #[arg(long, value_name = "NAME")]
     order: Option<String>,
     /// What it is to be made of, or none
@@ -58,10 +58,10 @@ pub struct EditArgs {
     /// Finishing steps after the print, such as "dye black, smooth", or none; can also be changed where nothing waits any more
     #[arg(long, value_name = "STEPS")]
     finish: Option<String>,
-    /// Who it is for, or ""; can also be changed where nothing waits any more
+    /// Who it is for, or none; can also be changed where nothing waits any more
     #[arg(long, value_name = "NAME")]
     customer: Option<String>,
-    /// Where the customer gets e-mail when the order is complete, or ""; can also be changed where nothing waits any more
+    /// Where the customer gets e-mail when the order is complete, or none; can also be changed where nothing waits any more
     #[arg(long, value_name = "ADDRESS")]
     email: Option<String>,
 }
@@ -103,20 +103,23 @@ impl EditArgs {
             true => Ok(None),
             false => parse_distance(text).map(Some).map_err(UsageError),
         });
+        let text = |given: &Option<String>| {
+            given.as_deref().map(|word| if is_none(word) { String::new() } else { word.to_owned() })
+        };
         let edit = PartEdit {
             copies: self.copies,
-            order_name: self.order.clone(),
-            customer: self.customer.clone(),
-            email: self.email.clone(),
-            material: self.material.as_deref().map(|word| if is_none(word) { String::new() } else { word.to_owned() }),
-            finish: self.finish.clone(),
+            order_name: text(&self.order),
+            customer: text(&self.customer),
+            email: text(&self.email),
+            material: text(&self.material),
+            finish: text(&self.finish),
             priority: self.priority,
             due: due.transpose()?,
             orientation: self.orientation,
             tilts: None,
             clearance_mm: clearance.transpose()?,
             unit: self.unit,
-            note: self.note.clone(),
+            note: text(&self.note),
         };
         edit.checked().map_err(|wrong| UsageError(wrong).into())
     }
@@ -193,6 +196,27 @@ pub fn run_requeue(common: &CommonArgs, args: &RequeueArgs) -> Result<CommandExi
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[derive(clap::Parser)]
+    struct TestLine {
+        #[command(flatten)]
+        args: EditArgs,
+    }
+
+    #[test]
+    fn none_takes_every_text_away() {
+        use clap::Parser;
+        for option in ["--customer", "--email", "--order", "--material", "--finish", "--note"] {
+            let edit = |word: &str| {
+                let line =
+                    TestLine::try_parse_from(["edit", "p1", option, word]).unwrap_or_else(|error| panic!("{error}"));
+                line.args.to_edit(&FarmZone::default()).unwrap()
+            };
+            assert_eq!(edit("none"), edit(""), "{option}");
+            assert!(!edit("none").is_empty(), "{option} none changes something");
+            assert!(!format!("{:?}", edit("None")).contains("None\")"), "{option}");
+        }
+    }
 
     #[test]
     fn a_due_date_is_read_as_in_lists_and_in_the_zone_of_the_farm() {

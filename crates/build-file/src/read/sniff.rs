@@ -43,6 +43,9 @@ const UNPACK_REMEDY: &str = concat!("Unpack it, and drop the ", cad_formats!(), 
 const PLAIN_TEXT_REMEDY: &str = "Save it as plain text (ASCII or UTF-8), or export the part as binary STL.";
 /// Remedy for files without a shape.
 const NO_SHAPE_REMEDY: &str = concat!("It holds no shape to print: drop the part as ", cad_formats!(), ".");
+/// Remedy for a page that a server sent in place of a file.
+const WEB_PAGE_REMEDY: &str =
+    "Open it in a browser to read what the server said, sign in there, download the part again, and drop that.";
 /// Remedy for unknown files.
 const UNKNOWN_REMEDY: &str =
     concat!("Drop ", cad_formats!(), " files with the right extension; export other formats from the CAD program.");
@@ -125,8 +128,17 @@ fn foreign_by_bytes(head: &[u8]) -> Option<FileFormat> {
         (b"\xff\xd8\xff", "it is a picture", NO_SHAPE_REMEDY),
     ];
     let start = skip_leading_noise(head);
+    if is_web_page(start) {
+        return Some(foreign_format("it is a web page (HTML), not the part itself", WEB_PAGE_REMEDY));
+    }
     let by_bytes = known.iter().find(|(bytes, ..)| start.starts_with(bytes));
     by_bytes.map(|(_, what, remedy)| foreign_format(*what, remedy))
+}
+
+/// Whether markup is that of a web page. XML of other kinds may stand before it.
+fn is_web_page(start: &[u8]) -> bool {
+    start.starts_with(b"<")
+        && [&b"<!doctype html"[..], b"<html", b"<head>", b"<body"].iter().any(|tag| contains_word(start, tag))
 }
 
 /// Unsupported formats, recognised by their names.
@@ -188,4 +200,29 @@ fn skip_leading_noise(head: &[u8]) -> &[u8] {
         rest = rest[end..].trim_ascii_start();
     }
     rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_web_page_is_called_one_whatever_its_name_and_how_it_begins() {
+        let what = |head: &str, name: &str| match detect_format(head.as_bytes(), head.len() as u64, name) {
+            FileFormat::Other(foreign) => foreign.what,
+            other => format!("{other:?}"),
+        };
+        for head in [
+            "<!DOCTYPE html>\n<html><body>404</body></html>",
+            "\u{feff}\n<html lang=\"en\">",
+            "<?xml version=\"1.0\"?><!DOCTYPE html PUBLIC \"x\"><html>",
+            "<!-- saved --><HTML>",
+            "<head><title>Sign in</title></head>",
+        ] {
+            for name in ["a.stl", "a.3mf", "a.obj", "a.ply", "a"] {
+                assert_eq!(what(head, name), "it is a web page (HTML), not the part itself", "{head} as {name}");
+            }
+        }
+        assert_eq!(what("<?xml version=\"1.0\"?><amf unit=\"inch\">", "a.stl"), "it is XML outside a package (AMF?)");
+    }
 }

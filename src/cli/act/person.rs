@@ -13,6 +13,7 @@ use crate::{
         terminal::{
             farm_context::{user_at_host, with_ledger, with_ledger_to_read},
             table::{TextTable, print_json, print_text},
+            terminal::output_columns,
             values::parse_word,
         },
     },
@@ -113,7 +114,9 @@ fn list(common: &CommonArgs, is_json: bool) -> Result<CommandExit> {
     match (is_json, people.is_empty()) {
         (true, _) => print_json(&people)?,
         (false, true) => print_text("There are no people: `nestd people add NAME --role admin` adds one.")?,
-        (false, false) => print_text(&TextTable::of(PEOPLE_COLUMNS, &people, &view).to_string())?,
+        (false, false) => {
+            print_text(&TextTable::of(PEOPLE_COLUMNS, &people, &view).fit_columns(output_columns(false)))?
+        }
     }
     Ok(CommandExit::Success)
 }

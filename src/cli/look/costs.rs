@@ -11,7 +11,7 @@ use crate::{
         terminal::{
             candidates,
             farm_context::{parse_time, with_ledger_to_read},
-            table::{TextTable, print_json, print_text},
+            table::{TextTable, print_as_is, print_fitted, print_json, print_text},
             terminal::output_columns,
             values::parse_build_number,
         },
@@ -90,11 +90,11 @@ pub fn run(common: &CommonArgs, args: &CostsArgs) -> Result<CommandExit> {
                 true => text += "\nNothing has a price: the rates stand in [costs] of a machine's file.\n",
                 false => report.totals.iter().for_each(|sum| text += &format!("\nIn all {sum}")),
             }
-            print_text(&text)?;
+            print_fitted(&text, args.wide)?;
         }
         CostFormat::Json => print_json(&report)?,
-        CostFormat::Csv if args.by_build => print_text(&csv_of(COST_SHARE_COLUMNS, &report.shares)?)?,
-        CostFormat::Csv => print_text(&csv_of(ORDER_COST_COLUMNS, &report.orders)?)?,
+        CostFormat::Csv if args.by_build => print_as_is(&csv_of(COST_SHARE_COLUMNS, &report.shares)?)?,
+        CostFormat::Csv => print_as_is(&csv_of(ORDER_COST_COLUMNS, &report.orders)?)?,
     }
     Ok(CommandExit::Success)
 }

@@ -11,7 +11,7 @@ use crate::{
         terminal::{
             candidates,
             farm_context::{parse_time, with_ledger_to_read},
-            table::{TextTable, print_json, print_text},
+            table::{TextTable, print_as_is, print_fitted, print_json, print_text},
             terminal::output_columns,
         },
     },
@@ -110,10 +110,10 @@ pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
                     TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums), &view).fit_columns(columns)
                 );
             }
-            print_text(&text)?;
+            print_fitted(&text, args.wide)?;
         }
         HistoryFormat::Json => print_json(&rows)?,
-        HistoryFormat::Csv => print_text(&csv_of(HISTORY_COLUMNS, &rows)?)?,
+        HistoryFormat::Csv => print_as_is(&csv_of(HISTORY_COLUMNS, &rows)?)?,
     }
     Ok(CommandExit::Success)
 }

@@ -5,7 +5,7 @@ use anyhow::Result;
 use crate::{
     cli::{
         CommandExit, CommonArgs,
-        terminal::{farm_context::with_ledger_to_read, table::print_text},
+        terminal::{farm_context::with_ledger_to_read, table::print_as_is},
     },
     metrics::MetricsExporter,
 };
@@ -15,6 +15,6 @@ pub fn run(common: &CommonArgs) -> Result<CommandExit> {
     let text = with_ledger_to_read(common, async |settings, ledger| {
         MetricsExporter::default().render_text(ledger, settings).await
     })?;
-    print_text(&text)?;
+    print_as_is(&text)?;
     Ok(CommandExit::Success)
 }

@@ -8,6 +8,7 @@ use crate::{
         terminal::{
             farm_context::with_ledger_to_read,
             table::{TextTable, print_json, print_text},
+            terminal::output_columns,
         },
     },
     tables::{NODE_COLUMNS, TimeView, list_farm_nodes},
@@ -31,7 +32,7 @@ pub fn run(common: &CommonArgs, args: &NodesArgs) -> Result<CommandExit> {
     }
     match nodes.is_empty() {
         true => print_text("No daemon runs.")?,
-        false => print_text(&TextTable::of(NODE_COLUMNS, &nodes, &view).to_string())?,
+        false => print_text(&TextTable::of(NODE_COLUMNS, &nodes, &view).fit_columns(output_columns(false)))?,
     }
     Ok(CommandExit::Success)
 }

@@ -10,7 +10,7 @@ use crate::{
         CommandExit, CommonArgs,
         terminal::{
             farm_context::with_ledger_to_read,
-            table::{TextTable, print_json, print_text},
+            table::{TextTable, print_fitted, print_json, print_text},
             terminal::output_columns,
         },
     },
@@ -60,7 +60,7 @@ pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
         true => print_text("No such orders.")?,
         false => {
             let table = TextTable::of(ORDER_COLUMNS, &sheets, &view).wrapping(&["name", "customer", "copies", "done"]);
-            print_text(&table.fit_essentials(output_columns(args.wide), LEAST_ORDER_COLUMNS))?;
+            print_fitted(&table.fit_essentials(output_columns(args.wide), LEAST_ORDER_COLUMNS), args.wide)?;
         }
     }
     Ok(CommandExit::Success)

@@ -10,7 +10,7 @@ use crate::{
         terminal::{
             candidates,
             farm_context::{require_machine, with_ledger_to_read},
-            table::{TextTable, print_json, print_text},
+            table::{TextTable, print_fitted, print_json},
             terminal::output_columns,
         },
     },
@@ -47,8 +47,9 @@ pub fn run(common: &CommonArgs, args: &PlanArgs) -> Result<CommandExit> {
     })?;
     match args.json {
         true => print_json(&plans)?,
-        false => print_text(
+        false => print_fitted(
             plans.iter().map(|plan| plan_text(plan, &view, args.wide)).collect::<Vec<_>>().join("\n").trim_end(),
+            args.wide,
         )?,
     }
     Ok(CommandExit::Success)

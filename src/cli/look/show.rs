@@ -12,7 +12,7 @@ use crate::{
             farm_context::with_ledger_to_read,
             lookup::{LookupQuery, look_up},
             show_text,
-            table::{print_json, print_text, print_to_stderr},
+            table::{print_fitted, print_json, print_to_stderr},
             terminal::output_columns,
         },
     },
@@ -59,7 +59,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     }
     match args.json {
         true => print_json(&found)?,
-        false => print_text(&show_text::lookup_text(&found, &view, output_columns(args.wide)))?,
+        false => print_fitted(&show_text::lookup_text(&found, &view, output_columns(args.wide)), args.wide)?,
     }
     Ok(CommandExit::Success)
 }

@@ -14,7 +14,7 @@ use crate::{
         CommandExit, CommonArgs,
         terminal::{
             farm_context::{format_age, load_settings_leniently, run_with_ledger},
-            table::{TextTable, print_json, print_text},
+            table::{TextTable, print_fitted, print_json, print_text},
             terminal::output_columns,
             watch::watch_terminal,
         },
@@ -117,7 +117,7 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
     };
     match args.json {
         true => print_json(&status)?,
-        false => print_text(&status.to_text(Timestamp::now(), &zone, output_columns(args.wide)))?,
+        false => print_fitted(&status.to_text(Timestamp::now(), &zone, output_columns(args.wide)), args.wide)?,
     }
     Ok(CommandExit::Success)
 }

@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
-use super::terminal::{LinePaint, is_mark, show_marks, wrap_words};
+use super::terminal::{LinePaint, columns_of, fit_lines, letter_width, seen_width, show_marks, wrap_words};
 use crate::tables::{CellValue, FieldDefinition, TableColumn, TimeView, people_columns};
 
 /// A row that is shown as a list is not wrapped into fewer columns than this.
@@ -174,28 +174,6 @@ fn wrap_cell(text: &str, width: usize) -> Vec<String> {
     lines.iter().map(|line| line.trim_end().to_owned()).collect()
 }
 
-/// Columns that a text takes.
-fn seen_width(text: &str) -> usize {
-    text.chars().map(letter_width).sum()
-}
-
-/// Columns that a letter takes: a mark none, those of Chinese, Japanese and Korean two (Unicode Standard Annex 11).
-fn letter_width(letter: char) -> usize {
-    match letter {
-        ' '..='~' => 1,
-        mark if is_mark(mark) => 0,
-        '\u{1100}'..='\u{115f}'
-        | '\u{2e80}'..='\u{a4cf}'
-        | '\u{ac00}'..='\u{d7a3}'
-        | '\u{f900}'..='\u{faff}'
-        | '\u{fe30}'..='\u{fe6f}'
-        | '\u{ff01}'..='\u{ff60}'
-        | '\u{ffe0}'..='\u{ffe6}'
-        | '\u{20000}'..='\u{3fffd}' => 2,
-        _ => 1,
-    }
-}
-
 impl fmt::Display for TextTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let widths: Vec<usize> = (0..self.headings.len()).map(|column| self.column_width(column)).collect();
@@ -217,9 +195,19 @@ impl fmt::Display for TextTable {
     }
 }
 
-/// Prints to standard output. A closed pipe (`| head`) is no error. Control characters are escaped, so that text from
-/// customers cannot move the cursor of the operator's terminal.
+/// Prints what people read to standard output: a terminal gets no line that is wider than it. A closed pipe (`| head`) is no error.
+/// Control characters are escaped, so that text from customers cannot move the cursor of the operator's terminal.
 pub fn print_text(text: &str) -> Result<()> {
+    print_as_is(&fit_lines(text, columns_of(&io::stdout())))
+}
+
+/// Prints as [`print_text`], unless all columns were asked for, however wide the terminal is.
+pub fn print_fitted(text: &str, is_wide: bool) -> Result<()> {
+    if is_wide { print_as_is(text) } else { print_text(text) }
+}
+
+/// Prints what programs read, as it is.
+pub fn print_as_is(text: &str) -> Result<()> {
     let text = show_marks(&escape_invisible_lines(text));
     let mut out = io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| match text.ends_with('\n') {
@@ -234,12 +222,13 @@ pub fn print_text(text: &str) -> Result<()> {
 
 /// Prints a value as JSON.
 pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    print_text(&escaped_json(&serde_json::to_string_pretty(value)?))
+    print_as_is(&escaped_json(&serde_json::to_string_pretty(value)?))
 }
 
-/// Prints a line to standard error.
+/// Prints a line to standard error, in the columns of a terminal there.
 pub fn print_to_stderr(text: &str) {
-    eprintln!("nestd: {}", escape_invisible_lines(text));
+    let text = format!("nestd: {}", escape_invisible_lines(text));
+    eprintln!("{}", fit_lines(&text, columns_of(&io::stderr())));
 }
 
 /// Escapes invisible characters that JSON leaves as they are, such as bidirectional controls. They occur only inside

@@ -1,6 +1,6 @@
 //! What the terminal is: how wide, and whether it shows colours.
 
-use std::io::IsTerminal;
+use std::{io::IsTerminal, os::fd::AsFd};
 
 use crate::web::Tone;
 
@@ -18,6 +18,14 @@ pub fn terminal_size() -> (usize, usize) {
 /// Columns that an output may have: those of the terminal, 80 in a pipe, any number if `is_wide`.
 pub fn output_columns(is_wide: bool) -> usize {
     if is_wide { usize::MAX } else { terminal_size().0 }
+}
+
+/// Columns of a stream that people look at; any number where it is no terminal, whose lines programs may look for.
+pub fn columns_of(stream: &(impl IsTerminal + AsFd)) -> usize {
+    match rustix::termios::tcgetwinsize(stream) {
+        Ok(size) if stream.is_terminal() && size.ws_col > 0 => size.ws_col.into(),
+        _ => usize::MAX,
+    }
 }
 
 /// How a line is shown.
@@ -90,18 +98,6 @@ impl LinePaint {
             Self::Bad => Some("31"),
         }
     }
-
-    /// The text in its colour if standard output shows colours.
-    pub fn paint(self, text: &str) -> String {
-        self.paint_if(text, has_colours())
-    }
-
-    fn paint_if(self, text: &str, has_colours: bool) -> String {
-        match self.code().filter(|_| has_colours) {
-            Some(code) => format!("\x1b[{code}m{text}\x1b[0m"),
-            None => text.to_owned(),
-        }
-    }
 }
 
 /// Whether standard output shows colours: a terminal, unless `NO_COLOR` is set (<https://no-color.org>) or it is a dumb one.
@@ -116,7 +112,7 @@ pub fn wrap_words(text: &str, columns: usize, indent: usize) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut width = 0;
     for word in text.split(' ') {
-        let long = word.chars().count();
+        let long = seen_width(word);
         match lines.last_mut() {
             Some(line) if width + 1 + long <= columns => {
                 *line += &format!(" {word}");
@@ -135,9 +131,52 @@ pub fn wrap_words(text: &str, columns: usize, indent: usize) -> String {
     lines.join("\n")
 }
 
+/// A text with no line of more columns, as far as its words allow it: what is wrapped stands below the text of its line. A line that is a
+/// command stays whole, so that it can be copied.
+pub fn fit_lines(text: &str, columns: usize) -> String {
+    let fit = |line: &str| match seen_width(line) > columns && !line.trim_start().starts_with("nestd ") {
+        true => wrap_words(line, columns, line.len() - line.trim_start().len() + 2),
+        false => line.to_owned(),
+    };
+    text.split('\n').map(fit).collect::<Vec<_>>().join("\n")
+}
+
+/// Columns that a text takes.
+pub fn seen_width(text: &str) -> usize {
+    text.chars().map(letter_width).sum()
+}
+
+/// Columns that a letter takes: a mark none, those of Chinese, Japanese and Korean two (Unicode Standard Annex 11).
+pub fn letter_width(letter: char) -> usize {
+    match letter {
+        ' '..='~' => 1,
+        mark if is_mark(mark) => 0,
+        '\u{1100}'..='\u{115f}'
+        | '\u{2e80}'..='\u{a4cf}'
+        | '\u{ac00}'..='\u{d7a3}'
+        | '\u{f900}'..='\u{faff}'
+        | '\u{fe30}'..='\u{fe6f}'
+        | '\u{ff01}'..='\u{ff60}'
+        | '\u{ffe0}'..='\u{ffe6}'
+        | '\u{20000}'..='\u{3fffd}' => 2,
+        _ => 1,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_line_is_wider_than_the_terminal_and_what_is_wrapped_stands_below_its_text() {
+        let text = "Refused: the part is built already.\n  -> ask somebody who knows\n";
+        let fitted = "Refused: the part\n  is built already.\n  -> ask somebody\n    who knows\n";
+        assert_eq!(fit_lines(text, 19), fitted);
+        assert_eq!(fit_lines(text, usize::MAX), text);
+        let state = LinePaint::Bad.mark("down");
+        assert_eq!(fit_lines(&format!("mjf {state}"), 8), format!("mjf {state}"), "marks take no column");
+        assert_eq!(fit_lines("パーツ 待機", 6), "パーツ\n  待機");
+    }
 
     #[test]
     fn words_are_wrapped_below_each_other_and_a_long_one_stays_whole() {
@@ -156,12 +195,5 @@ mod tests {
         );
         assert_eq!(coloured(&text), "1182  \x1b[31mlate\x1b[0m  A-17  open");
         assert_eq!(without_marks(&text), "1182  late  A-17  open");
-    }
-
-    #[test]
-    fn colours_are_only_where_they_are_shown() {
-        assert_eq!(LinePaint::Bad.paint_if("x", true), "\x1b[31mx\x1b[0m");
-        assert_eq!(LinePaint::Bad.paint_if("x", false), "x");
-        assert_eq!(LinePaint::Plain.paint_if("x", true), "x");
     }
 }

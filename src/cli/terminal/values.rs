@@ -94,5 +94,22 @@ pub(crate) fn parse_prefixed_number(text: &str, letter: char) -> Option<i64> {
 
 /// A value of one of the settings' enumerations.
 pub fn parse_word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
+    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| {
+        // The parser names what was given, then all that is known.
+        let told = error.to_string();
+        let known: Vec<&str> = told.split('`').skip(1).step_by(2).skip(1).collect();
+        if known.is_empty() { told } else { format!("wants one of {}", known.join(", ")) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_that_is_none_is_told_the_words_that_there_are() {
+        let told = parse_word::<build_file::LengthUnit>("furlong").unwrap_err();
+        assert!(told.starts_with("wants one of ") && told.contains("inch") && !told.contains('`'), "{told}");
+        assert!(parse_word::<build_file::LengthUnit>("inch").is_ok());
+    }
 }

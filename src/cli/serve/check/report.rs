@@ -7,7 +7,10 @@ use build_file::escape_invisible_lines;
 use serde::Serialize;
 use settings::ConfigProblem;
 
-use crate::cli::terminal::terminal::LinePaint;
+use crate::cli::terminal::{
+    table::{print_json, print_text},
+    terminal::LinePaint,
+};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -89,23 +92,19 @@ impl CheckReport {
     pub fn print_findings(&self, json: bool) -> Result<()> {
         if json {
             let value = serde_json::json!({ "problems": self.problem_count(), "findings": self.findings });
-            println!("{}", serde_json::to_string_pretty(&value)?);
-            return Ok(());
+            return print_json(&value);
         }
-        for finding in &self.findings {
-            print_line(finding);
-        }
+        self.findings.iter().try_for_each(print_finding)?;
         let warnings = match self.count_level(FindingLevel::Warning) {
             0 => String::new(),
             1 => ", 1 warning".to_owned(),
             several => format!(", {several} warnings"),
         };
         match self.problem_count() {
-            0 => println!("No problem found{warnings}."),
-            1 => println!("1 problem found{warnings}."),
-            several => println!("{several} problems found{warnings}."),
+            0 => print_text(&format!("No problem found{warnings}.")),
+            1 => print_text(&format!("1 problem found{warnings}.")),
+            several => print_text(&format!("{several} problems found{warnings}.")),
         }
-        Ok(())
     }
 
     fn add_finding(&mut self, level: FindingLevel, what: &str, text: String, remedy: Option<String>) {
@@ -114,21 +113,22 @@ impl CheckReport {
     }
 }
 
-fn print_line(finding: &CheckFinding) {
+fn print_finding(finding: &CheckFinding) -> Result<()> {
     let (level, paint) = match finding.level {
         FindingLevel::Ok => ("ok", LinePaint::Good),
         FindingLevel::Note => ("note", LinePaint::Plain),
         FindingLevel::Warning => ("WARNING", LinePaint::Doubtful),
         FindingLevel::Problem => ("PROBLEM", LinePaint::Bad),
     };
-    let level = paint.paint(&format!("{level:<8}"));
+    let level = paint.mark(&format!("{level:<8}"));
     let place = match (&finding.file, finding.line) {
         (Some(file), Some(line)) => format!("{}:{line}", file.display()),
         (Some(file), None) => file.display().to_string(),
         (None, _) => finding.what.clone(),
     };
-    println!("{level}{place}: {}", finding.text);
-    if let Some(remedy) = &finding.remedy {
-        println!("        -> {remedy}");
+    print_text(&format!("{level}{place}: {}", finding.text))?;
+    match &finding.remedy {
+        Some(remedy) => print_text(&format!("        -> {remedy}")),
+        None => Ok(()),
     }
 }

@@ -154,12 +154,9 @@ fn search(method: &str, row: &BuildRow) -> String {
     joined(pieces, ", ")
 }
 
-/// Size and hash of a file; one that never came has none.
+/// Size and hash of a file.
 pub(crate) fn content(bytes: u64, hash: &str) -> String {
-    match hash {
-        "" => say!("cause-missing"),
-        hash => say!("bytes-and-hash", bytes = bytes.to_string(), hash = hash),
-    }
+    say!("bytes-and-hash", bytes = bytes.to_string(), hash = hash)
 }
 
 /// Joins the pieces that are known into one line.

@@ -2,7 +2,7 @@
 
 use farm::said_state;
 use language::say;
-use ledger::{PartMending, PartRow, PartState};
+use ledger::{PartMending, PartRow, PartState, is_missing_file};
 
 use super::build_sheet::{content, joined};
 use crate::tables::{
@@ -42,7 +42,8 @@ pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFa
         fields::NOTE.fact(&row.terms.note),
         fields::REFERENCE.fact(&row.terms.reference),
         optional_fact(fields::MENDED, mended(row)),
-        Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
+        (!is_missing_file(&row.file.claim))
+            .then(|| fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
         view.time_fact(fields::CLAIMED, row.times.claimed_at),
     ];
     lines.into_iter().flatten().collect()

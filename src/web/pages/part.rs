@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use farm::{MachinePlan, MaterialReading, PartQuestion, count_copies_in_layout, read_part_facts};
 use language::say;
-use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, RefusalCause};
+use ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, RefusalCause, is_missing_file};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -188,7 +188,7 @@ fn part_buttons(web: &DashboardState, part: &PartRow, published: u32) -> Markup 
             @if is_mendable(part) { (mend_button(web, part)) }
             @if part.can_be_read_again() { (command(CommandKind::Retry, &say!("read-again"))) }
             (part_forms(web, part, published))
-            @if part.state == PartState::Waiting { (command(CommandKind::Cancel, &say!("cancel"))) }
+            @if part.state == PartState::Waiting || is_missing_file(&part.file.claim) && part.wanted_copies() > 0 { (command(CommandKind::Cancel, &say!("cancel"))) }
         }
     }
 }

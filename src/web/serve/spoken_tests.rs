@@ -171,7 +171,7 @@ const REASONS: [(RefusalCause, &str); 6] = [
     ),
     (
         RefusalCause::Ticket,
-        "the ticket plate.toml cannot be read: copies = 0; it must be 1 to 10000. Its copies are not known, so it is not \
+        "the ticket plate.toml cannot be read: copies = 0; it must be 1 to 10000. It is not certain what is asked with it, so it is not \
                             printed: mend the ticket and drop both again.",
     ),
     (

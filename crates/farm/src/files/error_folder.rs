@@ -10,7 +10,7 @@ use language::{Language, say};
 use ledger::{PartId, PartRow, RefusalCause};
 
 /// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
-pub(crate) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
+pub(crate) const ASKED_UNCLEARLY: &str = "It is not certain what is asked with it, so it is not printed";
 
 /// What a reason that names a part tells of it.
 struct RefusedEntry {

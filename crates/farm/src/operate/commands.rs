@@ -136,6 +136,11 @@ async fn execute_part_command(
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
         CommandKind::Retry if is_missing_file(&row.file.claim) => return Ok(Some(CommandAnswer::FileMissing(part))),
+        CommandKind::Cancel if is_missing_file(&row.file.claim) => {
+            let reason = format!("Cancelled by {}.", command.asked_by);
+            let ledger = desk.shared.ledger.for_command(command.id);
+            ledger.cancel_missing_file(part, &reason).await.map(|()| CommandAnswer::PartCancelled(part))
+        }
         CommandKind::Retry => take_back(desk, command, argument.mend, &row).await,
         _ => match part_changes::cancel_copies(desk, command, argument.copies, &row).await {
             Ok(Some(answer)) => Ok(answer),

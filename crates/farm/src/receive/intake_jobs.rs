@@ -20,7 +20,7 @@ use crate::{
     core::{desks::Receiving, farm::Farm},
     files::{
         claim_note::ClaimNote,
-        error_folder::{self, COPIES_UNKNOWN},
+        error_folder::{self, ASKED_UNCLEARLY},
         isolated_read::READS_IN_THE_DAEMON,
         read::{PartReadOutcome, read_part},
         read_turn::{READERS, ReadTurn},
@@ -128,7 +128,7 @@ pub(super) async fn record_claimed_file(
                 }
                 _ => "mend the ticket and drop both again",
             };
-            let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
+            let reason = format!("{error}. {ASKED_UNCLEARLY}: {remedy}.");
             claim_completion::refuse_part(desk, &part, RefusalCause::Ticket, &reason).await
         }
         _ => {

@@ -178,7 +178,10 @@ async fn apply_late_ticket(
     names.dedup();
     let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
-        NamedPart::Missing => return await_file(desk, &machine, late, None).await,
+        NamedPart::Missing => {
+            record_missing_file(desk, &machine, late).await?;
+            return Ok(LateDecision::AwaitPart(AwaitedPart::Missing));
+        }
         NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names.join(", ")))),
     };
     let ticket = match &late.ticket {
@@ -195,7 +198,10 @@ async fn apply_late_ticket(
         return Ok(LateDecision::Wait);
     }
     match newest.state {
-        PartState::Refused => return await_file(desk, &machine, late, Some(newest)).await,
+        PartState::Refused => {
+            record_missing_file(desk, &machine, late).await?;
+            return Ok(LateDecision::AwaitPart(AwaitedPart::Refused));
+        }
         // A new file of the name of a part that is printed may still come.
         PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Built)),
         _ => {}
@@ -231,24 +237,11 @@ async fn apply_late_ticket(
     Ok(LateDecision::Accept(format!("{} (part {})", newest.name, newest.id)))
 }
 
-/// A late ticket waits for its file, which never came or was refused as this part.
-async fn await_file(
-    desk: &Receiving<'_>,
-    machine: &MachineProfile,
-    late: &LateTicket,
-    refused: Option<&PartRow>,
-) -> Result<LateDecision> {
-    let file = refused.filter(|part| !is_missing_file(&part.file.claim));
-    if file.is_none() {
-        record_missing_file(desk, machine, late).await?;
-    }
-    Ok(LateDecision::AwaitPart(if file.is_some() { AwaitedPart::Refused } else { AwaitedPart::Missing }))
-}
-
 /// Whether a ticket may mean a part: one of the order of its folder, or of the order that the ticket itself names.
 fn may_mean(late: &LateTicket, part: &PartRow) -> bool {
     let named = late.ticket.as_ref().ok().and_then(|ticket| ticket.order.as_deref());
-    late.may_mean_order(&part.terms.order_name) || named == Some(part.terms.order_name.as_str())
+    let is_of_order = late.may_mean_order(&part.terms.order_name) || named == Some(part.terms.order_name.as_str());
+    is_of_order && !is_missing_file(&part.file.claim)
 }
 
 /// Parts of one name that a late ticket may mean: those of its own folder, if there are any. Of several in folders below it, none is

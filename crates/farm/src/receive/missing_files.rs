@@ -21,6 +21,10 @@ pub(super) async fn record_missing_file(
     if !late.is_last_offer || late.source.source != SpecSource::OrderList || late.is_declined {
         return Ok(());
     }
+    let (folder, name) = named_file(late);
+    if intake::is_document(&name) {
+        return Ok(());
+    }
     let ticket = late.ticket.clone().unwrap_or_default();
     let order = ticket.order.clone().unwrap_or_else(|| late.order().to_owned());
     if order.is_empty() {
@@ -31,7 +35,7 @@ pub(super) async fn record_missing_file(
         Ok(_) => (
             RefusalCause::Missing,
             format!(
-                "{list} names this file, which did not come. Drop it into the folder of its order: it is taken as {list} says. Where it is not wanted, `nestd close {order}` closes the order without it."
+                "{list} names this file, which did not come. Drop it into the folder of its order: it is taken as {list} says. Where it is not wanted, `nestd cancel` with the number of this part takes it out."
             ),
         ),
         Err(error) => (
@@ -41,27 +45,43 @@ pub(super) async fn record_missing_file(
             ),
         ),
     };
-    let row = missing_part_row(machine, late, ticket, order);
+    let row = missing_part_row(machine, late, (folder, name), (ticket, order));
     if desk.shared.ledger.record_missing_file(&row, cause, &reason).await? {
         warn!(machine = %machine.name, "{list} names {}, which did not come.", row.name);
     }
     Ok(())
 }
 
-/// The part that a row asks for. Its content is not known: it has no hash.
-fn missing_part_row(machine: &MachineProfile, late: &LateTicket, ticket: Ticket, order: String) -> NewPartRow {
-    let name = late.part_name.rsplit(['/', '\\']).next().unwrap_or(&late.part_name);
+/// The folder and the name of the file that a row means: in the folder of its list, or in one that it names.
+fn named_file(late: &LateTicket) -> (String, String) {
+    let path = late.part_name.replace('\\', "/");
+    let (said, name) = path.rsplit_once('/').unwrap_or(("", &path));
+    // A path of another computer says nothing of the folders here.
+    let said = if said.contains(':') || said.starts_with('/') { "" } else { said.trim_start_matches("./") };
+    let folders = [late.order(), said].into_iter().filter(|part| !part.is_empty() && *part != ".");
+    let folder = folders.map(|folder| intake::display_name(folder.as_ref())).collect::<Vec<_>>().join("/");
+    (folder, intake::display_name(name.as_ref()))
+}
+
+/// The part that a row asks for. Its content is not known: instead of its hash it has one that no file has.
+fn missing_part_row(
+    machine: &MachineProfile,
+    late: &LateTicket,
+    (folder, name): (String, String),
+    (ticket, order): (Ticket, String),
+) -> NewPartRow {
+    let claim = missing_file_claim(&late.key, &format!("{order}\n{}", late.source.text));
     let (copies, terms, undated) = new_terms(machine, ticket, order);
     NewPartRow {
-        claim: missing_file_claim(&late.key),
         machine: machine.name.clone(),
-        name: intake::display_name(name.as_ref()),
-        content_hash: String::new(),
+        name,
+        content_hash: blake3::hash(claim.as_bytes()).to_hex().to_string(),
         bytes: 0,
         copies,
         terms,
         warnings: undated.into_iter().collect(),
         ticket: Some(ticket_row(&late.source)),
-        dropped: DroppedFile { folder: late.order().to_owned(), ..DroppedFile::default() },
+        dropped: DroppedFile { folder, ..DroppedFile::default() },
+        claim,
     }
 }

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::files::{
     claim_note::{ClaimNote, ForgottenFile},
-    error_folder::{COPIES_UNKNOWN, find_refused_files, reason_text},
+    error_folder::{ASKED_UNCLEARLY, find_refused_files, reason_text},
 };
 
 /// Records forgotten files in a ledger.
@@ -85,7 +85,7 @@ impl ForgottenFileRecovery<'_> {
                 "It lies in the error folder: it was refused or cancelled after the backup was made.".to_owned(),
             ),
             (Some(why), None) => {
-                (RefusalCause::Ticket, format!("{why}. {COPIES_UNKNOWN}: mend the ticket and drop both again."))
+                (RefusalCause::Ticket, format!("{why}. {ASKED_UNCLEARLY}: mend the ticket and drop both again."))
             }
             (None, None) if self.possibly_printed.contains(&one.hash) => (
                 RefusalCause::Other,

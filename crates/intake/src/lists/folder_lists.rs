@@ -31,13 +31,14 @@ const SPREADSHEETS: [&str; 4] = ["xlsb", "xls", "ods", "numbers"];
 const FOREIGN_TEXTS: [&str; 5] = ["json", "toml", "yaml", "yml", "xml"];
 /// Texts of people that may say the same.
 const NOTES: [&str; 8] = ["txt", "md", "markdown", "eml", "htm", "html", "rtf", "log"];
-/// Documents, links and other forms of lists that are not read either, and say how many are wanted where they are called so.
+/// Documents, links and other forms of lists that are not read either, and say how many are wanted if called so.
 const DOCUMENTS: [&str; 20] = [
     "doc", "docx", "odt", "rtf", "pages", "pdf", "eml", "msg", "htm", "html", "mht", "tab", "prn", "dbf", "gz",
     "gsheet", "lnk", "url", "webloc", "desktop",
 ];
-/// Pictures that come with parts.
-const PICTURES: [&str; 12] = ["png", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff", "heic", "svg", "ppt", "pptx"];
+/// Pictures, drawings and films that come with parts.
+const PICTURES: [&str; 15] =
+    ["png", "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff", "heic", "heif", "avif", "svg", "dxf", "dwg", "mp4"];
 /// Starts of the names of texts and documents that say how many are wanted.
 const LIST_STARTS: [&str; 26] = [
     "order",
@@ -201,9 +202,8 @@ fn is_no_table(path: &Path) -> bool {
 
 /// Whether a file of this name is a document or a picture, which comes with parts and is none. A packed file or a link may stand for a part.
 pub fn is_document(name: &str) -> bool {
-    let path = Path::new(name);
-    let may_be_part = || has_extension(path, &["gz", "lnk", "url", "webloc", "desktop"]);
-    has_extension(path, &PICTURES) || is_no_table(path) && !may_be_part()
+    let is = |extensions: &[&str]| has_extension(Path::new(name), extensions);
+    is(&PICTURES) || is_no_table(Path::new(name)) && !is(&["gz", "lnk", "url", "webloc", "desktop"])
 }
 
 /// What a list that nestd does not read is.

@@ -116,7 +116,10 @@ fn decide_list_outcome(
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
             // A file that never came is a refused part of its order, which the file replaces.
+            let has_other_orders =
+                missing.iter().any(|row| row.ticket.as_ref().is_ok_and(|ticket| ticket.order.is_some()));
             let remedy = match order {
+                _ if has_other_orders => "Drop these files together with a list for them.".to_owned(),
                 "" => "Drop these files together with a list for them.".to_owned(),
                 order => format!("Drop these files into {order}: each is taken as its row says."),
             };

@@ -2,8 +2,9 @@
 //! a file that is taken once more because its writer went on.
 
 use crate::{
-    EventKind, Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause,
+    EventKind, Ledger, NewPartRow, PartId, PartRow, PartState, RefusalCause, TicketSource,
     base::{error::Result, sql},
+    parts::taken_back::copies_lost_by_refusal,
     rows::part_row::{is_missing_file, term_columns},
     store::change::LedgerChange,
 };
@@ -76,7 +77,7 @@ impl Ledger {
 async fn take_copies_over(change: &mut LedgerChange, old: &PartRow, new: PartId) -> Result<bool> {
     let held = sql::query_scalar("SELECT file_copies FROM part WHERE id = $1").bind(old.id);
     let held: Option<u32> = held.fetch_one(change.db()).await?;
-    let wanted = old.wanted_copies();
+    let wanted = change.copies_to_take_over(old).await?;
     let (copies, is_in_all) = match held {
         // Nobody has read yet what is in it: its copies are those of its ticket or its name.
         _ if old.measures.triangles.is_none() => (wanted, false),
@@ -102,8 +103,16 @@ impl LedgerChange {
         if refused.is_empty() && revised.is_empty() || self.find_put_back(new).await?.is_some() {
             return Ok(false);
         }
-        let wanted: Vec<&PartRow> = refused.iter().filter(|part| part.wanted_copies() > 0).chain(&revised).collect();
-        let takes_over = TakenOver::of_claim(&row.name, row.ticket.is_some(), wanted.len());
+        let mut wanted: Vec<&PartRow> = Vec::new();
+        for part in refused.iter().chain(&revised) {
+            if self.copies_to_take_over(part).await? > 0 {
+                wanted.push(part);
+            }
+        }
+        // A list counts before the name of a file.
+        let is_listed = wanted.iter().any(|part| is_missing_file(&part.file.claim));
+        let has_ticket = row.ticket.as_ref().is_some_and(|ticket| !is_listed || ticket.source != TicketSource::Name);
+        let takes_over = TakenOver::of_claim(&row.name, has_ticket, wanted.len());
         for old in wanted {
             self.take_over(old, new, takes_over).await?;
         }
@@ -189,7 +198,21 @@ impl LedgerChange {
         self.change_cancelled(part.id, unwanted).await?;
         let detail = format!("part {new} of the same name took its place");
         self.write_event(EventKind::Revised, &part.machine, Some(part.id), None, &detail).await?;
-        self.note_wanted_change(-unwanted).await
+        // What fell when it was cancelled comes back when it is taken back.
+        if unwanted > 0 {
+            self.note_wanted_change(-unwanted).await?;
+        }
+        self.update_order(&part.terms.order_name).await
+    }
+
+    /// How many copies the file that takes the place of a part is asked for: those wanted of it, and of one that a person cancelled, those
+    /// that were wanted until then.
+    async fn copies_to_take_over(&mut self, part: &PartRow) -> Result<u32> {
+        let lost = match part.refused.refusal {
+            Some(RefusalCause::Cancelled) => copies_lost_by_refusal(self, part.id).await?,
+            _ => 0,
+        };
+        Ok(if lost > 0 { lost as u32 } else { part.wanted_copies() })
     }
 
     /// Whether a claimed part has the number of copies of the revision that it replaces: all of them, however many its file holds.

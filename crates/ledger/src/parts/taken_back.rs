@@ -50,9 +50,10 @@ impl Ledger {
 }
 
 /// By how many the copies wanted of a part fell when it was last refused, or replaced after that.
-async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
+pub(super) async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
     let last = sql::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind IN ('refused', 'revised', 'order_closed') ORDER BY id DESC LIMIT 1",
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND (kind IN ('refused', 'order_closed') \
+         OR kind = 'revised' AND wanted_change IS NOT NULL) ORDER BY id DESC LIMIT 1",
     );
     Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }

@@ -334,9 +334,10 @@ pub(crate) fn name_with_solid(name: &str, solid: &str) -> String {
 /// Begin of the claims of files that never came: there is no such file anywhere.
 const MISSING_CLAIM: &str = "row-";
 
-/// The claim of a file that the row of a list with this key names and that never came.
-pub fn missing_file_claim(row_key: &str) -> String {
-    format!("{MISSING_CLAIM}{row_key}")
+/// The claim of a file that a row names and that never came. `list_and_file` = key of the list and of the name of the file, with one `-`
+/// before that; `asked` = the order and what the row says.
+pub fn missing_file_claim(list_and_file: &str, asked: &str) -> String {
+    format!("{MISSING_CLAIM}{list_and_file}-{}", &blake3::hash(asked.as_bytes()).to_hex()[..16])
 }
 
 /// Whether a claim is that of a file that never came.

@@ -71,6 +71,8 @@ fn asks_for_person(
     let Some(part) = find_part_number(&text, machine) else { return Some(true) };
     match find_part(part).ok()? {
         Some(row) if row.state != PartState::Refused => None,
+        // Nobody prints a document, and somebody should see that it came.
+        Some(row) if row.refused.refusal == Some(RefusalCause::Document) => Some(true),
         Some(row) => Some(row.wanted_copies() > 0 && !row.refused.refusal.is_some_and(RefusalCause::is_intended)),
         None => Some(true),
     }

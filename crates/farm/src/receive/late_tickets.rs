@@ -178,10 +178,7 @@ async fn apply_late_ticket(
     names.dedup();
     let name = match late.find_part(&names) {
         NamedPart::Only(at) => names[at],
-        NamedPart::Missing => {
-            record_missing_file(desk, &machine, late).await?;
-            return Ok(LateDecision::AwaitPart(AwaitedPart::Missing));
-        }
+        NamedPart::Missing => return await_part(desk, &machine, late, AwaitedPart::Missing).await,
         NamedPart::Several => return Ok(LateDecision::Refuse(several_parts_reason(&names.join(", ")))),
     };
     let ticket = match &late.ticket {
@@ -198,10 +195,7 @@ async fn apply_late_ticket(
         return Ok(LateDecision::Wait);
     }
     match newest.state {
-        PartState::Refused => {
-            record_missing_file(desk, &machine, late).await?;
-            return Ok(LateDecision::AwaitPart(AwaitedPart::Refused));
-        }
+        PartState::Refused => return await_part(desk, &machine, late, AwaitedPart::Refused).await,
         // A new file of the name of a part that is printed may still come.
         PartState::Built if !late.is_last_offer => return Ok(LateDecision::AwaitPart(AwaitedPart::Built)),
         _ => {}
@@ -235,6 +229,17 @@ async fn apply_late_ticket(
         }
     }
     Ok(LateDecision::Accept(format!("{} (part {})", newest.name, newest.id)))
+}
+
+/// A late ticket waits for its file; that of a row that is offered for the last time is missed from now on.
+async fn await_part(
+    desk: &Receiving<'_>,
+    machine: &MachineProfile,
+    late: &LateTicket,
+    part: AwaitedPart,
+) -> Result<LateDecision> {
+    record_missing_file(desk, machine, late).await?;
+    Ok(LateDecision::AwaitPart(part))
 }
 
 /// Whether a ticket may mean a part: one of the order of its folder, or of the order that the ticket itself names.

@@ -76,6 +76,7 @@ told-list-drop-missing = Diese Dateien mit einer Liste für sie ablegen.
 told-list-drop-into-order = Diese Dateien in { $order } ablegen: Jede wird genommen, wie ihre Zeile sagt.
 told-file-never-came = { $list } nennt diese Datei, die nicht gekommen ist.
 told-drop-missing-file = In den Ordner ihres Auftrags ablegen: Sie wird genommen, wie { $list } sagt.
+told-place-taken = Teil { $part } gleichen Namens ist an seine Stelle getreten.
 told-cancel-missing-file = Wo sie nicht gebraucht wird, nimmt `nestd cancel` mit der Nummer dieses Teils sie heraus.
 told-file-and-row-missing = { $list } nennt diese Datei, die nicht gekommen ist, und ihre Zeile ist nicht zu gebrauchen: { $why }.
 told-drop-with-copies = Die Datei mit einer Liste ablegen, die sagt, wie viele Kopien gebraucht werden.

@@ -84,6 +84,7 @@ told-list-drop-missing = Drop these files together with a list for them.
 told-list-drop-into-order = Drop these files into { $order }: each is taken as its row says.
 told-file-never-came = { $list } names this file, which did not come.
 told-drop-missing-file = Drop it into the folder of its order: it is taken as { $list } says.
+told-place-taken = Part { $part } of the same name took its place.
 told-cancel-missing-file = Where it is not wanted, `nestd cancel` with the number of this part takes it out.
 told-file-and-row-missing = { $list } names this file, which did not come, and its row cannot be used: { $why }.
 told-drop-with-copies = Drop the file together with a list that says how many copies are wanted.

@@ -84,6 +84,7 @@ told-list-drop-missing = Déposer ces fichiers avec une liste pour eux.
 told-list-drop-into-order = Déposer ces fichiers dans { $order } : chacun est pris comme sa ligne le dit.
 told-file-never-came = { $list } nomme ce fichier, qui n’est pas arrivé.
 told-drop-missing-file = Le déposer dans le dossier de sa commande : il est pris comme { $list } le dit.
+told-place-taken = La pièce { $part } du même nom a pris sa place.
 told-cancel-missing-file = S’il n’est pas voulu, `nestd cancel` avec le numéro de cette pièce le retire.
 told-file-and-row-missing = { $list } nomme ce fichier, qui n’est pas arrivé, et sa ligne est inutilisable : { $why }.
 told-drop-with-copies = Déposer le fichier avec une liste qui dit combien d’exemplaires sont voulus.

@@ -76,6 +76,7 @@ told-list-drop-missing = これらのファイルを、そのリストと一緒�
 told-list-drop-into-order = これらのファイルを { $order } に入れてください。それぞれ行に書かれたとおりに受け付けます。
 told-file-never-came = { $list } にあるこのファイルが届いていません。
 told-drop-missing-file = このファイルを注文のフォルダーに入れてください。{ $list } のとおりに受け付けます。
+told-place-taken = 同じ名前のパーツ { $part } がこれに代わりました。
 told-cancel-missing-file = 不要な場合は `nestd cancel` とこのパーツの番号で取り消します。
 told-file-and-row-missing = { $list } にあるこのファイルが届いておらず、その行も使えません: { $why }。
 told-drop-with-copies = このファイルを、必要な個数を書いたリストと一緒に入れてください。

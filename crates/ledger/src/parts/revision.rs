@@ -196,6 +196,11 @@ impl LedgerChange {
         let replace = sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(part.id);
         replace.execute(self.db()).await?;
         self.change_cancelled(part.id, unwanted).await?;
+        if is_missing_file(&part.file.claim) {
+            let reason = format!("Part {new} of the same name took its place.");
+            let set = sql::query("UPDATE part SET reason = $1 WHERE id = $2").bind(reason).bind(part.id);
+            set.execute(self.db()).await?;
+        }
         let detail = format!("part {new} of the same name took its place");
         self.write_event(EventKind::Revised, &part.machine, Some(part.id), None, &detail).await?;
         // What fell when it was cancelled comes back when it is taken back.

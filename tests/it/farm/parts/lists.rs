@@ -83,7 +83,7 @@ fn an_archive_is_the_order_that_was_packed_and_one_that_cannot_be_unpacked_is_re
         wait_until(name, 15.0, || reason.exists());
         let text = fs::read_to_string(reason).unwrap();
         assert!(text.contains(why), "{text}");
-        assert!(farm.folder("error").join(name).exists());
+        wait_until(name, 15.0, || farm.folder("error").join(name).exists());
     };
     refused("K-8.zip", "truncated");
     refused("K-9.zip", "a file outside of it");

@@ -26,8 +26,9 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
     }
     let told = nodes[1].farm.nestd_ok(&["nodes"]);
     for number in 1..=3 {
-        let line = told.lines().find(|line| line.starts_with(&format!("print{number}"))).unwrap_or_default();
-        assert!(line.contains("runs") && line.contains(&format!("machine-{number}")), "{told}");
+        let named = format!("NODE: print{number}  STATE: runs");
+        let of_node = told.split("NODE: ").find(|node| format!("NODE: {node}").starts_with(&named)).unwrap_or_default();
+        assert!(of_node.contains(&format!("MACHINES: machine-{number}")), "{told}");
     }
     // A command for a machine of another node.
     nodes[0].farm.flush_machine("machine-3");

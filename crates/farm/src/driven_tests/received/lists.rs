@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use ledger::{BuildState, CommandKind, CommandState, OrderState, PartState, PrintOutcome, RefusalCause, ToldOutcome};
+use ledger::{
+    BuildState, CommandKind, CommandState, OrderState, PartRow, PartState, PrintOutcome, RefusalCause, ToldOutcome,
+};
 
 use ledger_fixtures::ToldWords;
 
@@ -94,6 +96,10 @@ fn an_order_is_not_complete_while_a_file_that_its_list_names_has_not_come() {
     assert!(farm.parts(PartState::Waiting).iter().all(|part| part.owed.question.is_empty()));
     print(&mut farm);
     assert_eq!((order_state(&farm, "kit"), wanted(&farm)), (OrderState::Complete, 8));
+    // Restoring and repairing read the hash of each part.
+    let rows = farm.parts(PartState::Refused);
+    let is_settled = |row: &PartRow| row.refused.reason.contains("took its place") && row.file.content_hash.len() == 64;
+    assert!(rows.iter().all(is_settled), "{rows:#?}");
     farm.assert_ledger_agrees_with_folders();
 }
 

@@ -75,13 +75,12 @@ impl LedgerChange {
         let folder = fold(&row.dropped.folder);
         let mut named = Vec::new();
         for known in known {
-            let its_folder = self.folder_of(known.id).await?;
-            let is_file = is_file_of_row(&known.name, &row.name);
-            let is_meant = match is_missing_file(&known.file.claim) {
-                true => (is_file || is_file_of_row(&row.name, &known.name)) && its_folder == folder,
-                false => is_file && is_near(&its_folder, &folder),
-            };
-            named.extend(is_meant.then_some(known));
+            let is_row = is_missing_file(&known.file.claim);
+            if is_file_of_row(&known.name, &row.name) || is_row && is_file_of_row(&row.name, &known.name) {
+                let its_folder = self.folder_of(known.id).await?;
+                let is_meant = if is_row { its_folder == folder } else { is_near(&its_folder, &folder) };
+                named.extend(is_meant.then_some(known));
+            }
         }
         Ok(named)
     }
@@ -97,7 +96,7 @@ impl LedgerChange {
     /// a folder above or below it.
     pub(super) async fn missing_namesakes(&mut self, file: PartId) -> Result<Vec<PartRow>> {
         let new = self.require_part(file).await?;
-        let (order, folder) = (&new.terms.order_name, self.folder_of(file).await?);
+        let order = &new.terms.order_name;
         let above = order.match_indices('/').map(|(at, _)| &order[..at]).chain([order.as_str()]);
         let mut found = Vec::new();
         for order in above.filter(|order| !order.is_empty()) {
@@ -111,6 +110,11 @@ impl LedgerChange {
                 found.push((self.folder_of(row.id).await?, row));
             }
         }
+        // Most files are missed by no list: nothing more is read for them.
+        if found.is_empty() {
+            return Ok(Vec::new());
+        }
+        let folder = self.folder_of(file).await?;
         let is_beside = found.iter().any(|(its_folder, _)| *its_folder == folder);
         found.retain(|(its_folder, _)| if is_beside { *its_folder == folder } else { is_near(its_folder, &folder) });
         let is_clear = is_beside || found.len() == 1;
